@@ -1,0 +1,2 @@
+//! socam-core.
+#![no_std]

@@ -1,0 +1,2 @@
+//! socam-wire.
+#![no_std]

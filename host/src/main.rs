@@ -1,0 +1,2 @@
+//! socam-host.
+fn main() {}
