@@ -1,0 +1,281 @@
+//! What can go wrong with a recording: one clear sentence each, with the place, what was expected and what to do.
+
+use std::path::{Path, PathBuf};
+
+/// The result of everything here that touches a recording.
+pub type Result<T, E = RecordingError> = std::result::Result<T, E>;
+
+/// Why a recording could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The operating system refused.
+    #[error("cannot {action} `{}`: {}", .path.display(), io_reason(.source))]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried: `read`, `create`, `write to`, ...
+        action: &'static str,
+        /// The system's own answer.
+        source: std::io::Error,
+    },
+    /// A directory was named where a recording is needed.
+    #[error("`{}` is a directory; name one recording (.mcap, .csv or .m) in it", .path.display())]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A file of no bytes.
+    #[error("`{}` is empty (0 bytes); a recording was expected, so record or export it again", .path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file that is none of the formats read here.
+    #[error("`{}` {found}; expected an .mcap log, a .csv whose header starts with `t_s`, or a legacy .m log", .path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it seems to be, as a verb phrase.
+        found: String,
+    },
+    /// A table of steady states where a time series is needed.
+    #[error("`{}` holds steady states (its first column is `point_1`); this needs a recording over time (first column `t_s`)", .path.display())]
+    SteadyStates {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A recording over time where a table of steady states is needed.
+    #[error("`{}` is not a table of steady states; expected a .csv whose first column is `point_1`", .path.display())]
+    NotSteadyStates {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A line of a text file that cannot be used.
+    #[error("`{}`, line {line}: {problem}", .path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+        /// What is wrong with it.
+        problem: LineProblem,
+    },
+    /// A place in a binary file that cannot be used.
+    #[error("`{}`, byte {byte}: {problem}", .path.display())]
+    Byte {
+        /// The file.
+        path: PathBuf,
+        /// Offset from the file's start, from 0.
+        byte: u64,
+        /// What is wrong there, what was expected and what to do.
+        problem: String,
+    },
+    /// An MCAP log that this program's recorder did not write.
+    #[error("`{}` is an MCAP log without `socam.Sample` messages (its topics: {topics}); export them to a .csv with `t_s` first", .path.display())]
+    ForeignMcap {
+        /// The file.
+        path: PathBuf,
+        /// Topics found, comma separated.
+        topics: String,
+    },
+    /// Nothing recorded.
+    #[error("`{}` holds no samples; record again, or widen the selection after `@`", .path.display())]
+    NoSamples {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A header without any usable channel.
+    #[error("`{}` has no channel: no numeric column ends in a unit ({}); rename its columns like `motor_speed_rad_s`", .path.display(), suffixes())]
+    NoChannels {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A channel was asked for that the recording does not have.
+    #[error("`{recording}` has no channel `{channel}`; it has {available}")]
+    NoSuchChannel {
+        /// Name of the recording.
+        recording: String,
+        /// What was asked for.
+        channel: String,
+        /// What there is, comma separated.
+        available: String,
+    },
+    /// The part after `@` of `RUN@FROM..TO` is no span of time.
+    #[error("`{text}`: {problem}; write RUN@FROM..TO with seconds, such as run.csv@2..7.5")]
+    Selection {
+        /// The whole argument.
+        text: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Columns given in memory that do not form a recording.
+    #[error("recording `{name}`: {problem}")]
+    Table {
+        /// Name of the recording.
+        name: String,
+        /// What does not fit.
+        problem: String,
+    },
+    /// A file that changed while it was being read.
+    #[error("`{}` changed while it was read (expected {expected_rows} rows, found {found_rows}); let its writer finish and try again", .path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// Rows found when it was opened.
+        expected_rows: u64,
+        /// Rows found now.
+        found_rows: u64,
+    },
+}
+
+/// What is wrong with one line of a text file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LineProblem {
+    /// The header does not start with the time.
+    #[error(
+        "the header starts with `{found}`; expected `t_s` (seconds) as the first column, or `point_1` for steady states"
+    )]
+    WrongHeader {
+        /// First cell found.
+        found: String,
+    },
+    /// Two columns of one name.
+    #[error("two columns are named `{column}`; rename one")]
+    DuplicateColumn {
+        /// Their name.
+        column: String,
+    },
+    /// A row with more or fewer cells than the header.
+    #[error(
+        "{found} cells where the header names {expected}; the row is cut off, or its decimal sign is a comma"
+    )]
+    CellCount {
+        /// Cells in this row.
+        found: usize,
+        /// Columns in the header.
+        expected: usize,
+    },
+    /// Text where a number is needed.
+    #[error(
+        "column `{column}` holds `{found}`; expected a number with a decimal point, or an empty cell for a missing value"
+    )]
+    NotANumber {
+        /// The column.
+        column: String,
+        /// The cell's text.
+        found: String,
+    },
+    /// Numbers after text in one column.
+    #[error(
+        "column `{column}` holds a number here but `{found}` in line {text_line}; expected numbers only, or an empty cell for a missing value"
+    )]
+    MixedColumn {
+        /// The column.
+        column: String,
+        /// The first text in it.
+        found: String,
+        /// Line of that text.
+        text_line: u64,
+    },
+    /// NaN or an infinity.
+    #[error(
+        "column `{column}` holds `{found}`; expected a finite number: leave the cell empty where the value is missing"
+    )]
+    NotFinite {
+        /// The column.
+        column: String,
+        /// The cell's text.
+        found: String,
+    },
+    /// An empty time.
+    #[error(
+        "`{column}` is empty; every row needs it (leave the whole row out where samples are missing)"
+    )]
+    MissingTime {
+        /// The first column.
+        column: String,
+    },
+    /// Time standing still or running back.
+    #[error(
+        "time goes from {previous_s} s to {time_s} s; it must increase from row to row: split the file where it starts again"
+    )]
+    TimeNotIncreasing {
+        /// Time of the row before.
+        previous_s: f64,
+        /// Time of this row.
+        time_s: f64,
+    },
+    /// Bytes that are no text.
+    #[error("not text in UTF-8; expected comma-separated numbers")]
+    NotText,
+    /// Any other text that the format does not allow.
+    #[error("found `{found}`; expected {expected}")]
+    Unexpected {
+        /// The text found, shortened.
+        found: String,
+        /// What belongs there.
+        expected: &'static str,
+    },
+}
+
+impl RecordingError {
+    /// An error of the operating system, told apart where the remedy differs.
+    pub(crate) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        if source.kind() == std::io::ErrorKind::IsADirectory {
+            return Self::Directory { path: path.into() };
+        }
+        Self::Io {
+            path: path.into(),
+            action,
+            source,
+        }
+    }
+
+    /// A bad line of a text file.
+    pub(crate) fn line(path: &Path, line: u64, problem: LineProblem) -> Self {
+        Self::Line {
+            path: path.into(),
+            line,
+            problem,
+        }
+    }
+}
+
+/// The system's answer in words, with what to do about it where that is known.
+fn io_reason(source: &std::io::Error) -> String {
+    use std::io::ErrorKind as K;
+    match source.kind() {
+        K::NotFound => "there is no such file; check the path".into(),
+        K::PermissionDenied => {
+            "permission denied; change the file's rights or choose another place".into()
+        }
+        K::StorageFull | K::QuotaExceeded => {
+            "the disk is full; free some space or choose another place".into()
+        }
+        K::AlreadyExists => "it exists already; choose another name or remove it first".into(),
+        K::ReadOnlyFilesystem => "the file system is read-only; choose another place".into(),
+        K::NotADirectory => "a part of its path is a file; check the path".into(),
+        _ => source.to_string(),
+    }
+}
+
+fn suffixes() -> String {
+    crate::Unit::ALL.map(crate::Unit::suffix).join(" ")
+}
+
+/// Shortens what a file held to something that fits in a sentence.
+pub(crate) fn excerpt(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text);
+    let mut short: String = text
+        .trim()
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .take(40)
+        .collect();
+    if text.trim().chars().count() > 40 {
+        short.push_str("...");
+    }
+    short
+}

@@ -1,0 +1,135 @@
+//! Which format a file is in, told by its content.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::error::{RecordingError, Result, excerpt};
+
+/// A format of recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Format {
+    /// An MCAP log.
+    Mcap,
+    /// A CSV table whose first column is `t_s`.
+    Csv,
+    /// The `.m` log of the thesis' program.
+    LegacyM,
+    /// A CSV table of steady states, whose first column is `point_1`.
+    SteadyStates,
+    /// Columns that were made in memory.
+    Memory,
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Mcap => "MCAP",
+            Self::Csv => "CSV",
+            Self::LegacyM => "legacy .m",
+            Self::SteadyStates => "CSV of steady states",
+            Self::Memory => "in memory",
+        })
+    }
+}
+
+const MCAP_MAGIC: &[u8] = mcap::MAGIC;
+
+/// Beginnings of files that people hand over by mistake, and what to call them.
+const FOREIGN: [(&[u8], &str); 8] = [
+    (
+        b"MATLAB 5.0 MAT-file",
+        "is a MATLAB .mat file, which this version does not read (save the columns as .csv)",
+    ),
+    (
+        b"\x89HDF",
+        "is an HDF5 or MATLAB 7.3 file (save the columns as .csv)",
+    ),
+    (b"PAR1", "is a Parquet file (save the columns as .csv)"),
+    (
+        b"PK\x03\x04",
+        "is a zip archive or a spreadsheet (unpack it, or save it as .csv)",
+    ),
+    (b"\x1f\x8b", "is compressed with gzip (decompress it first)"),
+    (b"#ROSBAG", "is a ROS 1 bag (convert it to .csv)"),
+    (
+        b"SQLite format 3",
+        "is an SQLite database, perhaps a ROS 2 bag (convert it to .csv)",
+    ),
+    (
+        b"MDF ",
+        "is an MDF measurement file (save the channels as .csv)",
+    ),
+];
+
+/// Looks at a file's first bytes.
+///
+/// # Errors
+/// When it cannot be read, is a directory, is empty, or is in no known format.
+pub fn detect(path: &Path) -> Result<Format> {
+    let mut head = Vec::new();
+    File::open(path)
+        .map_err(|e| RecordingError::io(path, "open", e))?
+        .take(512)
+        .read_to_end(&mut head)
+        .map_err(|e| RecordingError::io(path, "read", e))?;
+    if head.is_empty() {
+        return Err(RecordingError::Empty { path: path.into() });
+    }
+    if head.starts_with(MCAP_MAGIC) {
+        return Ok(Format::Mcap);
+    }
+    let foreign = |found: String| RecordingError::Foreign {
+        path: path.into(),
+        found,
+    };
+    if MCAP_MAGIC.starts_with(&head) {
+        return Err(foreign(format!(
+            "is an MCAP log cut off after {} bytes, before anything was recorded",
+            head.len()
+        )));
+    }
+    if let Some((_, found)) = FOREIGN.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Err(foreign((*found).into()));
+    }
+    if head.contains(&0) {
+        return Err(foreign("is a binary file of no format known here".into()));
+    }
+    detect_text(path, &head).ok_or_else(|| {
+        let line = head.split(|b| *b == b'\n').next().unwrap_or_default();
+        foreign(format!("starts with `{}`", excerpt(line)))
+    })
+}
+
+fn detect_text(path: &Path, head: &[u8]) -> Option<Format> {
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let line = text
+        .split(|b| *b == b'\n' || *b == b'\r')
+        .find(|line| !line.trim_ascii().is_empty())?;
+    let first = line.split(|b| *b == b',').next()?.trim_ascii();
+    let first = first.strip_prefix(b"\"").unwrap_or(first);
+    let first = first.strip_suffix(b"\"").unwrap_or(first);
+    if first == b"point_1" {
+        return Some(Format::SteadyStates);
+    }
+    if first == b"t_s" {
+        return Some(Format::Csv);
+    }
+    if [b"samprate".as_slice(), b"data"]
+        .iter()
+        .any(|name| line.trim_ascii().starts_with(name) && line.contains(&b'='))
+    {
+        return Some(Format::LegacyM);
+    }
+    // A wrong header or line is better explained by the reader of the format that the name promises.
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "csv" => Some(Format::Csv),
+        "m" => Some(Format::LegacyM),
+        _ => None,
+    }
+}

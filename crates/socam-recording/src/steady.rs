@@ -1,0 +1,92 @@
+//! Tables of steady states: one row per operating point, as the thesis' table 5.1.
+
+use std::path::Path;
+
+use crate::Channel;
+use crate::csv_read::{CsvLines, number};
+use crate::dataset::Warning;
+use crate::error::{LineProblem, RecordingError, Result};
+use crate::format::{self, Format};
+
+/// A table of operating points. Small by nature, so all of it is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steady {
+    /// The file it came from, as it was named.
+    pub name: String,
+    /// Channels; each row has its values in this order.
+    pub channels: Vec<Channel>,
+    /// Operating points in the file's order; at least one.
+    pub rows: Vec<SteadyRow>,
+    /// Columns left aside.
+    pub warnings: Vec<Warning>,
+}
+
+/// One operating point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteadyRow {
+    /// The point's number or label value (column `point_1`).
+    pub point: f64,
+    /// Values in the channels' units; `None` where the cell is empty.
+    pub values: Vec<Option<f64>>,
+}
+
+impl Steady {
+    /// Reads a CSV whose first column is `point_1`.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is another format, or a cell of a column with a unit is not a finite number.
+    pub fn open(path: &Path) -> Result<Self> {
+        if format::detect(path)? != Format::SteadyStates {
+            return Err(RecordingError::NotSteadyStates { path: path.into() });
+        }
+        let mut lines = CsvLines::open(path)?;
+        let header = lines.header("point_1")?;
+        let mut channels = Vec::new();
+        let mut warnings = Vec::new();
+        for (cell, column) in header.iter().enumerate().skip(1) {
+            match Channel::from_column_name(column) {
+                Some(channel) => channels.push((cell, channel)),
+                None => warnings.push(Warning::ColumnWithoutUnit {
+                    column: column.clone(),
+                }),
+            }
+        }
+        if channels.is_empty() {
+            return Err(RecordingError::NoChannels { path: path.into() });
+        }
+        let mut rows = Vec::new();
+        while lines.next()? {
+            rows.push(row(&lines, &channels).map_err(|problem| lines.error(problem))?);
+        }
+        if rows.is_empty() {
+            return Err(RecordingError::NoSamples { path: path.into() });
+        }
+        Ok(Self {
+            name: path.display().to_string(),
+            channels: channels.into_iter().map(|(_, channel)| channel).collect(),
+            rows,
+            warnings,
+        })
+    }
+
+    /// Values of one channel over all points, by its name or column name; `None` when there is no such channel.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<Vec<Option<f64>>> {
+        let index = self
+            .channels
+            .iter()
+            .position(|channel| channel.name == name || channel.column_name() == name)?;
+        Some(self.rows.iter().map(|row| row.values[index]).collect())
+    }
+}
+
+fn row(lines: &CsvLines, channels: &[(usize, Channel)]) -> Result<SteadyRow, LineProblem> {
+    let point = number(&lines.record[0], "point_1")?.ok_or_else(|| LineProblem::MissingTime {
+        column: "point_1".into(),
+    })?;
+    let values = channels
+        .iter()
+        .map(|(cell, channel)| number(&lines.record[*cell], &channel.column_name()))
+        .collect::<Result<_, _>>()?;
+    Ok(SteadyRow { point, values })
+}
