@@ -1,0 +1,101 @@
+//! The equations of motion in state-space form, and what follows from them at once.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use crate::effects::Effect;
+
+/// A nonlinear force law and what it sees.
+#[derive(Debug, Clone)]
+pub struct Port {
+    /// The law.
+    pub effect: &'static Effect,
+    /// Place name.
+    pub place: String,
+    /// Indices of its parameters among the model's.
+    pub parameters: Vec<usize>,
+}
+
+/// x' = A x + B u + H f,  y = C x + D u + E f,  v = V x + W u + U f, with f_j = law_j(v_j).
+///
+/// x holds angles (relative to the driven node, or to one massive node, wherever no sensor or spring
+/// needs absolute ones: then no angle drifts) and speeds of the massive coordinates. All SI.
+#[derive(Debug, Clone)]
+pub struct Equations {
+    /// A, states x states.
+    pub state: DMatrix<f64>,
+    /// B, states x inputs.
+    pub input: DMatrix<f64>,
+    /// H, states x ports.
+    pub force: DMatrix<f64>,
+    /// C, outputs x states.
+    pub output: DMatrix<f64>,
+    /// D, outputs x inputs.
+    pub feedthrough: DMatrix<f64>,
+    /// E, outputs x ports.
+    pub force_output: DMatrix<f64>,
+    /// V, ports x states: the speed that each law sees.
+    pub port: DMatrix<f64>,
+    /// W, ports x inputs.
+    pub port_input: DMatrix<f64>,
+    /// U, ports x ports (zero unless a law acts on a massless node).
+    pub port_force: DMatrix<f64>,
+    /// The laws, in the order of the columns of H.
+    pub ports: Vec<Port>,
+    /// What each state is, for reports.
+    pub state_names: Vec<String>,
+}
+
+/// A mode of the free, linear drivetrain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// Eigenvalue, 1/s.
+    pub pole: Complex<f64>,
+    /// |pole| / 2 pi, Hz.
+    pub natural_frequency_hz: f64,
+    /// -Re(pole) / |pole|; 1 for a real pole.
+    pub damping_ratio: f64,
+}
+
+impl Equations {
+    /// Modes of the linear part, slowest first, one per conjugate pair.
+    pub fn modes(&self) -> Vec<Mode> {
+        let mut modes: Vec<Mode> = self
+            .poles()
+            .into_iter()
+            .filter(|pole| pole.im >= 0.0)
+            .map(|pole| Mode {
+                pole,
+                natural_frequency_hz: pole.norm() / std::f64::consts::TAU,
+                damping_ratio: if pole.norm() > 0.0 { -pole.re / pole.norm() } else { 1.0 },
+            })
+            .collect();
+        modes.sort_by(|a, b| a.natural_frequency_hz.total_cmp(&b.natural_frequency_hz));
+        modes
+    }
+
+    /// Eigenvalues of A, 1/s.
+    pub fn poles(&self) -> Vec<Complex<f64>> {
+        if self.state.nrows() == 0 {
+            return Vec::new();
+        }
+        self.state.complex_eigenvalues().iter().copied().collect()
+    }
+
+    /// Linear transfer function from `input` to `output` at the complex frequency `s` (1/s).
+    ///
+    /// `None` where `s` is a pole.
+    pub fn transfer(&self, output: usize, input: usize, s: Complex<f64>) -> Option<Complex<f64>> {
+        let states = self.state.nrows();
+        let pencil = DMatrix::from_fn(states, states, |i, j| {
+            let diagonal = if i == j { s } else { Complex::new(0.0, 0.0) };
+            diagonal - self.state[(i, j)]
+        });
+        let drive = DVector::from_fn(states, |i, _| Complex::new(self.input[(i, input)], 0.0));
+        let response = pencil.full_piv_lu().solve(&drive)?;
+        let through = Complex::new(self.feedthrough[(output, input)], 0.0);
+        Some((0..states).fold(through, |sum, i| sum + response[i] * self.output[(output, i)]))
+    }
+}
+
+#[cfg(test)]
+mod tests;

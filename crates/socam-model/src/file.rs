@@ -1,0 +1,561 @@
+//! The model file: TOML in, a checked [`Model`] in SI out, every complaint with its line.
+
+use std::{fmt, marker::PhantomData};
+
+use serde::{
+    Deserialize, Deserializer,
+    de::{MapAccess, Visitor},
+};
+use toml::Spanned;
+
+use crate::{
+    Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
+    Servo, Shaft, Spring,
+    effects::{self, ActsAt, Kind},
+    units,
+};
+
+const SCHEMA: &str = "socam.model/1";
+
+/// A table whose entries keep the order and the places that they have in the file.
+struct Ordered<T>(Vec<(Spanned<String>, T)>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = Ordered<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Ordered(entries))
+            }
+        }
+        deserializer.deserialize_map(Entries(PhantomData))
+    }
+}
+
+impl<T> Default for Ordered<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+type Name = Spanned<String>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawModel {
+    schema: Name,
+    name: String,
+    #[serde(default)]
+    description: String,
+    motion: Motion,
+    parameters: Ordered<RawParameter>,
+    nodes: Vec<RawNode>,
+    #[serde(default)]
+    springs: Vec<RawSpring>,
+    #[serde(default)]
+    gears: Vec<RawGear>,
+    #[serde(default)]
+    shafts: Vec<RawShaft>,
+    #[serde(default)]
+    bearings: Vec<RawBearing>,
+    #[serde(default)]
+    effects: Vec<RawEffect>,
+    servo: Option<RawServo>,
+    channels: Ordered<RawChannel>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawParameter {
+    value: Spanned<f64>,
+    unit: Name,
+    bounds: Option<Spanned<[f64; 2]>>,
+    #[serde(default)]
+    fixed: bool,
+    #[serde(default)]
+    source: String,
+    prior: Option<RawPrior>,
+    /// 95 % interval of an earlier identification: kept for the reader, not used.
+    #[allow(dead_code)]
+    ci95: Option<toml::Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPrior {
+    value: f64,
+    std: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawNode {
+    name: Name,
+    inertia: Option<Name>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSpring {
+    name: Name,
+    from: Name,
+    to: Name,
+    stiffness: Name,
+    damping: Option<Name>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGear {
+    name: Name,
+    from: Name,
+    to: Name,
+    ratio: Name,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawShaft {
+    name: Name,
+    from: Name,
+    to: Name,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawBearing {
+    name: Name,
+    at: Name,
+    damping: Option<Name>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawEffect {
+    effect: Name,
+    at: Name,
+    parameters: Ordered<Name>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawServo {
+    name: Name,
+    at: Name,
+    position_gain: Name,
+    velocity_gain: Name,
+    drive_gain: Name,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawChannel {
+    role: Role,
+    quantity: Quantity,
+    at: Name,
+    column: Option<String>,
+    #[serde(default = "one")]
+    scale: f64,
+    #[serde(default)]
+    offset: f64,
+    noise_std: Option<Spanned<f64>>,
+    #[serde(default)]
+    estimate_offset: bool,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
+    let raw: RawModel = toml::from_str(text).map_err(|error| {
+        let line = line_of(text, error.span().map_or(0, |span| span.start));
+        ModelError::File { line, message: error.message().trim().replace('\n', ", ") }
+    })?;
+    Reader {
+        text,
+        rotational: raw.motion == Motion::Rotation,
+        parameters: Vec::new(),
+        nodes: Vec::new(),
+        places: Vec::new(),
+    }
+    .model(raw)
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+}
+
+/// Names that were declared so far, while the file is being read.
+struct Reader<'t> {
+    text: &'t str,
+    rotational: bool,
+    parameters: Vec<Parameter>,
+    nodes: Vec<Node>,
+    places: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn fail<T, S>(&self, at: &Spanned<S>, message: impl Into<String>) -> Result<T, ModelError> {
+        Err(ModelError::File { line: line_of(self.text, at.span().start), message: message.into() })
+    }
+
+    fn model(mut self, raw: RawModel) -> Result<Model, ModelError> {
+        if raw.schema.get_ref() != SCHEMA {
+            return self.fail(
+                &raw.schema,
+                format!("schema is \"{}\", but this version reads \"{SCHEMA}\"", raw.schema.get_ref()),
+            );
+        }
+        for (name, parameter) in raw.parameters.0 {
+            let parameter = self.read_parameter(&name, parameter)?;
+            self.parameters.push(parameter);
+        }
+        for node in raw.nodes {
+            self.declare(&node.name)?;
+            let inertia = node.inertia.map(|name| self.positive(&name, Kind::Inertia)).transpose()?;
+            self.nodes.push(Node { name: node.name.into_inner(), inertia });
+        }
+        let springs = self.each(raw.springs, Self::spring)?;
+        let gears = self.each(raw.gears, Self::gear)?;
+        let shafts = self.each(raw.shafts, Self::shaft)?;
+        let bearings = self.each(raw.bearings, Self::bearing)?;
+        let servo = raw.servo.map(|servo| self.servo(servo)).transpose()?;
+        let effects = raw.effects.into_iter().map(|e| self.effect(e, &bearings)).collect::<Result<_, _>>()?;
+        let channels = raw.channels.0.into_iter();
+        let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
+        for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
+            if !channels.iter().any(|channel| channel.role == role) {
+                let message =
+                    format!("[channels] has no {what}; give at least one channel role = \"{what}\"");
+                return Err(ModelError::File {
+                    line: line_of(self.text, self.text.find("[channels").unwrap_or(0)),
+                    message,
+                });
+            }
+        }
+        Ok(Model {
+            name: raw.name,
+            description: raw.description,
+            motion: raw.motion,
+            parameters: self.parameters,
+            nodes: self.nodes,
+            springs,
+            gears,
+            shafts,
+            bearings,
+            effects,
+            servo,
+            channels,
+        })
+    }
+
+    fn each<R, T>(
+        &mut self,
+        raw: Vec<R>,
+        f: impl Fn(&mut Self, R) -> Result<T, ModelError>,
+    ) -> Result<Vec<T>, ModelError> {
+        raw.into_iter().map(|item| f(self, item)).collect()
+    }
+
+    fn read_parameter(&self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
+        let label = name.get_ref();
+        let Some(unit) = units::parse(raw.unit.get_ref()) else {
+            return self.fail(&raw.unit, format!(
+                "parameters.{label}.unit: \"{}\" is no unit; expected something like \"N m/rad\", \"kg m2\" or \"1\"",
+                raw.unit.get_ref(),
+            ));
+        };
+        if !raw.value.get_ref().is_finite() {
+            return self.fail(&raw.value, format!("parameters.{label}.value must be a finite number"));
+        }
+        let bounds = match &raw.bounds {
+            Some(bounds) => {
+                let [low, high] = *bounds.get_ref();
+                // `contains` is false for NaN too.
+                if !(low < high && (low..=high).contains(raw.value.get_ref())) {
+                    return self.fail(bounds, format!(
+                        "parameters.{label}.bounds must be [low, high] with low < high and the value {} between them",
+                        raw.value.get_ref(),
+                    ));
+                }
+                (low * unit.factor, high * unit.factor)
+            }
+            None => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let prior = raw.prior.map(|prior| match *prior.std.get_ref() {
+            std if std > 0.0 && std.is_finite() && prior.value.is_finite() => {
+                Ok(Prior { value: prior.value * unit.factor, std: std * unit.factor })
+            }
+            _ => self.fail(
+                &prior.std,
+                format!("parameters.{label}.prior needs a finite value and a positive std"),
+            ),
+        });
+        Ok(Parameter {
+            value: raw.value.get_ref() * unit.factor,
+            name: label.clone(),
+            unit: si_name(unit.dimension, raw.unit.get_ref()),
+            file_unit: raw.unit.into_inner(),
+            file_factor: unit.factor,
+            bounds,
+            fixed: raw.fixed,
+            source: raw.source,
+            prior: prior.transpose()?,
+        })
+    }
+
+    fn declare(&mut self, name: &Name) -> Result<(), ModelError> {
+        let label = name.get_ref();
+        if self.places.contains(label) {
+            return self.fail(name, format!("the place \"{label}\" is there already; names must differ"));
+        }
+        self.places.push(label.clone());
+        Ok(())
+    }
+
+    fn node(&self, name: &Name) -> Result<usize, ModelError> {
+        match self.nodes.iter().position(|node| node.name == *name.get_ref()) {
+            Some(index) => Ok(index),
+            None => {
+                let known: Vec<_> = self.nodes.iter().map(|node| node.name.as_str()).collect();
+                self.fail(
+                    name,
+                    format!("there is no node \"{}\"; nodes are {}", name.get_ref(), known.join(", ")),
+                )
+            }
+        }
+    }
+
+    /// Looks a parameter up where a quantity of `kind` is expected, and settles its unit.
+    fn parameter(&mut self, name: &Name, kind: Kind) -> Result<usize, ModelError> {
+        let label = name.get_ref();
+        let Some(index) = self.parameters.iter().position(|parameter| parameter.name == *label) else {
+            return self.fail(
+                name,
+                format!(
+                    "there is no parameter \"{label}\"; declare it under [parameters] with value and unit"
+                ),
+            );
+        };
+        let Some(expected) = kind.dimension(self.rotational) else { return Ok(index) };
+        let found = units::parse(&self.parameters[index].file_unit).map(|unit| unit.dimension);
+        if found != Some(expected) {
+            let unit = kind.unit(self.rotational);
+            let message = format!(
+                "parameter \"{label}\" has the unit \"{}\", but here one like \"{unit}\" is expected",
+                self.parameters[index].file_unit,
+            );
+            return self.fail(name, message);
+        }
+        self.parameters[index].unit = kind.unit(self.rotational).into();
+        Ok(index)
+    }
+
+    /// A parameter that cannot be negative; its lower bound is raised to zero where the file gives none.
+    fn positive(&mut self, name: &Name, kind: Kind) -> Result<usize, ModelError> {
+        let index = self.parameter(name, kind)?;
+        let parameter = &mut self.parameters[index];
+        parameter.bounds.0 = parameter.bounds.0.max(0.0);
+        let zero_allowed = kind == Kind::Damping;
+        if parameter.value < 0.0 || (parameter.value == 0.0 && !zero_allowed) {
+            let message = format!(
+                "{} \"{}\" is {}, but it must be positive",
+                kind_name(kind),
+                parameter.name,
+                parameter.value
+            );
+            return self.fail(name, message);
+        }
+        Ok(index)
+    }
+
+    fn spring(&mut self, raw: RawSpring) -> Result<Spring, ModelError> {
+        self.declare(&raw.name)?;
+        let to = if raw.to.get_ref() == "ground" { None } else { Some(self.node(&raw.to)?) };
+        let from = self.node(&raw.from)?;
+        if to == Some(from) {
+            return self.fail(&raw.to, "a spring must join two different nodes");
+        }
+        Ok(Spring {
+            name: raw.name.into_inner(),
+            from,
+            to,
+            stiffness: self.positive(&raw.stiffness, Kind::Stiffness)?,
+            damping: raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?,
+        })
+    }
+
+    fn gear(&mut self, raw: RawGear) -> Result<Gear, ModelError> {
+        self.declare(&raw.name)?;
+        let ratio = self.parameter(&raw.ratio, Kind::Ratio)?;
+        if self.parameters[ratio].value == 0.0 {
+            return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
+        }
+        Ok(Gear { from: self.node(&raw.from)?, to: self.node(&raw.to)?, ratio, name: raw.name.into_inner() })
+    }
+
+    fn shaft(&mut self, raw: RawShaft) -> Result<Shaft, ModelError> {
+        self.declare(&raw.name)?;
+        Ok(Shaft { nodes: (self.node(&raw.from)?, self.node(&raw.to)?), name: raw.name.into_inner() })
+    }
+
+    fn bearing(&mut self, raw: RawBearing) -> Result<Bearing, ModelError> {
+        self.declare(&raw.name)?;
+        let damping = raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?;
+        Ok(Bearing { node: self.node(&raw.at)?, damping, name: raw.name.into_inner() })
+    }
+
+    fn servo(&mut self, raw: RawServo) -> Result<Servo, ModelError> {
+        self.declare(&raw.name)?;
+        Ok(Servo {
+            node: self.node(&raw.at)?,
+            position_gain: self.parameter(&raw.position_gain, Kind::Gain)?,
+            velocity_gain: self.parameter(&raw.velocity_gain, Kind::Gain)?,
+            drive_gain: self.parameter(&raw.drive_gain, Kind::Gain)?,
+            name: raw.name.into_inner(),
+        })
+    }
+
+    fn effect(&mut self, raw: RawEffect, bearings: &[Bearing]) -> Result<EffectUse, ModelError> {
+        let id = raw.effect.get_ref();
+        let Some(effect) = effects::find(id) else {
+            let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
+            return self
+                .fail(&raw.effect, format!("there is no effect \"{id}\"; effects are {}", known.join(", ")));
+        };
+        let node = match effect.acts_at {
+            ActsAt::Node => self.node(&raw.at)?,
+            ActsAt::Bearing => match bearings.iter().find(|bearing| bearing.name == *raw.at.get_ref()) {
+                Some(bearing) => bearing.node,
+                None => {
+                    return self.fail(
+                        &raw.at,
+                        format!("{id} acts at a bearing, and \"{}\" is none", raw.at.get_ref()),
+                    );
+                }
+            },
+        };
+        let known = |name: &str| effect.parameters.iter().any(|parameter| parameter.name == name);
+        if let Some((name, _)) = raw.parameters.0.iter().find(|(name, _)| !known(name.get_ref())) {
+            let names: Vec<_> = effect.parameters.iter().map(|parameter| parameter.name).collect();
+            return self.fail(
+                name,
+                format!("{id} has no parameter \"{}\"; it has {}", name.get_ref(), names.join(", ")),
+            );
+        }
+        let place = raw.at.get_ref().clone();
+        let mut indices = Vec::new();
+        for parameter in effect.parameters {
+            let given = raw.parameters.0.iter().find(|(name, _)| name.get_ref() == parameter.name);
+            indices.push(match (given, parameter.default) {
+                (Some((_, name)), _) => self.parameter(name, parameter.kind)?,
+                (None, Some(default)) => self.add_default(&place, parameter, default),
+                (None, None) => {
+                    return self
+                        .fail(&raw.effect, format!("{id} needs the parameter \"{}\"", parameter.name));
+                }
+            });
+        }
+        Ok(EffectUse { effect, place, node, parameters: indices })
+    }
+
+    /// A numerical constant of a law that the file leaves to us.
+    fn add_default(
+        &mut self,
+        place: &str,
+        parameter: &effects::EffectParameter,
+        default: (f64, f64),
+    ) -> usize {
+        let value = if self.rotational { default.0 } else { default.1 };
+        let unit = parameter.kind.unit(self.rotational);
+        self.parameters.push(Parameter {
+            name: format!("{place}.{}", parameter.name),
+            value,
+            unit: unit.into(),
+            file_unit: unit.into(),
+            file_factor: 1.0,
+            bounds: (0.0, f64::INFINITY),
+            fixed: true,
+            source: "default".into(),
+            prior: None,
+        });
+        self.parameters.len() - 1
+    }
+
+    fn channel(&mut self, name: Name, raw: RawChannel) -> Result<Channel, ModelError> {
+        let place = raw.at.get_ref();
+        if !self.places.contains(place) {
+            return self.fail(
+                &raw.at,
+                format!("there is no place \"{place}\"; places are {}", self.places.join(", ")),
+            );
+        }
+        if let Some(std) = &raw.noise_std
+            && !(std.get_ref().is_finite() && *std.get_ref() > 0.0)
+        {
+            return self.fail(std, format!("channels.{}.noise_std must be positive", name.get_ref()));
+        }
+        let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
+        let name = name.into_inner();
+        Ok(Channel {
+            column: raw.column.unwrap_or_else(|| format!("{name}{suffix}")),
+            name,
+            role: raw.role,
+            quantity: raw.quantity,
+            at: raw.at.into_inner(),
+            scale: raw.scale,
+            offset: raw.offset,
+            noise_std: raw.noise_std.map(Spanned::into_inner),
+            estimate_offset: raw.estimate_offset,
+            unit,
+        })
+    }
+}
+
+/// SI unit and column suffix of what a channel measures.
+fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static str) {
+    match (quantity, rotational) {
+        (Quantity::Speed, true) => ("rad/s", "_rad_s"),
+        (Quantity::Speed, false) => ("m/s", "_m_s"),
+        (Quantity::Angle | Quantity::Reference, true) => ("rad", "_rad"),
+        (Quantity::Angle | Quantity::Reference, false) => ("m", "_m"),
+        (Quantity::Acceleration, true) => ("rad/s2", "_rad_s2"),
+        (Quantity::Acceleration, false) => ("m/s2", "_m_s2"),
+        (Quantity::Torque, true) => ("N m", "_Nm"),
+        (Quantity::Torque, false) => ("N", "_N"),
+    }
+}
+
+fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Torque => "torque",
+        Kind::Speed => "speed",
+        Kind::Inertia => "inertia",
+        Kind::Stiffness => "stiffness",
+        Kind::Damping => "damping",
+        Kind::Ratio => "ratio",
+        Kind::Gain => "gain",
+    }
+}
+
+/// SI name of a parameter that no element has claimed: its own unit where that is SI already.
+fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
+    match units::parse(file_unit) {
+        Some(unit) if unit.factor == 1.0 => file_unit.into(),
+        _ => {
+            let names = ["kg", "m", "s", "A", "V"];
+            let factors = names.iter().zip(dimension).filter(|(_, power)| *power != 0);
+            let text: Vec<_> = factors.map(|(name, power)| format!("{name}^{power}")).collect();
+            if text.is_empty() { "1".into() } else { text.join(" ") }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Matrices that carry their slopes with respect to chosen parameters.
+//!
+//! Forward differentiation of the few matrix operations that assembly needs; exact to rounding, so
+//! that estimators need no finite differences.
+
+use nalgebra::DMatrix;
+
+/// A matrix and its derivative with respect to each chosen parameter.
+#[derive(Debug, Clone)]
+pub(crate) struct Jet {
+    pub(crate) value: DMatrix<f64>,
+    pub(crate) slopes: Vec<DMatrix<f64>>,
+}
+
+/// A number and its derivatives; the 1 x 1 case, kept light because assembly handles many.
+#[derive(Debug, Clone)]
+pub(crate) struct Scalar {
+    pub(crate) value: f64,
+    pub(crate) slopes: Vec<f64>,
+}
+
+impl Scalar {
+    pub(crate) fn constant(value: f64, count: usize) -> Self {
+        Self { value, slopes: vec![0.0; count] }
+    }
+
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let slopes = self.slopes.iter().zip(&other.slopes);
+        Self {
+            value: self.value * other.value,
+            slopes: slopes.map(|(a, b)| a * other.value + self.value * b).collect(),
+        }
+    }
+
+    pub(crate) fn over(&self, other: &Self) -> Self {
+        let value = self.value / other.value;
+        let slopes = self.slopes.iter().zip(&other.slopes);
+        Self { value, slopes: slopes.map(|(a, b)| (a - value * b) / other.value).collect() }
+    }
+}
+
+impl Jet {
+    pub(crate) fn zeros(rows: usize, columns: usize, count: usize) -> Self {
+        let zero = DMatrix::zeros(rows, columns);
+        Self { slopes: vec![zero.clone(); count], value: zero }
+    }
+
+    pub(crate) fn rows(&self) -> usize {
+        self.value.nrows()
+    }
+
+    fn zip(&self, other: &Self, f: impl Fn(&DMatrix<f64>, &DMatrix<f64>) -> DMatrix<f64>) -> Self {
+        let slopes = self.slopes.iter().zip(&other.slopes);
+        Self { value: f(&self.value, &other.value), slopes: slopes.map(|(a, b)| f(a, b)).collect() }
+    }
+
+    fn map(&self, f: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
+        Self { value: f(&self.value), slopes: self.slopes.iter().map(f).collect() }
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let slopes = self.slopes.iter().zip(&other.slopes);
+        Self {
+            value: &self.value * &other.value,
+            slopes: slopes.map(|(a, b)| a * &other.value + &self.value * b).collect(),
+        }
+    }
+
+    pub(crate) fn scaled(&self, factor: &Scalar) -> Self {
+        let slopes = self.slopes.iter().zip(&factor.slopes);
+        Self {
+            value: &self.value * factor.value,
+            slopes: slopes.map(|(a, b)| a * factor.value + &self.value * *b).collect(),
+        }
+    }
+
+    pub(crate) fn transpose(&self) -> Self {
+        self.map(DMatrix::transpose)
+    }
+
+    /// `self⁻¹ right`; `None` where `self` is singular to working precision.
+    pub(crate) fn solve(&self, right: &Self) -> Option<Self> {
+        if self.rows() == 0 {
+            return Some(right.clone());
+        }
+        // Row equilibration: dampers and inertias differ by ten decades, and the rank test below is relative.
+        let scale: Vec<f64> = self.value.row_iter().map(|row| row.amax()).collect();
+        if scale.contains(&0.0) {
+            return None;
+        }
+        let equilibrated = DMatrix::from_fn(self.rows(), self.rows(), |i, j| self.value[(i, j)] / scale[i]);
+        let lu = equilibrated.full_piv_lu();
+        let pivots = lu.u().diagonal().map(f64::abs);
+        if pivots.min() <= 1e-13 * pivots.max() {
+            return None;
+        }
+        let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] / scale[i]);
+        let value = lu.solve(&scaled(&right.value))?;
+        let slopes = self.slopes.iter().zip(&right.slopes);
+        let slopes: Option<Vec<_>> = slopes.map(|(a, b)| lu.solve(&scaled(&(b - a * &value)))).collect();
+        Some(Self { value, slopes: slopes? })
+    }
+
+    pub(crate) fn select(&self, rows: &[usize], columns: &[usize]) -> Self {
+        self.map(|m| m.select_rows(rows).select_columns(columns))
+    }
+
+    pub(crate) fn row(&self, row: usize) -> Self {
+        self.map(|m| m.rows(row, 1).into_owned())
+    }
+
+    pub(crate) fn columns(&self, start: usize, count: usize) -> Self {
+        self.map(|m| m.columns(start, count).into_owned())
+    }
+
+    /// Adds `block` with its top left corner at (`row`, `column`).
+    pub(crate) fn add_block(&mut self, row: usize, column: usize, block: &Self) {
+        let shape = block.value.shape();
+        let add = |target: &mut DMatrix<f64>, source: &DMatrix<f64>| {
+            let mut view = target.view_mut((row, column), shape);
+            view += source;
+        };
+        add(&mut self.value, &block.value);
+        for (target, source) in self.slopes.iter_mut().zip(&block.slopes) {
+            add(target, source);
+        }
+    }
+
+    pub(crate) fn add_at(&mut self, row: usize, column: usize, number: &Scalar) {
+        self.value[(row, column)] += number.value;
+        for (target, slope) in self.slopes.iter_mut().zip(&number.slopes) {
+            target[(row, column)] += slope;
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! The drivetrain as its file describes it, checked and in SI.
+
+use crate::{ModelError, effects::Effect, file};
+
+/// Embedded models: name and file text. The first is the default.
+pub const BUILTIN: &[(&str, &str)] = &[
+    ("speed-o-cam", include_str!("builtin/speed-o-cam.toml")),
+    ("two-mass", include_str!("builtin/two-mass.toml")),
+    ("emps", include_str!("builtin/emps.toml")),
+    ("emps-loop", include_str!("builtin/emps-loop.toml")),
+];
+
+/// Whether coordinates are angles or positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Motion {
+    /// Angles in rad, torques in N m.
+    Rotation,
+    /// Positions in m, forces in N.
+    Translation,
+}
+
+/// A quantity known beforehand, for instance from a catalogue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Expected value, SI.
+    pub value: f64,
+    /// Its standard uncertainty, SI.
+    pub std: f64,
+}
+
+/// A physical parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Name, unique in the model.
+    pub name: String,
+    /// Value, SI.
+    pub value: f64,
+    /// SI unit.
+    pub unit: String,
+    /// Unit of the file.
+    pub file_unit: String,
+    /// What one `file_unit` is worth in SI.
+    pub file_factor: f64,
+    /// Least and greatest value that makes sense, SI.
+    pub bounds: (f64, f64),
+    /// Known exactly, not to be estimated.
+    pub fixed: bool,
+    /// Where the value comes from.
+    pub source: String,
+    /// What is known of it beforehand.
+    pub prior: Option<Prior>,
+}
+
+/// A point of the drivetrain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Node {
+    /// Place name.
+    pub name: String,
+    /// Inertia parameter; `None` for a massless point.
+    pub inertia: Option<usize>,
+}
+
+/// A spring and damper in parallel between two nodes (`None`: the ground).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spring {
+    /// Place name.
+    pub name: String,
+    /// Node at the driving end.
+    pub from: usize,
+    /// Node at the driven end; `None` for the ground.
+    pub to: Option<usize>,
+    /// Stiffness parameter.
+    pub stiffness: usize,
+    /// Damping parameter, if it damps.
+    pub damping: Option<usize>,
+}
+
+/// A rigid reduction: `to` turns `ratio` times slower than `from`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gear {
+    /// Place name.
+    pub name: String,
+    /// Node on the fast side.
+    pub from: usize,
+    /// Node on the slow side.
+    pub to: usize,
+    /// Ratio parameter.
+    pub ratio: usize,
+}
+
+/// A rigid shaft: a place where compliance was neglected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shaft {
+    /// Place name.
+    pub name: String,
+    /// Its two ends.
+    pub nodes: (usize, usize),
+}
+
+/// A bearing: drag between a node and the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bearing {
+    /// Place name.
+    pub name: String,
+    /// Node that it holds.
+    pub node: usize,
+    /// Viscous damping parameter; `None` where it has none.
+    pub damping: Option<usize>,
+}
+
+/// A force law of the catalogue at work in the model.
+#[derive(Debug, Clone)]
+pub struct EffectUse {
+    /// The law.
+    pub effect: &'static Effect,
+    /// Place name as given.
+    pub place: String,
+    /// Node that it acts on.
+    pub node: usize,
+    /// Parameters of the model, in the order of the law's.
+    pub parameters: Vec<usize>,
+}
+
+/// Cascaded position and velocity control of a node by a linear drive:
+/// force = drive_gain velocity_gain (position_gain (reference - position) - speed).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Servo {
+    /// Place name.
+    pub name: String,
+    /// Node that is driven and measured.
+    pub node: usize,
+    /// Parameters: 1/s, V per speed, N m (N) per V.
+    pub position_gain: usize,
+    /// See `position_gain`.
+    pub velocity_gain: usize,
+    /// See `position_gain`.
+    pub drive_gain: usize,
+}
+
+/// What a channel measures or commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quantity {
+    /// Speed of a node.
+    Speed,
+    /// Angle of a node.
+    #[serde(alias = "position")]
+    Angle,
+    /// Angular acceleration of a node.
+    Acceleration,
+    /// Torque through a spring, on a node from outside, or of a servo.
+    #[serde(alias = "force")]
+    Torque,
+    /// Where a servo is told to go.
+    Reference,
+}
+
+/// Whether the model reads a channel to move or to be judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Drives the model.
+    Input,
+    /// Is predicted by it.
+    Output,
+}
+
+/// A channel that the model reads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Name within the model and in reports.
+    pub name: String,
+    /// Column of the recording, with its unit's suffix.
+    pub column: String,
+    /// Input or output.
+    pub role: Role,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Where: a node, a spring or the servo.
+    pub at: String,
+    /// SI value = scale * column + offset.
+    pub scale: f64,
+    /// See `scale`.
+    pub offset: f64,
+    /// Standard deviation of its noise where known, SI.
+    pub noise_std: Option<f64>,
+    /// Whether its offset is to be estimated for each recording.
+    pub estimate_offset: bool,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+/// A checked model, in SI.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Short name.
+    pub name: String,
+    /// One line about it.
+    pub description: String,
+    /// Kind of coordinates.
+    pub motion: Motion,
+    /// All parameters, in the order of the file.
+    pub parameters: Vec<Parameter>,
+    /// Nodes.
+    pub nodes: Vec<Node>,
+    /// Springs.
+    pub springs: Vec<Spring>,
+    /// Rigid reductions.
+    pub gears: Vec<Gear>,
+    /// Rigid shafts.
+    pub shafts: Vec<Shaft>,
+    /// Bearings.
+    pub bearings: Vec<Bearing>,
+    /// Force laws.
+    pub effects: Vec<EffectUse>,
+    /// Servo, if the drive is closed-loop.
+    pub servo: Option<Servo>,
+    /// Channels, in the order of the file.
+    pub channels: Vec<Channel>,
+}
+
+impl Model {
+    /// Reads a model file's text.
+    ///
+    /// # Errors
+    /// [`ModelError::File`] with line, key and what was expected.
+    pub fn parse(text: &str) -> Result<Self, ModelError> {
+        let model = file::read(text)?;
+        // A network that cannot move is found here, not in the middle of a fit.
+        model.equations(&model.values())?;
+        Ok(model)
+    }
+
+    /// An embedded model by name.
+    pub fn builtin(name: &str) -> Option<Self> {
+        let (_, text) = BUILTIN.iter().find(|(candidate, _)| *candidate == name)?;
+        Self::parse(text).ok()
+    }
+
+    /// Parameter values of the file, SI.
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.value).collect()
+    }
+
+    /// Index of a parameter.
+    pub fn parameter(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|parameter| parameter.name == name)
+    }
+
+    /// Channels that drive the model, in the order of [`crate::Equations`]' inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(|channel| channel.role == Role::Input)
+    }
+
+    /// Channels that it predicts, in the order of [`crate::Equations`]' outputs.
+    pub fn outputs(&self) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(|channel| channel.role == Role::Output)
+    }
+}

@@ -1,0 +1,644 @@
+//! From a network to its equations.
+//!
+//! Rigid gears and shafts tie nodes into groups, one coordinate each. A coordinate is prescribed (its
+//! speed is an input), massive, damped (massless, but a damper makes its equation first order) or static
+//! (massless and undamped: its equation is algebraic and it is condensed out). All of it is done on
+//! [`Jet`]s, so that every matrix comes with its exact slopes.
+
+use crate::{
+    ModelError,
+    equations::{Equations, Port},
+    jet::{Jet, Scalar},
+    model::{Model, Quantity, Role},
+};
+
+impl Model {
+    /// Equations of motion for parameter values in SI, in the order of [`Model::parameters`].
+    ///
+    /// # Errors
+    /// [`ModelError::Value`] for an inertia, stiffness or damping below zero; [`ModelError::Network`] where
+    /// a node has nothing that decides its motion.
+    pub fn equations(&self, values: &[f64]) -> Result<Equations, ModelError> {
+        self.equations_with_slopes(values, &[]).map(|(equations, _)| equations)
+    }
+
+    /// The same with the derivative of every matrix with respect to each parameter in `wrt`; the slopes'
+    /// `ports` and `state_names` are empty.
+    ///
+    /// # Errors
+    /// As [`Model::equations`].
+    pub fn equations_with_slopes(
+        &self,
+        values: &[f64],
+        wrt: &[usize],
+    ) -> Result<(Equations, Vec<Equations>), ModelError> {
+        self.check_values(values)?;
+        Assembly::new(self, values, wrt)?.equations()
+    }
+
+    fn check_values(&self, values: &[f64]) -> Result<(), ModelError> {
+        let fail = |index: usize, expected| {
+            Err(ModelError::Value {
+                name: self.parameters[index].name.clone(),
+                value: values[index],
+                expected,
+            })
+        };
+        if values.len() != self.parameters.len() {
+            return Err(ModelError::Network(format!(
+                "{} parameter values for {}",
+                values.len(),
+                self.parameters.len()
+            )));
+        }
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return fail(index, "finite");
+        }
+        let positive =
+            self.nodes.iter().filter_map(|node| node.inertia).chain(self.springs.iter().map(|s| s.stiffness));
+        for index in positive {
+            if values[index] <= 0.0 {
+                return fail(index, "positive");
+            }
+        }
+        let dampings = self
+            .springs
+            .iter()
+            .filter_map(|s| s.damping)
+            .chain(self.bearings.iter().filter_map(|b| b.damping));
+        for index in dampings {
+            if values[index] < 0.0 {
+                return fail(index, "zero or more");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How a coordinate moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Prescribed,
+    Massive,
+    Damped,
+    Static,
+}
+
+/// What angles are measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reference {
+    /// The prescribed coordinate.
+    Driven(usize),
+    /// A massive coordinate of a drivetrain that floats freely.
+    Massive(usize),
+    /// The ground.
+    Ground,
+}
+
+struct Assembly<'m> {
+    model: &'m Model,
+    values: &'m [f64],
+    wrt: &'m [usize],
+    /// Group of each node, and its motion per motion of the group.
+    group: Vec<usize>,
+    lever: Vec<Scalar>,
+    inertia: Jet,
+    damping: Jet,
+    stiffness: Jet,
+    class: Vec<Class>,
+    reference: Reference,
+    /// Free rotation of the whole drivetrain, as motion of each group per motion of the reference.
+    rigid: Vec<Scalar>,
+}
+
+impl<'m> Assembly<'m> {
+    fn new(model: &'m Model, values: &'m [f64], wrt: &'m [usize]) -> Result<Self, ModelError> {
+        let (group, lever, groups) = tie_nodes(model, values, wrt)?;
+        let empty = Jet::zeros(groups, groups, wrt.len());
+        let mut assembly = Self {
+            model,
+            values,
+            wrt,
+            group,
+            lever,
+            inertia: empty.clone(),
+            damping: empty.clone(),
+            stiffness: empty,
+            class: vec![Class::Static; groups],
+            reference: Reference::Ground,
+            rigid: Vec::new(),
+        };
+        assembly.add_elements();
+        assembly.classify()?;
+        assembly.choose_reference();
+        Ok(assembly)
+    }
+
+    fn scalar(&self, parameter: usize) -> Scalar {
+        scalar(self.values, self.wrt, parameter)
+    }
+
+    /// Motion of node `node` per motion of each group, as a row.
+    fn node_row(&self, node: usize) -> Jet {
+        let mut row = Jet::zeros(1, self.class.len(), self.wrt.len());
+        row.add_at(0, self.group[node], &self.lever[node]);
+        row
+    }
+
+    fn twist_row(&self, from: usize, to: Option<usize>) -> Jet {
+        match to {
+            Some(to) => self.node_row(from).minus(&self.node_row(to)),
+            None => self.node_row(from),
+        }
+    }
+
+    fn add_elements(&mut self) {
+        let model = self.model;
+        let quadratic = |row: &Jet, parameter: Scalar| row.transpose().times(row).scaled(&parameter);
+        for (node, inertia) in model.nodes.iter().enumerate().filter_map(|(i, n)| Some((i, n.inertia?))) {
+            let term = quadratic(&self.node_row(node), self.scalar(inertia));
+            self.inertia.add_block(0, 0, &term);
+        }
+        for spring in &model.springs {
+            let row = self.twist_row(spring.from, spring.to);
+            self.stiffness.add_block(0, 0, &quadratic(&row, self.scalar(spring.stiffness)));
+            if let Some(damping) = spring.damping {
+                self.damping.add_block(0, 0, &quadratic(&row, self.scalar(damping)));
+            }
+        }
+        for bearing in &model.bearings {
+            if let Some(damping) = bearing.damping {
+                let term = quadratic(&self.node_row(bearing.node), self.scalar(damping));
+                self.damping.add_block(0, 0, &term);
+            }
+        }
+        if let Some((row, proportional, derivative)) = self.servo_terms() {
+            self.stiffness.add_block(0, 0, &quadratic(&row, proportional));
+            self.damping.add_block(0, 0, &quadratic(&row, derivative));
+        }
+    }
+
+    /// A servo is a spring and a damper to where it is told to go: node row, N m per rad, N m per rad/s.
+    fn servo_terms(&self) -> Option<(Jet, Scalar, Scalar)> {
+        let servo = self.model.servo.as_ref()?;
+        let derivative = self.scalar(servo.drive_gain).times(&self.scalar(servo.velocity_gain));
+        let proportional = derivative.times(&self.scalar(servo.position_gain));
+        Some((self.node_row(servo.node), proportional, derivative))
+    }
+
+    fn classify(&mut self) -> Result<(), ModelError> {
+        let model = self.model;
+        for (group, class) in self.class.iter_mut().enumerate() {
+            let touches = |parameter: Option<usize>| parameter.is_some();
+            let members = || (0..model.nodes.len()).filter(|node| self.group[*node] == group);
+            let massive = members().any(|node| touches(model.nodes[node].inertia));
+            // Structural, not by value: a damping that an estimator moves to zero must not change the states.
+            let damped = members().any(|node| {
+                model.springs.iter().any(|s| (s.from == node || s.to == Some(node)) && touches(s.damping))
+                    || model.bearings.iter().any(|b| b.node == node && touches(b.damping))
+                    || model.servo.as_ref().is_some_and(|servo| servo.node == node)
+            });
+            *class = if massive {
+                Class::Massive
+            } else if damped {
+                Class::Damped
+            } else {
+                Class::Static
+            };
+        }
+        for channel in model.inputs() {
+            match channel.quantity {
+                Quantity::Speed => {
+                    let node = self.node_named(&channel.at, &channel.name)?;
+                    let class = &mut self.class[self.group[node]];
+                    if *class == Class::Prescribed {
+                        return Err(ModelError::Network(format!(
+                            "channel {} prescribes a speed that another input prescribes already",
+                            channel.name
+                        )));
+                    }
+                    *class = Class::Prescribed;
+                }
+                Quantity::Torque => {}
+                Quantity::Reference if model.servo.as_ref().is_some_and(|servo| servo.name == channel.at) => {
+                }
+                Quantity::Reference => {
+                    return Err(ModelError::Network(format!(
+                        "channel {} is a reference, so it must be at the servo",
+                        channel.name
+                    )));
+                }
+                Quantity::Angle | Quantity::Acceleration => {
+                    return Err(ModelError::Network(format!(
+                        "channel {} cannot drive the model: give a speed or a torque as input",
+                        channel.name
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn node_named(&self, place: &str, channel: &str) -> Result<usize, ModelError> {
+        self.model.nodes.iter().position(|node| node.name == place).ok_or_else(|| {
+            ModelError::Network(format!("channel {channel} needs a node, and {place} is none"))
+        })
+    }
+
+    fn groups_of(&self, class: Class) -> Vec<usize> {
+        (0..self.class.len()).filter(|group| self.class[*group] == class).collect()
+    }
+
+    /// Angles are taken relative to a node of the drivetrain unless something knows absolute ones.
+    fn choose_reference(&mut self) {
+        let absolute = self.model.springs.iter().any(|spring| spring.to.is_none())
+            || self.model.servo.is_some()
+            || self.model.channels.iter().any(|channel| channel.quantity == Quantity::Angle);
+        let prescribed = self.groups_of(Class::Prescribed);
+        let candidate = match prescribed[..] {
+            [group] => Some(Reference::Driven(group)),
+            [] => self.groups_of(Class::Massive).first().map(|group| Reference::Massive(*group)),
+            _ => None,
+        };
+        if absolute {
+            return;
+        }
+        if let Some(reference) = candidate
+            && let Reference::Driven(root) | Reference::Massive(root) = reference
+            && let Some(rigid) = self.rigid_mode(root)
+        {
+            self.reference = reference;
+            self.rigid = rigid;
+        }
+    }
+
+    /// Motion of each group when everything turns with `root` and no spring twists; `None` if springs form a
+    /// loop that prevents it, or if a group is not connected to the root.
+    fn rigid_mode(&self, root: usize) -> Option<Vec<Scalar>> {
+        let mut mode: Vec<Option<Scalar>> = vec![None; self.class.len()];
+        mode[root] = Some(Scalar::constant(1.0, self.wrt.len()));
+        for _ in 0..self.class.len() {
+            for spring in &self.model.springs {
+                let to = spring.to?;
+                for (known, unknown) in [(spring.from, to), (to, spring.from)] {
+                    let (Some(motion), None) = (&mode[self.group[known]], &mode[self.group[unknown]]) else {
+                        continue;
+                    };
+                    let next = motion.times(&self.lever[known]).over(&self.lever[unknown]);
+                    mode[self.group[unknown]] = Some(next);
+                }
+            }
+        }
+        let mode: Vec<Scalar> = mode.into_iter().collect::<Option<_>>()?;
+        let twists = self.model.springs.iter().any(|spring| {
+            let end = |node: usize| mode[self.group[node]].value * self.lever[node].value;
+            spring.to.is_none_or(|to| (end(spring.from) - end(to)).abs() > 1e-9 * end(spring.from).abs())
+        });
+        (!twists).then_some(mode)
+    }
+
+    fn equations(&self) -> Result<(Equations, Vec<Equations>), ModelError> {
+        Motion::new(self)?.equations()
+    }
+}
+
+fn scalar(values: &[f64], wrt: &[usize], parameter: usize) -> Scalar {
+    let slopes = wrt.iter().map(|index| f64::from(*index == parameter)).collect();
+    Scalar { value: values[parameter], slopes }
+}
+
+/// Joins nodes that gears and shafts tie rigidly: group of each node, its lever, number of groups.
+fn tie_nodes(
+    model: &Model,
+    values: &[f64],
+    wrt: &[usize],
+) -> Result<(Vec<usize>, Vec<Scalar>, usize), ModelError> {
+    let unity = Scalar::constant(1.0, wrt.len());
+    let shafts = model.shafts.iter().map(|shaft| (&shaft.name, shaft.nodes.0, shaft.nodes.1, unity.clone()));
+    let gears =
+        model.gears.iter().map(|gear| (&gear.name, gear.from, gear.to, scalar(values, wrt, gear.ratio)));
+    let mut group: Vec<usize> = (0..model.nodes.len()).collect();
+    let mut lever = vec![unity.clone(); model.nodes.len()];
+    for (name, from, to, ratio) in shafts.chain(gears) {
+        if group[from] == group[to] {
+            return Err(ModelError::Network(format!(
+                "{name} closes a rigid loop: its two nodes are tied already"
+            )));
+        }
+        // Every member of the `to` group now moves with the `from` group.
+        let factor = lever[from].over(&ratio).over(&lever[to]);
+        let joined = group[to];
+        for node in (0..model.nodes.len()).filter(|node| group[*node] == joined).collect::<Vec<_>>() {
+            group[node] = group[from];
+            lever[node] = lever[node].times(&factor);
+        }
+    }
+    let mut names = group.clone();
+    names.sort_unstable();
+    names.dedup();
+    let group = group.iter().map(|g| names.partition_point(|name| name < g)).collect();
+    Ok((group, lever, names.len()))
+}
+
+/// The second half: velocities and accelerations of all groups as linear maps of the columns
+/// [angle states | speed states | inputs | ports].
+struct Motion<'a, 'm> {
+    a: &'a Assembly<'m>,
+    massive: Vec<usize>,
+    /// Groups whose angle is a state.
+    angles: Vec<usize>,
+    inputs: usize,
+    ports: usize,
+    /// Maps per group, each groups x columns.
+    angle: Jet,
+    velocity: Jet,
+    acceleration: Jet,
+    statics: Vec<usize>,
+}
+
+impl<'a, 'm> Motion<'a, 'm> {
+    fn new(a: &'a Assembly<'m>) -> Result<Self, ModelError> {
+        let of = |class| a.groups_of(class);
+        let (massive, damped, statics, prescribed) =
+            (of(Class::Massive), of(Class::Damped), of(Class::Static), of(Class::Prescribed));
+        let mut angles: Vec<usize> = massive.iter().chain(&damped).copied().collect();
+        match a.reference {
+            Reference::Driven(_) => {}
+            Reference::Massive(root) => angles.retain(|group| *group != root),
+            Reference::Ground => angles.extend(&prescribed),
+        }
+        let (groups, inputs, ports) = (a.class.len(), a.model.inputs().count(), a.model.effects.len());
+        let columns = angles.len() + massive.len() + inputs + ports;
+        let empty = Jet::zeros(groups, columns, a.wrt.len());
+        let mut motion = Self {
+            a,
+            massive,
+            angles,
+            inputs,
+            ports,
+            angle: empty.clone(),
+            velocity: empty.clone(),
+            acceleration: empty,
+            statics,
+        };
+        motion.solve(&damped, &prescribed)?;
+        Ok(motion)
+    }
+
+    fn first_input(&self) -> usize {
+        self.angles.len() + self.massive.len()
+    }
+
+    fn one(&self) -> Scalar {
+        Scalar::constant(1.0, self.a.wrt.len())
+    }
+
+    fn solve(&mut self, damped: &[usize], prescribed: &[usize]) -> Result<(), ModelError> {
+        let one = self.one();
+        for (column, group) in self.angles.clone().into_iter().enumerate() {
+            self.angle.add_at(group, column, &one);
+        }
+        for (index, group) in self.massive.clone().into_iter().enumerate() {
+            self.velocity.add_at(group, self.angles.len() + index, &one);
+        }
+        self.set_prescribed(prescribed);
+        let force = self.applied_force();
+        self.condense_statics(&force)?;
+        let restoring = self.a.stiffness.times(&self.angle);
+        // Damped groups: C_ss v_s = F_s - K_s angle - C_s,known v_known.
+        let known = self.a.damping.times(&self.velocity);
+        let all: Vec<usize> = (0..self.angle.value.ncols()).collect();
+        let balance = force.minus(&restoring).minus(&known).select(damped, &all);
+        let Some(speeds) = self.a.damping.select(damped, damped).solve(&balance) else {
+            return Err(ModelError::Network(
+                self.undetermined(damped, "give one of them an inertia or a damper to a massive node"),
+            ));
+        };
+        for (row, group) in damped.iter().enumerate() {
+            self.velocity.add_block(*group, 0, &speeds.row(row));
+        }
+        let balance =
+            force.minus(&restoring).minus(&self.a.damping.times(&self.velocity)).select(&self.massive, &all);
+        let Some(accelerations) = self.a.inertia.select(&self.massive, &self.massive).solve(&balance) else {
+            return Err(ModelError::Network(self.undetermined(&self.massive, "give them positive inertias")));
+        };
+        for (row, group) in self.massive.iter().enumerate() {
+            self.acceleration.add_block(*group, 0, &accelerations.row(row));
+        }
+        Ok(())
+    }
+
+    fn undetermined(&self, groups: &[usize], advice: &str) -> String {
+        let names =
+            self.a.model.nodes.iter().enumerate().filter(|(node, _)| groups.contains(&self.a.group[*node]));
+        let names: Vec<_> = names.map(|(_, node)| node.name.as_str()).collect();
+        format!("nothing decides how {} moves; {advice}", names.join(", "))
+    }
+
+    /// Inputs that prescribe a speed; a gear between the sensor's node and its group is undone here.
+    fn set_prescribed(&mut self, prescribed: &[usize]) {
+        let inputs: Vec<_> =
+            self.a.model.inputs().enumerate().filter(|(_, c)| c.quantity == Quantity::Speed).collect();
+        for (index, channel) in inputs {
+            let Some(node) = self.a.model.nodes.iter().position(|node| node.name == channel.at) else {
+                continue;
+            };
+            let group = self.a.group[node];
+            debug_assert!(prescribed.contains(&group));
+            let motion = self.one().over(&self.a.lever[node]);
+            let column = self.first_input() + index;
+            self.velocity.add_at(group, column, &motion);
+        }
+    }
+
+    /// Torque on each group from inputs and ports.
+    fn applied_force(&self) -> Jet {
+        let mut force = Jet::zeros(self.a.class.len(), self.angle.value.ncols(), self.a.wrt.len());
+        for (index, channel) in self.a.model.inputs().enumerate() {
+            let column = self.first_input() + index;
+            match channel.quantity {
+                Quantity::Torque => {
+                    if let Some(node) = self.a.model.nodes.iter().position(|node| node.name == channel.at) {
+                        force.add_at(self.a.group[node], column, &self.a.lever[node]);
+                    }
+                }
+                Quantity::Reference => {
+                    if let Some((row, proportional, _)) = self.a.servo_terms() {
+                        force.add_block(0, column, &row.transpose().scaled(&proportional));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (index, used) in self.a.model.effects.iter().enumerate() {
+            let column = self.first_input() + self.inputs + index;
+            force.add_at(self.a.group[used.node], column, &self.a.lever[used.node]);
+        }
+        force
+    }
+
+    /// Angles of static groups follow from the others: K_aa angle_a = F_a - K_a,rest angle_rest.
+    fn condense_statics(&mut self, force: &Jet) -> Result<(), ModelError> {
+        let all: Vec<usize> = (0..self.angle.value.ncols()).collect();
+        let balance = force.minus(&self.a.stiffness.times(&self.angle)).select(&self.statics, &all);
+        let Some(angles) = self.a.stiffness.select(&self.statics, &self.statics).solve(&balance) else {
+            return Err(ModelError::Network(
+                self.undetermined(&self.statics, "they have no inertia, spring or damper that holds them"),
+            ));
+        };
+        for (row, group) in self.statics.clone().into_iter().enumerate() {
+            self.angle.add_block(group, 0, &angles.row(row));
+        }
+        Ok(())
+    }
+
+    /// Time derivative of the angle states.
+    fn angle_rates(&self) -> Jet {
+        let all: Vec<usize> = (0..self.angle.value.ncols()).collect();
+        let mut rates = self.velocity.select(&self.angles, &all);
+        if let Reference::Driven(root) | Reference::Massive(root) = self.a.reference {
+            let minus = Scalar::constant(-1.0, self.a.wrt.len());
+            for (row, group) in self.angles.iter().enumerate() {
+                let rigid = self.velocity.row(root).scaled(&self.a.rigid[*group].times(&minus));
+                rates.add_block(row, 0, &rigid);
+            }
+        }
+        rates
+    }
+
+    fn node_velocity(&self, node: usize) -> Jet {
+        self.a.node_row(node).times(&self.velocity)
+    }
+
+    /// Speeds of static groups are not states and would need derivatives of the input.
+    fn require_speed(&self, node: usize, who: &str) -> Result<(), ModelError> {
+        if self.statics.contains(&self.a.group[node]) {
+            let place = &self.a.model.nodes[node].name;
+            return Err(ModelError::Network(format!(
+                "{who} needs the speed of {place}, which has neither inertia nor damper; give it one"
+            )));
+        }
+        Ok(())
+    }
+
+    fn output_row(&self, channel: &crate::Channel) -> Result<Jet, ModelError> {
+        let model = self.a.model;
+        if channel.quantity == Quantity::Torque {
+            return self.torque_row(channel);
+        }
+        let node = self.a.node_named(&channel.at, &channel.name)?;
+        let row = self.a.node_row(node);
+        match channel.quantity {
+            Quantity::Speed => {
+                self.require_speed(node, &channel.name)?;
+                Ok(row.times(&self.velocity))
+            }
+            Quantity::Angle => Ok(row.times(&self.angle)),
+            Quantity::Acceleration if self.a.class[self.a.group[node]] == Class::Massive => {
+                Ok(row.times(&self.acceleration))
+            }
+            Quantity::Acceleration => Err(ModelError::Network(format!(
+                "channel {} measures an acceleration, so {} must have an inertia",
+                channel.name, model.nodes[node].name
+            ))),
+            Quantity::Torque | Quantity::Reference => Err(ModelError::Network(format!(
+                "channel {} is a reference; that can only be an input",
+                channel.name
+            ))),
+        }
+    }
+
+    fn torque_row(&self, channel: &crate::Channel) -> Result<Jet, ModelError> {
+        let model = self.a.model;
+        if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
+            let twist = self.a.twist_row(spring.from, spring.to);
+            let mut torque = twist.times(&self.angle).scaled(&self.a.scalar(spring.stiffness));
+            if let Some(damping) = spring.damping {
+                torque = torque.plus(&twist.times(&self.velocity).scaled(&self.a.scalar(damping)));
+            }
+            return Ok(torque);
+        }
+        match (&model.servo, self.a.servo_terms()) {
+            (Some(servo), Some((row, proportional, derivative))) if servo.name == channel.at => {
+                let mut torque = Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
+                    .minus(&row.times(&self.angle).scaled(&proportional))
+                    .minus(&row.times(&self.velocity).scaled(&derivative));
+                for (index, input) in model.inputs().enumerate() {
+                    if input.quantity == Quantity::Reference {
+                        torque.add_at(0, self.first_input() + index, &proportional);
+                    }
+                }
+                Ok(torque)
+            }
+            _ => Err(ModelError::Network(format!(
+                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known",
+                channel.name, channel.at,
+            ))),
+        }
+    }
+
+    fn equations(&self) -> Result<(Equations, Vec<Equations>), ModelError> {
+        let model = self.a.model;
+        let all: Vec<usize> = (0..self.angle.value.ncols()).collect();
+        let states = self.first_input();
+        let count = self.a.wrt.len();
+        let mut rates = Jet::zeros(states, all.len(), count);
+        rates.add_block(0, 0, &self.angle_rates());
+        rates.add_block(self.angles.len(), 0, &self.acceleration.select(&self.massive, &all));
+        let outputs: Vec<_> = model.channels.iter().filter(|channel| channel.role == Role::Output).collect();
+        let mut observed = Jet::zeros(outputs.len(), all.len(), count);
+        for (row, channel) in outputs.iter().enumerate() {
+            observed.add_block(row, 0, &self.output_row(channel)?);
+        }
+        let mut seen = Jet::zeros(self.ports, all.len(), count);
+        for (row, used) in model.effects.iter().enumerate() {
+            if (used.effect.transition_speed)(&self.port_parameters(used)) > 0.0 {
+                self.require_speed(used.node, used.effect.id)?;
+                seen.add_block(row, 0, &self.node_velocity(used.node));
+            }
+        }
+        let part = |slope: Option<usize>| Equations {
+            state: pick(&rates, slope, 0, states),
+            input: pick(&rates, slope, states, self.inputs),
+            force: pick(&rates, slope, states + self.inputs, self.ports),
+            output: pick(&observed, slope, 0, states),
+            feedthrough: pick(&observed, slope, states, self.inputs),
+            force_output: pick(&observed, slope, states + self.inputs, self.ports),
+            port: pick(&seen, slope, 0, states),
+            port_input: pick(&seen, slope, states, self.inputs),
+            port_force: pick(&seen, slope, states + self.inputs, self.ports),
+            ports: Vec::new(),
+            state_names: Vec::new(),
+        };
+        let slopes = (0..count).map(|index| part(Some(index))).collect();
+        let ports = model.effects.iter().map(|used| Port {
+            effect: used.effect,
+            place: used.place.clone(),
+            parameters: used.parameters.clone(),
+        });
+        let equations = Equations { ports: ports.collect(), state_names: self.state_names(), ..part(None) };
+        Ok((equations, slopes))
+    }
+
+    fn port_parameters(&self, used: &crate::EffectUse) -> Vec<f64> {
+        used.parameters.iter().map(|index| self.a.values[*index]).collect()
+    }
+
+    fn state_names(&self) -> Vec<String> {
+        let name = |group: &usize| {
+            let node = self.a.group.iter().position(|candidate| candidate == group);
+            node.map_or_else(String::new, |node| self.a.model.nodes[node].name.clone())
+        };
+        let kind = if self.a.reference == Reference::Ground { "angle of" } else { "wind-up of" };
+        let angles = self.angles.iter().map(|group| format!("{kind} {}", name(group)));
+        angles.chain(self.massive.iter().map(|group| format!("speed of {}", name(group)))).collect()
+    }
+}
+
+fn pick(jet: &Jet, slope: Option<usize>, start: usize, count: usize) -> nalgebra::DMatrix<f64> {
+    let columns = jet.columns(start, count);
+    match slope {
+        None => columns.value,
+        Some(index) => columns.slopes[index].clone(),
+    }
+}
