@@ -1,2 +1,56 @@
-//! socam-core.
+//! The bench's control core: what runs on the board, in the virtual board and in tests, unchanged.
+//!
+//! # Conventions
+//!
+//! - Every quantity carries its unit in its name: `clamp_uv` (microvolt), `speed_urad_s` (microradian per second),
+//!   `timeout_us` (microsecond), `frequency_uhz` (microhertz). `_micro` is a millionth of the unit that the value's
+//!   owner states: volt or rad/s for a [`Profile`], the channel's SI unit (rad/s, N m, ...) for a [`Channel`].
+//! - What [`Board::tick`] runs is integer arithmetic only: the board has no floating-point unit, and integers make board
+//!   and host agree bit for bit. Floating point appears in [`scaling`] alone, which runs when a bench is configured.
+//! - Nothing here panics, allocates or blocks; arithmetic wraps or saturates on purpose, never by accident.
+//!
+//! # Main types
+//!
+//! [`Profile`] (what to command) becomes a [`Generator`] (sample by sample); [`Config`] says how counts become SI and
+//! what is watched; [`Board`] puts both behind [`Ports`] (the hardware) and the safety states of [`State`];
+//! a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender.
 #![no_std]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::arithmetic_side_effects,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+mod board;
+mod config;
+mod fault;
+mod fixed;
+mod profile;
+mod request;
+mod ring;
+mod safety;
+mod sample;
+pub mod scaling;
+mod schedule;
+mod velocity;
+
+pub use board::{Board, ConverterSilent, Ports, Status};
+pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
+pub use fault::Fault;
+pub use profile::{
+    Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape,
+};
+pub use request::{Refusal, Request};
+pub use ring::{Consumer, Producer, Ring};
+pub use safety::State;
+pub use sample::{Flags, Sample};
+pub use scaling::Scale;
+pub use velocity::MotorLine;

@@ -1,0 +1,346 @@
+//! What the board must know about the bench: scales, limits, timing. Integers only; made from a calibration on the host.
+
+use core::fmt;
+
+use crate::scaling::{self, Converter, MotorCalibration, Scale, Sensor};
+use crate::velocity::MotorLine;
+
+/// Most converter channels that a board can sample.
+pub const MAX_CHANNELS: usize = 8;
+
+/// The bench as the board sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Config {
+    /// Time between two ticks.
+    pub sample_period_us: u32,
+    /// How many of `channels` exist: the converter reads that many.
+    pub channel_count: u8,
+    /// The input channels, in the converter's order.
+    pub channels: [Channel; MAX_CHANNELS],
+    /// The command output.
+    pub output: Output,
+    /// How a commanded speed becomes a voltage.
+    pub speed: SpeedControl,
+    /// Longest silence of the host while armed, running or stopping.
+    pub host_timeout_us: u32,
+    /// How many samples in a row must break a channel's limit or sit at the converter's rail before it is a fault; 1 trips
+    /// at the first.
+    pub confirm_samples: u8,
+    /// A sensor counts as expected to move when the output's magnitude is at least this.
+    pub moving_uv: i32,
+    /// How long a sensor that is expected to move may read nothing, see [`Channel::missing_below_micro`].
+    pub missing_after_us: u32,
+}
+
+/// One input channel. "Micro" is a millionth of its SI unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Channel {
+    /// What it measures: names the fault when a limit is broken.
+    pub kind: ChannelKind,
+    /// Counts to SI.
+    pub scale: Scale,
+    /// Largest allowed magnitude.
+    pub limit_micro: Option<i32>,
+    /// From this magnitude on, the converter is at its rail.
+    pub saturation_count: Option<i16>,
+    /// How long the very same count may repeat while the output moves the bench.
+    pub stuck_after_us: Option<u32>,
+    /// Readings of at most this magnitude are "nothing": for [`Config::missing_after_us`] on end while the output moves the
+    /// bench, they mean that the sensor is missing (or the shaft locked).
+    pub missing_below_micro: Option<i32>,
+}
+
+/// What a channel measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ChannelKind {
+    /// rad/s.
+    Speed,
+    /// N m.
+    Torque,
+    /// Anything else (V, A, ...).
+    Other,
+}
+
+/// The command output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Output {
+    /// Counts of the output converter per microvolt, in 1/2^32: see [`scaling::counts_per_uv_q32`].
+    pub counts_per_uv_q32: i64,
+    /// Largest magnitude ever written.
+    pub clamp_uv: i32,
+}
+
+/// How a commanded speed becomes a voltage: feed-forward by the motor's calibration, and in closed loop a PI controller on
+/// one tachometer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SpeedControl {
+    /// The motor's calibration.
+    pub motor: MotorLine,
+    /// Index of the channel that measures the controlled speed.
+    pub tachometer: u8,
+    /// Proportional gain: uV per urad/s (that is V per rad/s), in 1/2^32.
+    pub proportional_q32: i64,
+    /// Integral gain: uV per urad/s and second, in 1/2^32.
+    pub integral_per_s_q32: i64,
+}
+
+impl Channel {
+    /// A channel that is sampled in counts and not watched.
+    pub const UNUSED: Self = Self {
+        kind: ChannelKind::Other,
+        scale: Scale {
+            micro_per_count_q16: 1 << 16,
+            offset_micro: 0,
+        },
+        limit_micro: None,
+        saturation_count: None,
+        stuck_after_us: None,
+        missing_below_micro: None,
+    };
+}
+
+impl Default for Config {
+    /// The thesis' bench at 1 kHz with 16-bit converters: input tachometer, output tachometer, input torque, output torque.
+    fn default() -> Self {
+        let converter = Converter::DEFAULT;
+        let channel = |kind, sensor: Sensor, limit: f64| Channel {
+            kind,
+            scale: sensor.scale(&converter),
+            limit_micro: Some(scaling::micro(limit)),
+            saturation_count: Some(converter.highest_count()),
+            stuck_after_us: Some(1_000_000),
+            missing_below_micro: None,
+        };
+        let rpm = scaling::RAD_S_PER_RPM;
+        // 1425 rpm reads 9.83 V: the last round figure before the tachometer's rail.
+        let mut motor_speed = channel(ChannelKind::Speed, Sensor::MOTOR_SPEED, 1425.0 * rpm);
+        let mut output_speed = channel(
+            ChannelKind::Speed,
+            Sensor::OUTPUT_SPEED,
+            1425.0 / 8.0 * 1.1 * rpm,
+        );
+        // 0.5 V means 348 rpm; below 10 rpm (and an eighth of it) nothing turns.
+        motor_speed.missing_below_micro = Some(scaling::micro(10.0 * rpm));
+        output_speed.missing_below_micro = Some(scaling::micro(10.0 / 8.0 * rpm));
+        let mut channels = [Channel::UNUSED; MAX_CHANNELS];
+        let used = [
+            motor_speed,
+            output_speed,
+            channel(ChannelKind::Torque, Sensor::TORQUE_IN, 4.8),
+            channel(ChannelKind::Torque, Sensor::TORQUE_OUT, 38.0),
+        ];
+        for (slot, channel) in channels.iter_mut().zip(used) {
+            *slot = channel;
+        }
+        Self {
+            sample_period_us: 1000,
+            channel_count: 4,
+            channels,
+            output: Output {
+                counts_per_uv_q32: scaling::counts_per_uv_q32(&converter),
+                clamp_uv: 4_990_000,
+            },
+            speed: SpeedControl::with_gains(&MotorCalibration::LOADED, 0, 0.005, 0.1),
+            host_timeout_us: 500_000,
+            confirm_samples: 1,
+            moving_uv: 500_000,
+            missing_after_us: 500_000,
+        }
+    }
+}
+
+impl SpeedControl {
+    /// From physical gains: V per rad/s, and V per rad (that is V per rad/s and second).
+    pub fn with_gains(
+        motor: &MotorCalibration,
+        tachometer: u8,
+        proportional: f64,
+        integral_per_s: f64,
+    ) -> Self {
+        let q32 = |gain: f64| (gain * 4_294_967_296.0) as i64;
+        Self {
+            motor: motor.line(),
+            tachometer,
+            proportional_q32: q32(proportional),
+            integral_per_s_q32: q32(integral_per_s),
+        }
+    }
+}
+
+/// Why a configuration was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ConfigError {
+    /// The sampling period is not 50 us to 1 s.
+    SamplePeriod(u32),
+    /// More channels than a board has, or none.
+    ChannelCount(u8),
+    /// A scale, limit or gain is zero, negative or beyond what the integers hold: this channel.
+    Channel(u8),
+    /// The output's scale or clamp is not positive, or the clamp exceeds the converter.
+    Output,
+    /// The tachometer is no channel of speed, or a gain of the speed control is negative or huge.
+    SpeedControl,
+    /// The host timeout is not 10 ms to 10 s.
+    HostTimeout(u32),
+    /// `confirm_samples` is 0, or `moving_uv` is negative.
+    Watch,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::SamplePeriod(us) => write!(f, "sample period is {us} us; it must be 50 us to 1 s"),
+            Self::ChannelCount(n) => write!(f, "{n} channels; there must be 1 to {MAX_CHANNELS}"),
+            Self::Channel(i) => write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive"),
+            Self::Output => f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter"),
+            Self::SpeedControl => {
+                f.write_str("speed control: the tachometer is not a speed channel, or a gain is negative or too large")
+            }
+            Self::HostTimeout(us) => write!(f, "host timeout is {us} us; it must be 10 ms to 10 s"),
+            Self::Watch => f.write_str("confirm_samples must be at least 1 and moving_uv at least 0"),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+impl Config {
+    /// The channels that exist.
+    pub fn used_channels(&self) -> &[Channel] {
+        self.channels
+            .get(..usize::from(self.channel_count))
+            .unwrap_or(&self.channels)
+    }
+
+    /// The tachometer of the speed control.
+    pub(crate) fn tachometer(&self) -> Option<&Channel> {
+        self.used_channels().get(usize::from(self.speed.tachometer))
+    }
+
+    /// Whether a board can run with this.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        if !(50..=1_000_000).contains(&self.sample_period_us) {
+            return Err(ConfigError::SamplePeriod(self.sample_period_us));
+        }
+        if !(1..=MAX_CHANNELS).contains(&usize::from(self.channel_count)) {
+            return Err(ConfigError::ChannelCount(self.channel_count));
+        }
+        for (i, channel) in (0u8..).zip(self.used_channels()) {
+            if !channel.is_sound() {
+                return Err(ConfigError::Channel(i));
+            }
+        }
+        let output = &self.output;
+        if output.clamp_uv <= 0
+            || output.counts_per_uv_q32 <= 0
+            || output.count(output.clamp_uv) == i16::MAX
+        {
+            return Err(ConfigError::Output);
+        }
+        if !self.speed.is_sound()
+            || self
+                .tachometer()
+                .is_none_or(|channel| channel.kind != ChannelKind::Speed)
+        {
+            return Err(ConfigError::SpeedControl);
+        }
+        if !(10_000..=10_000_000).contains(&self.host_timeout_us) {
+            return Err(ConfigError::HostTimeout(self.host_timeout_us));
+        }
+        if self.confirm_samples == 0 || self.moving_uv < 0 {
+            return Err(ConfigError::Watch);
+        }
+        Ok(())
+    }
+}
+
+impl Channel {
+    fn is_sound(&self) -> bool {
+        let gain = self.scale.micro_per_count_q16;
+        // Full scale must stay inside i32: 2^31 micro over 2^15 counts, in 1/2^16.
+        gain != 0
+            && gain.unsigned_abs() <= 1 << 32
+            && self.limit_micro.is_none_or(|limit| limit > 0)
+            && self.saturation_count.is_none_or(|count| count > 0)
+            && self.missing_below_micro.is_none_or(|below| below >= 0)
+    }
+}
+
+impl Output {
+    /// The count for a voltage, saturated.
+    pub fn count(&self, voltage_uv: i32) -> i16 {
+        let count = crate::fixed::scale(voltage_uv, self.counts_per_uv_q32, 32);
+        count.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16
+    }
+}
+
+impl SpeedControl {
+    fn is_sound(&self) -> bool {
+        let sound = |gain: i64| (0..=1 << 36).contains(&gain);
+        sound(self.motor.uv_per_urad_s_q32)
+            && sound(self.proportional_q32)
+            && sound(self.integral_per_s_q32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_is_sound_and_each_slip_is_named() {
+        assert_eq!(Config::default().check(), Ok(()));
+        let check = |change: fn(&mut Config)| {
+            let mut config = Config::default();
+            change(&mut config);
+            config
+                .check()
+                .map_err(|e| std::string::ToString::to_string(&e))
+        };
+        assert!(
+            check(|c| c.sample_period_us = 0)
+                .unwrap_err()
+                .starts_with("sample period is 0 us")
+        );
+        assert!(
+            check(|c| c.channel_count = 9)
+                .unwrap_err()
+                .starts_with("9 channels")
+        );
+        assert!(
+            check(|c| c.channels[2].scale.micro_per_count_q16 = 0)
+                .unwrap_err()
+                .starts_with("channel 2")
+        );
+        assert!(
+            check(|c| c.output.clamp_uv = 11_000_000)
+                .unwrap_err()
+                .contains("exceeds the converter")
+        );
+        assert!(
+            check(|c| c.speed.tachometer = 2)
+                .unwrap_err()
+                .contains("tachometer")
+        );
+        assert!(
+            check(|c| c.host_timeout_us = 0)
+                .unwrap_err()
+                .starts_with("host timeout")
+        );
+        assert!(check(|c| c.confirm_samples = 0).is_err());
+    }
+
+    #[test]
+    fn full_clamp_is_the_thesis_limit() {
+        let output = Config::default().output;
+        assert_eq!(output.count(output.clamp_uv), 16351);
+        assert_eq!(output.count(-output.clamp_uv), -16351);
+        assert_eq!(output.count(0), 0);
+    }
+}

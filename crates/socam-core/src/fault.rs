@@ -1,0 +1,257 @@
+//! Why the output was cut, in numbers and in words.
+
+use core::fmt;
+
+/// The cause of a fault. Channels are indices into [`crate::Config::channels`]; [`Fault::with_names`] prints their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Fault {
+    /// The emergency stop was requested by the host.
+    EmergencyStop,
+    /// The emergency stop's contact at the bench is open.
+    EmergencyStopInput,
+    /// The host said nothing for too long.
+    HostSilent {
+        /// The configured limit.
+        timeout_us: u32,
+    },
+    /// A shaft turns too fast.
+    OverSpeed {
+        /// Channel that measured it.
+        channel: u8,
+        /// Measured, in urad/s.
+        value_micro: i32,
+        /// Allowed, in urad/s.
+        limit_micro: i32,
+    },
+    /// A shaft carries too much torque.
+    OverTorque {
+        /// Channel that measured it.
+        channel: u8,
+        /// Measured, in uN m.
+        value_micro: i32,
+        /// Allowed, in uN m.
+        limit_micro: i32,
+    },
+    /// Another quantity exceeds its limit.
+    OverLimit {
+        /// Channel that measured it.
+        channel: u8,
+        /// Measured, in millionths of the channel's unit.
+        value_micro: i32,
+        /// Allowed, in millionths of the channel's unit.
+        limit_micro: i32,
+    },
+    /// A reading sits at the converter's rail.
+    SensorSaturated {
+        /// Channel that reads it.
+        channel: u8,
+        /// The reading.
+        count: i16,
+    },
+    /// A reading repeats to the count although the bench moves.
+    SensorStuck {
+        /// Channel that reads it.
+        channel: u8,
+        /// The reading.
+        count: i16,
+        /// For how long.
+        for_us: u32,
+    },
+    /// A sensor reads nothing although the bench should move.
+    SensorMissing {
+        /// Channel that reads it.
+        channel: u8,
+        /// The last reading, in millionths of the channel's unit.
+        value_micro: i32,
+        /// The command at that moment.
+        output_uv: i32,
+    },
+    /// The input converter did not answer.
+    ConverterSilent,
+    /// The output converter did not answer.
+    OutputSilent,
+}
+
+impl Fault {
+    /// A number that stays the same over all versions.
+    pub fn code(&self) -> u8 {
+        match self {
+            Self::EmergencyStop => 1,
+            Self::EmergencyStopInput => 2,
+            Self::HostSilent { .. } => 3,
+            Self::OverSpeed { .. } => 4,
+            Self::OverTorque { .. } => 5,
+            Self::OverLimit { .. } => 6,
+            Self::SensorSaturated { .. } => 7,
+            Self::SensorStuck { .. } => 8,
+            Self::SensorMissing { .. } => 9,
+            Self::ConverterSilent => 10,
+            Self::OutputSilent => 11,
+        }
+    }
+
+    /// The sentence with the channels' names in place of their numbers.
+    pub fn with_names<'a>(&'a self, names: &'a [&'a str]) -> impl fmt::Display + 'a {
+        Sentence { fault: self, names }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Sentence {
+            fault: self,
+            names: &[],
+        }
+        .fmt(f)
+    }
+}
+
+struct Sentence<'a> {
+    fault: &'a Fault,
+    names: &'a [&'a str],
+}
+
+impl fmt::Display for Sentence<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = |channel: u8| Name {
+            channel,
+            name: self.names.get(usize::from(channel)).copied(),
+        };
+        match *self.fault {
+            Fault::EmergencyStop => f.write_str("emergency stop by the host"),
+            Fault::EmergencyStopInput => {
+                f.write_str("emergency stop: the contact at the bench is open")
+            }
+            Fault::HostSilent { timeout_us } => {
+                write!(
+                    f,
+                    "no word from the host for {} ms: check the cable and that the host still runs",
+                    timeout_us / 1000
+                )
+            }
+            Fault::OverSpeed {
+                channel,
+                value_micro,
+                limit_micro,
+            } => {
+                write!(
+                    f,
+                    "over-speed: {} is {} rad/s, the limit is {} rad/s",
+                    name(channel),
+                    Milli(value_micro),
+                    Milli(limit_micro)
+                )
+            }
+            Fault::OverTorque {
+                channel,
+                value_micro,
+                limit_micro,
+            } => {
+                write!(
+                    f,
+                    "over-torque: {} is {} N m, the limit is {} N m",
+                    name(channel),
+                    Milli(value_micro),
+                    Milli(limit_micro)
+                )
+            }
+            Fault::OverLimit {
+                channel,
+                value_micro,
+                limit_micro,
+            } => {
+                write!(
+                    f,
+                    "{} is {}, the limit is {}",
+                    name(channel),
+                    Milli(value_micro),
+                    Milli(limit_micro)
+                )
+            }
+            Fault::SensorSaturated { channel, count } => write!(
+                f,
+                "{} is saturated: it reads {count} counts, the end of the converter's range",
+                name(channel)
+            ),
+            Fault::SensorStuck {
+                channel,
+                count,
+                for_us,
+            } => write!(
+                f,
+                "{} is stuck: it read {count} counts for {} ms while the bench was driven",
+                name(channel),
+                for_us / 1000
+            ),
+            Fault::SensorMissing {
+                channel,
+                value_micro,
+                output_uv,
+            } => write!(
+                f,
+                "{} is missing, or its shaft is locked: it reads {} at a command of {} V",
+                name(channel),
+                Milli(value_micro),
+                Milli(output_uv)
+            ),
+            Fault::ConverterSilent => {
+                f.write_str("the input converter does not answer: check its supply and wiring")
+            }
+            Fault::OutputSilent => {
+                f.write_str("the output converter does not answer: check its supply and wiring")
+            }
+        }
+    }
+}
+
+struct Name<'a> {
+    channel: u8,
+    name: Option<&'a str>,
+}
+
+impl fmt::Display for Name<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name {
+            Some(name) => f.write_str(name),
+            None => write!(f, "channel {}", self.channel),
+        }
+    }
+}
+
+/// Millionths, printed in units with three decimals.
+pub(crate) struct Milli(pub(crate) i32);
+
+impl fmt::Display for Milli {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let thousandths = self.0.unsigned_abs() / 1000;
+        let sign = if self.0 < 0 { "-" } else { "" };
+        write!(f, "{sign}{}.{:03}", thousandths / 1000, thousandths % 1000)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn sentences_name_channel_value_and_limit() {
+        let fault = Fault::OverTorque {
+            channel: 3,
+            value_micro: -38_250_400,
+            limit_micro: 38_000_000,
+        };
+        assert_eq!(
+            fault.to_string(),
+            "over-torque: channel 3 is -38.250 N m, the limit is 38.000 N m"
+        );
+        let names = ["motor_speed", "output_speed", "torque_in", "torque_out"];
+        assert!(
+            fault
+                .with_names(&names)
+                .to_string()
+                .starts_with("over-torque: torque_out is")
+        );
+    }
+}

@@ -1,0 +1,92 @@
+//! A random-phase multisine: all chosen lines at once, exactly periodic.
+
+use super::generator::Wish;
+use super::{PeriodClock, ProfileError, ProfileKey, check_frequency, whole_samples};
+use crate::fixed;
+
+/// Most lines of a multisine: what the sum's integer format holds.
+pub const MAX_LINES: u32 = 256;
+
+/// Which multiples of the line spacing a multisine contains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Lines {
+    /// All of them.
+    Full,
+    /// Odd multiples: even-order nonlinearity shows up between them.
+    Odd,
+    /// Even multiples.
+    Even,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Multisine {
+    offset_micro: i32,
+    line_micro: i32,
+    clock: PeriodClock,
+    first: u32,
+    stride: u32,
+    count: u32,
+    seed: u32,
+}
+
+impl Multisine {
+    pub(super) fn new(
+        offset_micro: i32,
+        line_micro: i32,
+        period_us: u32,
+        lines: Lines,
+        (first_line, last_line): (u16, u16),
+        seed: u32,
+        sample_period_us: u32,
+    ) -> Result<Self, ProfileError> {
+        let period = whole_samples(ProfileKey::Period, period_us, sample_period_us, 2)?;
+        let first_line = u32::from(first_line.max(1));
+        let (first, stride) = match lines {
+            Lines::Full => (first_line, 1),
+            Lines::Odd => (first_line | 1, 2),
+            Lines::Even => (first_line.wrapping_add(first_line & 1), 2),
+        };
+        let last = u32::from(last_line);
+        let count = last.checked_sub(first).map_or(0, |span| {
+            span.checked_div(stride).unwrap_or(0).wrapping_add(1)
+        });
+        if !(1..=MAX_LINES).contains(&count) {
+            return Err(ProfileError::LineCount(count));
+        }
+        let highest_uhz = u64::from(last)
+            .wrapping_mul(1_000_000_000_000)
+            .checked_div(u64::from(period_us))
+            .unwrap_or(0);
+        check_frequency(highest_uhz, sample_period_us)?;
+        Ok(Self {
+            offset_micro,
+            line_micro,
+            clock: PeriodClock::new(period),
+            first,
+            stride,
+            count,
+            seed,
+        })
+    }
+
+    pub(super) fn step(&mut self) -> Wish {
+        let segment = self.clock.periods;
+        let base = self.clock.step();
+        let phase_step = base.wrapping_mul(self.stride);
+        let mut phase = base.wrapping_mul(self.first);
+        // At most 256 terms of at most 2^22.
+        let mut sum_q22 = 0i32;
+        for line in 0..self.count {
+            let sine_q22 = fixed::sine_q22(phase.wrapping_add(fixed::mix(self.seed, line)));
+            sum_q22 = sum_q22.wrapping_add(sine_q22);
+            phase = phase.wrapping_add(phase_step);
+        }
+        let swing = fixed::scale(self.line_micro, i64::from(sum_q22), 22);
+        Wish {
+            value_micro: self.offset_micro.saturating_add(swing),
+            segment,
+            ended: false,
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What a host may ask of a board, and how a board says no.
+
+use core::fmt;
+
+use crate::{Config, ConfigError, Fault, Profile, ProfileError, State};
+
+/// What a host may ask. Each one counts as a word from the host.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is no allocator to box with, and requests are rare"
+)]
+pub enum Request {
+    /// "I am here"; due more often than [`Config::host_timeout_us`].
+    Heartbeat,
+    /// Replace the configuration; only when idle. Forgets the profile.
+    Configure(Config),
+    /// Replace the profile; only when idle.
+    Load(Profile),
+    /// Watch all limits and the host from now on; only when idle, with a profile.
+    Arm,
+    /// Enable the drive and start the profile; only when armed.
+    Run,
+    /// Ramp to 0 and disable the drive; disarms when armed.
+    Stop,
+    /// 0 V and drive disabled at once, latched as a fault.
+    EmergencyStop,
+    /// Back to idle after a fault.
+    ClearFault,
+    /// Switch the stream of samples on (`seq` restarts at 0) or off. The sender empties its ring first.
+    Stream(bool),
+}
+
+/// Why a board refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Refusal {
+    /// The request does not fit the state.
+    WrongState {
+        /// The board's state.
+        state: State,
+        /// The state that the request needs.
+        needs: State,
+    },
+    /// A fault is latched; clear it first.
+    Faulted(Fault),
+    /// No profile is loaded.
+    NoProfile,
+    /// The profile is not sound.
+    Profile(ProfileError),
+    /// The configuration is not sound.
+    Config(ConfigError),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongState { state, needs } => {
+                write!(f, "the board is {state}; it must be {needs} for this")
+            }
+            Self::Faulted(fault) => write!(f, "a fault is latched ({fault}); clear it first"),
+            Self::NoProfile => f.write_str("no profile is loaded"),
+            Self::Profile(error) => write!(f, "profile refused: {error}"),
+            Self::Config(error) => write!(f, "configuration refused: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+impl From<ProfileError> for Refusal {
+    fn from(error: ProfileError) -> Self {
+        Self::Profile(error)
+    }
+}
+
+impl From<ConfigError> for Refusal {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}

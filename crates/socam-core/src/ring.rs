@@ -1,0 +1,233 @@
+//! A lock-free ring between the sampling interrupt and the sender.
+//!
+//! Made of atomic words with plain loads and stores only: Cortex-M0+ has no compare-and-swap, and this needs no unsafe
+//! code. One side writes `head`, the other `tail`; a sample is visible once `head` is released.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use crate::{Flags, MAX_CHANNELS, Sample};
+
+const WORDS: usize = 5 + MAX_CHANNELS / 2;
+
+type Slot = [AtomicU32; WORDS];
+
+/// Storage for `N` samples; `N` must be a power of two (checked at compile time).
+#[derive(Debug)]
+pub struct Ring<const N: usize> {
+    slots: [Slot; N],
+    head: AtomicU32,
+    tail: AtomicU32,
+    dropped: AtomicU32,
+}
+
+impl<const N: usize> Ring<N> {
+    const SIZE_IS_POWER_OF_TWO: () = assert!(N.is_power_of_two() && N <= 1 << 16);
+
+    /// An empty ring, usable in a `static`.
+    pub const fn new() -> Self {
+        let () = Self::SIZE_IS_POWER_OF_TWO;
+        Self {
+            slots: [const { [const { AtomicU32::new(0) }; WORDS] }; N],
+            head: AtomicU32::new(0),
+            tail: AtomicU32::new(0),
+            dropped: AtomicU32::new(0),
+        }
+    }
+
+    /// The two ends. Exclusive access guarantees that there is one of each.
+    pub fn split(&mut self) -> (Producer<'_, N>, Consumer<'_, N>) {
+        let ring = &*self;
+        (Producer { ring }, Consumer { ring })
+    }
+
+    fn slot(&self, position: u32) -> Option<&Slot> {
+        // The mask keeps the index below N; `get` spares the proof to the reader.
+        self.slots.get(position as usize & N.wrapping_sub(1))
+    }
+}
+
+impl<const N: usize> Default for Ring<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The writing end, for the sampling interrupt.
+#[derive(Debug)]
+pub struct Producer<'r, const N: usize> {
+    ring: &'r Ring<N>,
+}
+
+impl<const N: usize> Producer<'_, N> {
+    /// Appends a sample; a full ring drops it, counts it and returns false.
+    pub fn push(&mut self, sample: &Sample) -> bool {
+        let head = self.ring.head.load(Ordering::Relaxed);
+        let used = head.wrapping_sub(self.ring.tail.load(Ordering::Acquire));
+        let slot = self.ring.slot(head).filter(|_| (used as usize) < N);
+        let Some(slot) = slot else {
+            let dropped = self.ring.dropped.load(Ordering::Relaxed);
+            self.ring
+                .dropped
+                .store(dropped.saturating_add(1), Ordering::Relaxed);
+            return false;
+        };
+        for (word, value) in slot.iter().zip(pack(sample)) {
+            word.store(value, Ordering::Relaxed);
+        }
+        self.ring
+            .head
+            .store(head.wrapping_add(1), Ordering::Release);
+        true
+    }
+
+    /// How many samples found the ring full since power-on.
+    pub fn dropped(&self) -> u32 {
+        self.ring.dropped.load(Ordering::Relaxed)
+    }
+}
+
+/// The reading end, for the sender.
+#[derive(Debug)]
+pub struct Consumer<'r, const N: usize> {
+    ring: &'r Ring<N>,
+}
+
+impl<const N: usize> Consumer<'_, N> {
+    /// The oldest sample, removed.
+    pub fn pop(&mut self) -> Option<Sample> {
+        let sample = self.peek()?;
+        let tail = self.ring.tail.load(Ordering::Relaxed);
+        self.ring
+            .tail
+            .store(tail.wrapping_add(1), Ordering::Release);
+        Some(sample)
+    }
+
+    /// The oldest sample, left in place.
+    pub fn peek(&self) -> Option<Sample> {
+        if self.is_empty() {
+            return None;
+        }
+        let slot = self.ring.slot(self.ring.tail.load(Ordering::Relaxed))?;
+        Some(unpack(slot))
+    }
+
+    /// Samples waiting.
+    pub fn len(&self) -> usize {
+        let head = self.ring.head.load(Ordering::Acquire);
+        head.wrapping_sub(self.ring.tail.load(Ordering::Relaxed)) as usize
+    }
+
+    /// Whether no sample waits.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Forgets all waiting samples.
+    pub fn clear(&mut self) {
+        let head = self.ring.head.load(Ordering::Acquire);
+        self.ring.tail.store(head, Ordering::Release);
+    }
+
+    /// How many samples found the ring full since power-on.
+    pub fn dropped(&self) -> u32 {
+        self.ring.dropped.load(Ordering::Relaxed)
+    }
+}
+
+fn pair(low: i16, high: i16) -> u32 {
+    u32::from(low as u16) | (u32::from(high as u16) << 16)
+}
+
+fn unpair(word: u32) -> [i16; 2] {
+    [word as u16 as i16, (word >> 16) as u16 as i16]
+}
+
+fn pack(sample: &Sample) -> [u32; WORDS] {
+    let [a, b, c, d, e, f, g, h] = sample.counts;
+    [
+        sample.tick,
+        sample.seq,
+        pair(a, b),
+        pair(c, d),
+        pair(e, f),
+        pair(g, h),
+        pair(sample.output_count, sample.segment as i16),
+        sample.setpoint_micro as u32,
+        u32::from(sample.flags.0),
+    ]
+}
+
+fn unpack(slot: &Slot) -> Sample {
+    let [tick, seq, ab, cd, ef, gh, output, setpoint, flags] =
+        slot.each_ref().map(|word| word.load(Ordering::Relaxed));
+    let ([a, b], [c, d], [e, f], [g, h]) = (unpair(ab), unpair(cd), unpair(ef), unpair(gh));
+    let [output_count, segment] = unpair(output);
+    Sample {
+        tick,
+        seq,
+        counts: [a, b, c, d, e, f, g, h],
+        output_count,
+        setpoint_micro: setpoint as i32,
+        segment: segment as u16,
+        flags: Flags(flags as u8),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(seq: u32) -> Sample {
+        Sample {
+            tick: seq.wrapping_mul(3),
+            seq,
+            counts: [1, -1, i16::MAX, i16::MIN, 5, -6, 7, seq as i16],
+            output_count: -7,
+            setpoint_micro: -1_000_000,
+            segment: u16::MAX,
+            flags: Flags(0x73),
+        }
+    }
+
+    #[test]
+    fn what_goes_in_comes_out_in_order_and_the_rest_is_counted() {
+        let mut ring = Ring::<4>::new();
+        let (mut producer, mut consumer) = ring.split();
+        for seq in 0..6 {
+            assert_eq!(producer.push(&sample(seq)), seq < 4);
+        }
+        assert_eq!(producer.dropped(), 2);
+        for seq in 0..4 {
+            assert_eq!(consumer.pop(), Some(sample(seq)));
+        }
+        assert_eq!(consumer.pop(), None);
+    }
+
+    #[test]
+    fn two_threads_lose_and_reorder_nothing_that_was_not_counted() {
+        let mut ring = Ring::<64>::new();
+        let (mut producer, mut consumer) = ring.split();
+        const TOTAL: u32 = 200_000;
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                for seq in 0..TOTAL {
+                    producer.push(&sample(seq));
+                }
+            });
+            let (mut got, mut last) = (0u32, None);
+            while last != Some(TOTAL - 1) && got + consumer.dropped() < TOTAL {
+                while let Some(s) = consumer.pop() {
+                    assert_eq!(s, sample(s.seq));
+                    assert!(last.is_none_or(|l| s.seq > l));
+                    last = Some(s.seq);
+                    got += 1;
+                }
+            }
+            while consumer.pop().is_some() {
+                got += 1;
+            }
+            assert_eq!(got + consumer.dropped(), TOTAL);
+        });
+    }
+}
