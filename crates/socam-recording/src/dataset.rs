@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::csv_read::CsvRows;
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
+use crate::log::read::{LogContents, LogRows};
 use crate::segments::{Segment, SegmentFinder};
 use crate::selection::{Selection, Span};
 use crate::statistics::{Running, Statistics};
@@ -35,6 +36,7 @@ pub struct Dataset {
     rows: u64,
     lost_samples: u64,
     cut: Option<Cut>,
+    contents: Option<Arc<LogContents>>,
     warnings: Vec<Warning>,
     source: Source,
 }
@@ -78,6 +80,14 @@ pub enum Warning {
         /// What is missing, in words.
         missing: String,
     },
+    /// A part of a log that does not fit its checksum.
+    #[error("{bytes} damaged bytes at byte {byte} are left out; the samples in them are missing")]
+    Damaged {
+        /// Where the part starts.
+        byte: u64,
+        /// Its length, bytes.
+        bytes: u64,
+    },
     /// Samples that never reached the recording.
     #[error("{samples} samples were lost while recording (by their sequence numbers)")]
     LostSamples {
@@ -116,6 +126,11 @@ impl Table {
             time_s: Vec::new(),
             columns: vec![Vec::new(); columns],
         }
+    }
+
+    pub(crate) fn truncate(&mut self, rows: usize) {
+        self.time_s.truncate(rows);
+        self.columns.iter_mut().for_each(|c| c.truncate(rows));
     }
 
     pub(crate) fn clear(&mut self) {
@@ -317,6 +332,7 @@ impl Dataset {
             rows: table.time_s.len() as u64,
             lost_samples: 0,
             cut: None,
+            contents: None,
             warnings: Vec::new(),
             source: Source::Memory(Arc::new(table)),
         })
@@ -395,6 +411,7 @@ impl Dataset {
             rows: tally.rows,
             lost_samples: end.lost_samples,
             cut: end.cut,
+            contents: end.contents.map(Arc::new),
             warnings: end.warnings,
             source,
         })
@@ -464,6 +481,12 @@ impl Dataset {
     #[must_use]
     pub fn cut(&self) -> Option<&Cut> {
         self.cut.as_ref()
+    }
+
+    /// What an MCAP log holds besides samples; `None` for other formats.
+    #[must_use]
+    pub fn contents(&self) -> Option<&LogContents> {
+        self.contents.as_deref()
     }
 
     /// What was left aside on opening.
@@ -577,7 +600,8 @@ impl Tally {
 
 /// Rows streaming from a file, of one format or another.
 pub(crate) enum Rows {
-    Csv(CsvRows),
+    Csv(Box<CsvRows>),
+    Log(Box<LogRows>),
 }
 
 /// What a reader knows once it has seen the last row.
@@ -588,13 +612,15 @@ pub(crate) struct EndOfRows {
     pub(crate) warnings: Vec<Warning>,
     pub(crate) lost_samples: u64,
     pub(crate) cut: Option<Cut>,
+    pub(crate) contents: Option<LogContents>,
 }
 
 impl Rows {
     /// `columns`: which of the file's channels to read; all on the first pass.
     fn open(path: &Path, format: Format, columns: Option<&[usize]>) -> Result<Self> {
         match format {
-            Format::Csv => Ok(Self::Csv(CsvRows::open(path, columns)?)),
+            Format::Csv => Ok(Self::Csv(Box::new(CsvRows::open(path, columns)?))),
+            Format::Mcap => Ok(Self::Log(Box::new(LogRows::open(path, columns)?))),
             _ => Err(RecordingError::Foreign {
                 path: PathBuf::from(path),
                 found: format!("is {format}, which this version does not read"),
@@ -605,6 +631,7 @@ impl Rows {
     fn channels(&self) -> &[Channel] {
         match self {
             Self::Csv(rows) => rows.channels(),
+            Self::Log(rows) => rows.channels(),
         }
     }
 
@@ -612,12 +639,14 @@ impl Rows {
     fn read(&mut self, table: &mut Table, limit: usize) -> Result<bool> {
         match self {
             Self::Csv(rows) => rows.read(table, limit),
+            Self::Log(rows) => rows.read(table, limit),
         }
     }
 
     fn finish(self) -> EndOfRows {
         match self {
             Self::Csv(rows) => rows.finish(),
+            Self::Log(rows) => rows.finish(),
         }
     }
 }

@@ -117,6 +117,20 @@ pub enum RecordingError {
         /// What does not fit.
         problem: String,
     },
+    /// A recording that ended without a sample.
+    #[error("nothing was recorded to `{}`: not one sample arrived; check the device", .path.display())]
+    NothingRecorded {
+        /// The file that would have been.
+        path: PathBuf,
+    },
+    /// A recording that could not go on.
+    #[error("{cause}; the recording ends after {samples} samples, which can still be read")]
+    Stopped {
+        /// Samples handed to the log before.
+        samples: u64,
+        /// Why.
+        cause: Box<RecordingError>,
+    },
     /// A file that changed while it was being read.
     #[error("`{}` changed while it was read (expected {expected_rows} rows, found {found_rows}); let its writer finish and try again", .path.display())]
     Changed {
@@ -230,6 +244,14 @@ impl RecordingError {
             path: path.into(),
             action,
             source,
+        }
+    }
+
+    /// The same error, with how far a recording had come.
+    pub(crate) fn after(self, samples: u64) -> Self {
+        Self::Stopped {
+            samples,
+            cause: Box::new(self),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Recordings of a drivetrain bench: one [`Dataset`] type over every format, streamed, with units, times and gaps.
 //!
 //! * [`Dataset::open`] reads `.mcap`, `.csv` and the legacy `.m`, or a part of one (`RUN@FROM..TO`).
+//! * [`Recorder`] writes an MCAP log that survives a crash, and never makes the sampling thread wait.
 //! * [`Steady::open`] reads a table of steady states.
 //!
 //! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
@@ -11,6 +12,7 @@ mod dataset;
 mod error;
 mod format;
 mod legacy;
+mod log;
 mod segments;
 mod selection;
 mod statistics;
@@ -21,6 +23,11 @@ pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
 pub use format::{Format, detect};
 pub use legacy::{LegacyCalibration, LegacyInput, LegacyLog};
+pub use log::read::{AttachmentInfo, LogContents, read_attachments};
+pub use log::record::{Recorder, RecordingSummary};
+pub use log::sample::{Event, SampleRow, Status};
+pub use log::writer::{Attachment, RecordingHeader};
+pub use log::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
 pub use statistics::Statistics;

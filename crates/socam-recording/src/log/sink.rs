@@ -1,0 +1,89 @@
+//! The file under a log: grows by whole records only, counts its bytes, and can be put back to its last whole record.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+
+/// A file written through memory. Only a flush hands anything over, so whoever flushes between records leaves whole records.
+#[derive(Debug)]
+pub(crate) struct LogSink {
+    file: File,
+    held: Vec<u8>,
+    written: u64,
+    failed: bool,
+}
+
+impl LogSink {
+    pub(crate) fn new(file: File) -> Self {
+        Self {
+            file,
+            held: Vec::new(),
+            written: 0,
+            failed: false,
+        }
+    }
+
+    /// Bytes handed to the system.
+    pub(crate) fn written(&self) -> u64 {
+        self.written
+    }
+
+    /// A second handle of the same file, for syncing it while the log's writer holds this one.
+    pub(crate) fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    fn hand_over(&mut self) -> io::Result<()> {
+        if self.held.is_empty() {
+            return Ok(());
+        }
+        if let Err(e) = self.file.write_all(&self.held) {
+            // Whatever part of it arrived is no whole record; a device has nothing to take back.
+            let _ = self.file.set_len(self.written);
+            self.failed = true;
+            return Err(e);
+        }
+        self.written += self.held.len() as u64;
+        self.held.clear();
+        Ok(())
+    }
+
+    /// Nothing may follow a failure: an index of records that never arrived is worse than none.
+    fn check(&self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("writing failed before"));
+        }
+        Ok(())
+    }
+}
+
+impl Write for LogSink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.check()?;
+        self.held.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.check()?;
+        self.hand_over()
+    }
+}
+
+impl Seek for LogSink {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        let here = self.written + self.held.len() as u64;
+        match position {
+            SeekFrom::Current(0) => Ok(here),
+            SeekFrom::Start(start) if start == here => Ok(here),
+            _ => Err(io::Error::other("a log is only written forwards")),
+        }
+    }
+}
+
+/// Brings a file's content to the disk. Devices and pipes cannot, which is no fault.
+pub(crate) fn sync(file: &File) -> io::Result<()> {
+    match file.sync_data() {
+        Err(e) if e.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        result => result,
+    }
+}
