@@ -115,9 +115,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         let missed = self.schedule.advance(now_us);
 
         let mut counts = [0; MAX_CHANNELS];
-        let used = counts
-            .get_mut(..usize::from(self.config.channel_count))
-            .unwrap_or_default();
+        let used = counts.get_mut(..usize::from(self.config.channel_count)).unwrap_or_default();
         let read = self.ports.read(used);
         if read.is_err() {
             counts = [0; MAX_CHANNELS];
@@ -220,10 +218,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         match self.fault {
             Some(fault) => Err(Refusal::Faulted(fault)),
             None if self.state == needs => Ok(()),
-            None => Err(Refusal::WrongState {
-                state: self.state,
-                needs,
-            }),
+            None => Err(Refusal::WrongState { state: self.state, needs }),
         }
     }
 
@@ -277,9 +272,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             return Some(Fault::EmergencyStopInput);
         }
         if now_us.saturating_sub(self.heard_us) > u64::from(self.config.host_timeout_us) {
-            return Some(Fault::HostSilent {
-                timeout_us: self.config.host_timeout_us,
-            });
+            return Some(Fault::HostSilent { timeout_us: self.config.host_timeout_us });
         }
         self.watch.check(&self.config, counts, self.output_uv)
     }
@@ -317,27 +310,15 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             return false;
         }
         let clamp_uv = self.config.output.clamp_uv;
-        let command = self
-            .loaded
-            .map_or(Command::Voltage, |profile| profile.command);
+        let command = self.loaded.map_or(Command::Voltage, |profile| profile.command);
         let wanted_uv = match command {
             Command::Voltage => setpoint.value_micro,
             Command::SpeedOpenLoop => self.config.speed.motor.voltage_uv(setpoint.value_micro),
             Command::SpeedClosedLoop => {
-                let measured = counts
-                    .get(usize::from(self.config.speed.tachometer))
-                    .copied()
-                    .unwrap_or(0);
-                let measured_urad_s = self
-                    .config
-                    .tachometer()
-                    .map_or(0, |channel| channel.scale.value_micro(measured));
-                self.speed_loop.step(
-                    &self.config.speed,
-                    setpoint.value_micro,
-                    measured_urad_s,
-                    clamp_uv,
-                )
+                let measured = counts.get(usize::from(self.config.speed.tachometer)).copied().unwrap_or(0);
+                let measured_urad_s =
+                    self.config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured));
+                self.speed_loop.step(&self.config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
             }
         };
         self.output_uv = wanted_uv.clamp(clamp_uv.saturating_neg(), clamp_uv);

@@ -93,10 +93,7 @@ impl Channel {
     /// A channel that is sampled in counts and not watched.
     pub const UNUSED: Self = Self {
         kind: ChannelKind::Other,
-        scale: Scale {
-            micro_per_count_q16: 1 << 16,
-            offset_micro: 0,
-        },
+        scale: Scale { micro_per_count_q16: 1 << 16, offset_micro: 0 },
         limit_micro: None,
         saturation_count: None,
         stuck_after_us: None,
@@ -119,11 +116,7 @@ impl Default for Config {
         let rpm = scaling::RAD_S_PER_RPM;
         // 1425 rpm reads 9.83 V: the last round figure before the tachometer's rail.
         let mut motor_speed = channel(ChannelKind::Speed, Sensor::MOTOR_SPEED, 1425.0 * rpm);
-        let mut output_speed = channel(
-            ChannelKind::Speed,
-            Sensor::OUTPUT_SPEED,
-            1425.0 / 8.0 * 1.1 * rpm,
-        );
+        let mut output_speed = channel(ChannelKind::Speed, Sensor::OUTPUT_SPEED, 1425.0 / 8.0 * 1.1 * rpm);
         // 0.5 V means 348 rpm; below 10 rpm (and an eighth of it) nothing turns.
         motor_speed.missing_below_micro = Some(scaling::micro(10.0 * rpm));
         output_speed.missing_below_micro = Some(scaling::micro(10.0 / 8.0 * rpm));
@@ -141,10 +134,7 @@ impl Default for Config {
             sample_period_us: 1000,
             channel_count: 4,
             channels,
-            output: Output {
-                counts_per_uv_q32: scaling::counts_per_uv_q32(&converter),
-                clamp_uv: 4_990_000,
-            },
+            output: Output { counts_per_uv_q32: scaling::counts_per_uv_q32(&converter), clamp_uv: 4_990_000 },
             speed: SpeedControl::with_gains(&MotorCalibration::LOADED, 0, 0.005, 0.1),
             host_timeout_us: 500_000,
             confirm_samples: 1,
@@ -197,11 +187,15 @@ impl fmt::Display for ConfigError {
         match *self {
             Self::SamplePeriod(us) => write!(f, "sample period is {us} us; it must be 50 us to 1 s"),
             Self::ChannelCount(n) => write!(f, "{n} channels; there must be 1 to {MAX_CHANNELS}"),
-            Self::Channel(i) => write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive"),
-            Self::Output => f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter"),
-            Self::SpeedControl => {
-                f.write_str("speed control: the tachometer is not a speed channel, or a gain is negative or too large")
+            Self::Channel(i) => {
+                write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive")
             }
+            Self::Output => {
+                f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter")
+            }
+            Self::SpeedControl => f.write_str(
+                "speed control: the tachometer is not a speed channel, or a gain is negative or too large",
+            ),
             Self::HostTimeout(us) => write!(f, "host timeout is {us} us; it must be 10 ms to 10 s"),
             Self::Watch => f.write_str("confirm_samples must be at least 1 and moving_uv at least 0"),
         }
@@ -213,9 +207,7 @@ impl core::error::Error for ConfigError {}
 impl Config {
     /// The channels that exist.
     pub fn used_channels(&self) -> &[Channel] {
-        self.channels
-            .get(..usize::from(self.channel_count))
-            .unwrap_or(&self.channels)
+        self.channels.get(..usize::from(self.channel_count)).unwrap_or(&self.channels)
     }
 
     /// The tachometer of the speed control.
@@ -237,16 +229,12 @@ impl Config {
             }
         }
         let output = &self.output;
-        if output.clamp_uv <= 0
-            || output.counts_per_uv_q32 <= 0
-            || output.count(output.clamp_uv) == i16::MAX
+        if output.clamp_uv <= 0 || output.counts_per_uv_q32 <= 0 || output.count(output.clamp_uv) == i16::MAX
         {
             return Err(ConfigError::Output);
         }
         if !self.speed.is_sound()
-            || self
-                .tachometer()
-                .is_none_or(|channel| channel.kind != ChannelKind::Speed)
+            || self.tachometer().is_none_or(|channel| channel.kind != ChannelKind::Speed)
         {
             return Err(ConfigError::SpeedControl);
         }
@@ -283,9 +271,7 @@ impl Output {
 impl SpeedControl {
     fn is_sound(&self) -> bool {
         let sound = |gain: i64| (0..=1 << 36).contains(&gain);
-        sound(self.motor.uv_per_urad_s_q32)
-            && sound(self.proportional_q32)
-            && sound(self.integral_per_s_q32)
+        sound(self.motor.uv_per_urad_s_q32) && sound(self.proportional_q32) && sound(self.integral_per_s_q32)
     }
 }
 
@@ -299,40 +285,14 @@ mod tests {
         let check = |change: fn(&mut Config)| {
             let mut config = Config::default();
             change(&mut config);
-            config
-                .check()
-                .map_err(|e| std::string::ToString::to_string(&e))
+            config.check().map_err(|e| std::string::ToString::to_string(&e))
         };
-        assert!(
-            check(|c| c.sample_period_us = 0)
-                .unwrap_err()
-                .starts_with("sample period is 0 us")
-        );
-        assert!(
-            check(|c| c.channel_count = 9)
-                .unwrap_err()
-                .starts_with("9 channels")
-        );
-        assert!(
-            check(|c| c.channels[2].scale.micro_per_count_q16 = 0)
-                .unwrap_err()
-                .starts_with("channel 2")
-        );
-        assert!(
-            check(|c| c.output.clamp_uv = 11_000_000)
-                .unwrap_err()
-                .contains("exceeds the converter")
-        );
-        assert!(
-            check(|c| c.speed.tachometer = 2)
-                .unwrap_err()
-                .contains("tachometer")
-        );
-        assert!(
-            check(|c| c.host_timeout_us = 0)
-                .unwrap_err()
-                .starts_with("host timeout")
-        );
+        assert!(check(|c| c.sample_period_us = 0).unwrap_err().starts_with("sample period is 0 us"));
+        assert!(check(|c| c.channel_count = 9).unwrap_err().starts_with("9 channels"));
+        assert!(check(|c| c.channels[2].scale.micro_per_count_q16 = 0).unwrap_err().starts_with("channel 2"));
+        assert!(check(|c| c.output.clamp_uv = 11_000_000).unwrap_err().contains("exceeds the converter"));
+        assert!(check(|c| c.speed.tachometer = 2).unwrap_err().contains("tachometer"));
+        assert!(check(|c| c.host_timeout_us = 0).unwrap_err().starts_with("host timeout"));
         assert!(check(|c| c.confirm_samples = 0).is_err());
     }
 

@@ -99,11 +99,7 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        Sentence {
-            fault: self,
-            names: &[],
-        }
-        .fmt(f)
+        Sentence { fault: self, names: &[] }.fmt(f)
     }
 }
 
@@ -114,15 +110,10 @@ struct Sentence<'a> {
 
 impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |channel: u8| Name {
-            channel,
-            name: self.names.get(usize::from(channel)).copied(),
-        };
+        let name = |channel: u8| Name { channel, name: self.names.get(usize::from(channel)).copied() };
         match *self.fault {
             Fault::EmergencyStop => f.write_str("emergency stop by the host"),
-            Fault::EmergencyStopInput => {
-                f.write_str("emergency stop: the contact at the bench is open")
-            }
+            Fault::EmergencyStopInput => f.write_str("emergency stop: the contact at the bench is open"),
             Fault::HostSilent { timeout_us } => {
                 write!(
                     f,
@@ -130,11 +121,7 @@ impl fmt::Display for Sentence<'_> {
                     timeout_us / 1000
                 )
             }
-            Fault::OverSpeed {
-                channel,
-                value_micro,
-                limit_micro,
-            } => {
+            Fault::OverSpeed { channel, value_micro, limit_micro } => {
                 write!(
                     f,
                     "over-speed: {} is {} rad/s, the limit is {} rad/s",
@@ -143,11 +130,7 @@ impl fmt::Display for Sentence<'_> {
                     Milli(limit_micro)
                 )
             }
-            Fault::OverTorque {
-                channel,
-                value_micro,
-                limit_micro,
-            } => {
+            Fault::OverTorque { channel, value_micro, limit_micro } => {
                 write!(
                     f,
                     "over-torque: {} is {} N m, the limit is {} N m",
@@ -156,39 +139,21 @@ impl fmt::Display for Sentence<'_> {
                     Milli(limit_micro)
                 )
             }
-            Fault::OverLimit {
-                channel,
-                value_micro,
-                limit_micro,
-            } => {
-                write!(
-                    f,
-                    "{} is {}, the limit is {}",
-                    name(channel),
-                    Milli(value_micro),
-                    Milli(limit_micro)
-                )
+            Fault::OverLimit { channel, value_micro, limit_micro } => {
+                write!(f, "{} is {}, the limit is {}", name(channel), Milli(value_micro), Milli(limit_micro))
             }
             Fault::SensorSaturated { channel, count } => write!(
                 f,
                 "{} is saturated: it reads {count} counts, the end of the converter's range",
                 name(channel)
             ),
-            Fault::SensorStuck {
-                channel,
-                count,
-                for_us,
-            } => write!(
+            Fault::SensorStuck { channel, count, for_us } => write!(
                 f,
                 "{} is stuck: it read {count} counts for {} ms while the bench was driven",
                 name(channel),
                 for_us / 1000
             ),
-            Fault::SensorMissing {
-                channel,
-                value_micro,
-                output_uv,
-            } => write!(
+            Fault::SensorMissing { channel, value_micro, output_uv } => write!(
                 f,
                 "{} is missing, or its shaft is locked: it reads {} at a command of {} V",
                 name(channel),
@@ -237,21 +202,9 @@ mod tests {
 
     #[test]
     fn sentences_name_channel_value_and_limit() {
-        let fault = Fault::OverTorque {
-            channel: 3,
-            value_micro: -38_250_400,
-            limit_micro: 38_000_000,
-        };
-        assert_eq!(
-            fault.to_string(),
-            "over-torque: channel 3 is -38.250 N m, the limit is 38.000 N m"
-        );
+        let fault = Fault::OverTorque { channel: 3, value_micro: -38_250_400, limit_micro: 38_000_000 };
+        assert_eq!(fault.to_string(), "over-torque: channel 3 is -38.250 N m, the limit is 38.000 N m");
         let names = ["motor_speed", "output_speed", "torque_in", "torque_out"];
-        assert!(
-            fault
-                .with_names(&names)
-                .to_string()
-                .starts_with("over-torque: torque_out is")
-        );
+        assert!(fault.with_names(&names).to_string().starts_with("over-torque: torque_out is"));
     }
 }

@@ -41,11 +41,7 @@ const fn sine_table() -> [i32; SINE_INTERVALS + 1] {
     while i <= SINE_INTERVALS {
         // Fold into a quarter turn, where the series converges to below 1e-16.
         let half_turn = i % (SINE_INTERVALS / 2);
-        let folded = if half_turn > quarter {
-            2 * quarter - half_turn
-        } else {
-            half_turn
-        };
+        let folded = if half_turn > quarter { 2 * quarter - half_turn } else { half_turn };
         let x = core::f64::consts::FRAC_PI_2 * folded as f64 / quarter as f64;
         let mut term = x;
         let mut sum = x;
@@ -56,11 +52,7 @@ const fn sine_table() -> [i32; SINE_INTERVALS + 1] {
             k += 1;
         }
         let magnitude = (sum * ONE_Q22 as f64 + 0.5) as i32;
-        table[i] = if i % SINE_INTERVALS >= SINE_INTERVALS / 2 {
-            -magnitude
-        } else {
-            magnitude
-        };
+        table[i] = if i % SINE_INTERVALS >= SINE_INTERVALS / 2 { -magnitude } else { magnitude };
         i += 1;
     }
     table
@@ -98,11 +90,7 @@ pub(crate) fn log2_q40(x: u64) -> u64 {
     for _ in 0..40 {
         let square_q62 = mul_high(mantissa_q63, mantissa_q63);
         let carry = square_q62 >> 63;
-        mantissa_q63 = if carry == 1 {
-            square_q62
-        } else {
-            square_q62.wrapping_shl(1)
-        };
+        mantissa_q63 = if carry == 1 { square_q62 } else { square_q62.wrapping_shl(1) };
         result = (result << 1) | carry;
     }
     result
@@ -131,10 +119,7 @@ mod tests {
             let phase = i.wrapping_mul(42_949);
             let exact = libm_sine(phase);
             let got = f64::from(sine_q22(phase)) / f64::from(ONE_Q22);
-            assert!(
-                (got - exact).abs() < 5.2e-6,
-                "phase {phase}: {got} instead of {exact}"
-            );
+            assert!((got - exact).abs() < 5.2e-6, "phase {phase}: {got} instead of {exact}");
         }
     }
 

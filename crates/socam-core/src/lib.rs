@@ -45,9 +45,7 @@ mod velocity;
 pub use board::{Board, ConverterSilent, Ports, Status};
 pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
 pub use fault::Fault;
-pub use profile::{
-    Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape,
-};
+pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};
 pub use request::{Refusal, Request};
 pub use ring::{Consumer, Producer, Ring};
 pub use safety::State;

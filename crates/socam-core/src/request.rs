@@ -7,10 +7,7 @@ use crate::{Config, ConfigError, Fault, Profile, ProfileError, State};
 /// What a host may ask. Each one counts as a word from the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is no allocator to box with, and requests are rare"
-)]
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with, and requests are rare")]
 pub enum Request {
     /// "I am here"; due more often than [`Config::host_timeout_us`].
     Heartbeat,

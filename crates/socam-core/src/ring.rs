@@ -66,17 +66,13 @@ impl<const N: usize> Producer<'_, N> {
         let slot = self.ring.slot(head).filter(|_| (used as usize) < N);
         let Some(slot) = slot else {
             let dropped = self.ring.dropped.load(Ordering::Relaxed);
-            self.ring
-                .dropped
-                .store(dropped.saturating_add(1), Ordering::Relaxed);
+            self.ring.dropped.store(dropped.saturating_add(1), Ordering::Relaxed);
             return false;
         };
         for (word, value) in slot.iter().zip(pack(sample)) {
             word.store(value, Ordering::Relaxed);
         }
-        self.ring
-            .head
-            .store(head.wrapping_add(1), Ordering::Release);
+        self.ring.head.store(head.wrapping_add(1), Ordering::Release);
         true
     }
 
@@ -97,9 +93,7 @@ impl<const N: usize> Consumer<'_, N> {
     pub fn pop(&mut self) -> Option<Sample> {
         let sample = self.peek()?;
         let tail = self.ring.tail.load(Ordering::Relaxed);
-        self.ring
-            .tail
-            .store(tail.wrapping_add(1), Ordering::Release);
+        self.ring.tail.store(tail.wrapping_add(1), Ordering::Release);
         Some(sample)
     }
 

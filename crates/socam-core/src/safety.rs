@@ -35,15 +35,9 @@ impl State {
 
     /// The state with this code.
     pub fn from_code(code: u8) -> Option<Self> {
-        [
-            Self::Idle,
-            Self::Armed,
-            Self::Running,
-            Self::Stopping,
-            Self::Fault,
-        ]
-        .into_iter()
-        .find(|state| state.code() == code)
+        [Self::Idle, Self::Armed, Self::Running, Self::Stopping, Self::Fault]
+            .into_iter()
+            .find(|state| state.code() == code)
     }
 
     /// Whether the drive is enabled.
@@ -112,10 +106,8 @@ impl Watch {
     ) -> Option<Fault> {
         let moves = output_uv.unsigned_abs() >= config.moving_uv.unsigned_abs();
         let mut fault = None;
-        for (((index, watch), channel), &count) in (0u8..)
-            .zip(&mut self.channels)
-            .zip(config.used_channels())
-            .zip(counts)
+        for (((index, watch), channel), &count) in
+            (0u8..).zip(&mut self.channels).zip(config.used_channels()).zip(counts)
         {
             let found = watch
                 .saturation(config, channel, index, count)
@@ -130,73 +122,30 @@ impl Watch {
 }
 
 impl ChannelWatch {
-    fn saturation(
-        &mut self,
-        config: &Config,
-        channel: &Channel,
-        index: u8,
-        count: i16,
-    ) -> Option<Fault> {
+    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
         let rail = channel.saturation_count?;
         let at_rail = count.unsigned_abs() >= rail.unsigned_abs();
-        self.saturated = if at_rail {
-            self.saturated.saturating_add(1)
-        } else {
-            0
-        };
-        (self.saturated >= config.confirm_samples).then_some(Fault::SensorSaturated {
-            channel: index,
-            count,
-        })
+        self.saturated = if at_rail { self.saturated.saturating_add(1) } else { 0 };
+        (self.saturated >= config.confirm_samples).then_some(Fault::SensorSaturated { channel: index, count })
     }
 
-    fn limit(
-        &mut self,
-        config: &Config,
-        channel: &Channel,
-        index: u8,
-        count: i16,
-    ) -> Option<Fault> {
+    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
         let limit_micro = channel.limit_micro?;
         let value_micro = channel.scale.value_micro(count);
         let over = value_micro.unsigned_abs() > limit_micro.unsigned_abs();
-        self.over_limit = if over {
-            self.over_limit.saturating_add(1)
-        } else {
-            0
-        };
+        self.over_limit = if over { self.over_limit.saturating_add(1) } else { 0 };
         (self.over_limit >= config.confirm_samples).then_some(match channel.kind {
-            ChannelKind::Speed => Fault::OverSpeed {
-                channel: index,
-                value_micro,
-                limit_micro,
-            },
-            ChannelKind::Torque => Fault::OverTorque {
-                channel: index,
-                value_micro,
-                limit_micro,
-            },
-            ChannelKind::Other => Fault::OverLimit {
-                channel: index,
-                value_micro,
-                limit_micro,
-            },
+            ChannelKind::Speed => Fault::OverSpeed { channel: index, value_micro, limit_micro },
+            ChannelKind::Torque => Fault::OverTorque { channel: index, value_micro, limit_micro },
+            ChannelKind::Other => Fault::OverLimit { channel: index, value_micro, limit_micro },
         })
     }
 
     fn stuck(&mut self, config: &Config, index: u8, count: i16, moves: bool) -> Option<Fault> {
         let stuck_after = self.stuck_after?;
-        self.repeated = if moves && count == self.last_count {
-            self.repeated.saturating_add(1)
-        } else {
-            0
-        };
+        self.repeated = if moves && count == self.last_count { self.repeated.saturating_add(1) } else { 0 };
         let for_us = self.repeated.saturating_mul(config.sample_period_us);
-        (self.repeated >= stuck_after).then_some(Fault::SensorStuck {
-            channel: index,
-            count,
-            for_us,
-        })
+        (self.repeated >= stuck_after).then_some(Fault::SensorStuck { channel: index, count, for_us })
     }
 
     fn missing(

@@ -49,11 +49,7 @@ impl Flags {
     /// Adds `remark` where `condition` holds.
     #[must_use]
     pub fn with(self, remark: u8, condition: bool) -> Self {
-        if condition {
-            Self(self.0 | remark)
-        } else {
-            self
-        }
+        if condition { Self(self.0 | remark) } else { self }
     }
 
     /// Whether `remark` was made.

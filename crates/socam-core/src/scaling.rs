@@ -20,10 +20,7 @@ pub struct Converter {
 
 impl Converter {
     /// The default bench's converters: 16 bit, +-10 V. (The thesis' card had 12 bit at the same range.)
-    pub const DEFAULT: Self = Self {
-        bits: 16,
-        full_scale_v: 10.0,
-    };
+    pub const DEFAULT: Self = Self { bits: 16, full_scale_v: 10.0 };
 
     /// Voltage of one count.
     pub fn volts_per_count(&self) -> f64 {
@@ -58,26 +55,14 @@ pub struct Sensor {
 
 impl Sensor {
     /// Input tachometer: 6.9 V/krpm (thesis, Table 2.7). It reaches 10 V at 1449 rpm.
-    pub const MOTOR_SPEED: Self = Self {
-        volts_per_unit: 6.9e-3 / RAD_S_PER_RPM,
-        offset_v: 0.0,
-    };
+    pub const MOTOR_SPEED: Self = Self { volts_per_unit: 6.9e-3 / RAD_S_PER_RPM, offset_v: 0.0 };
     /// Output tachometer: 19.3 V/krpm (thesis, Table 2.7).
-    pub const OUTPUT_SPEED: Self = Self {
-        volts_per_unit: 19.3e-3 / RAD_S_PER_RPM,
-        offset_v: 0.0,
-    };
+    pub const OUTPUT_SPEED: Self = Self { volts_per_unit: 19.3e-3 / RAD_S_PER_RPM, offset_v: 0.0 };
     /// Input torque sensor: +-5 N m over +-10 V. **Not the thesis' figure**: its 2.45 mV/N m would put 2 N m into one count of
     /// its card, and 2.44 V/N m would leave the range at 4.1 N m. Chosen to hold the largest torques of the output side / 8.
-    pub const TORQUE_IN: Self = Self {
-        volts_per_unit: 2.0,
-        offset_v: 0.0,
-    };
+    pub const TORQUE_IN: Self = Self { volts_per_unit: 2.0, offset_v: 0.0 };
     /// Output torque sensor: +-40 N m over +-10 V, eight times the thesis' largest mean torque of 4.9 N m. Chosen, as above.
-    pub const TORQUE_OUT: Self = Self {
-        volts_per_unit: 0.25,
-        offset_v: 0.0,
-    };
+    pub const TORQUE_OUT: Self = Self { volts_per_unit: 0.25, offset_v: 0.0 };
 
     /// The value, in the channel's SI unit, that `volts` stands for.
     pub fn value(&self, volts: f64) -> f64 {
@@ -111,25 +96,15 @@ pub struct MotorCalibration {
 
 impl MotorCalibration {
     /// With mechanism and load (thesis, eq. 2.1).
-    pub const LOADED: Self = Self {
-        rpm_per_volt: 721.8443,
-        offset_rpm: -12.4679,
-    };
+    pub const LOADED: Self = Self { rpm_per_volt: 721.8443, offset_rpm: -12.4679 };
     /// Printed as without load (thesis, eq. 2.2). It gives less speed for a voltage than with load: the captions are
     /// probably swapped.
-    pub const UNLOADED: Self = Self {
-        rpm_per_volt: 709.3619,
-        offset_rpm: -56.0805,
-    };
+    pub const UNLOADED: Self = Self { rpm_per_volt: 709.3619, offset_rpm: -56.0805 };
 
     /// Steady speed at `volts`; 0 inside the dead band.
     pub fn speed_rad_s(&self, volts: f64) -> f64 {
         let forward = |v: f64| (self.rpm_per_volt * v + self.offset_rpm).max(0.0) * RAD_S_PER_RPM;
-        if volts < 0.0 {
-            -forward(-volts)
-        } else {
-            forward(volts)
-        }
+        if volts < 0.0 { -forward(-volts) } else { forward(volts) }
     }
 
     /// Voltage that holds `speed_rad_s`; 0 V for standstill.
@@ -166,8 +141,7 @@ pub struct Scale {
 impl Scale {
     /// What `count` stands for, in millionths of the channel's SI unit, saturated.
     pub fn value_micro(&self, count: i16) -> i32 {
-        fixed::scale(i32::from(count), self.micro_per_count_q16, 16)
-            .saturating_add(self.offset_micro)
+        fixed::scale(i32::from(count), self.micro_per_count_q16, 16).saturating_add(self.offset_micro)
     }
 }
 
@@ -186,11 +160,7 @@ pub fn micro(value: f64) -> i32 {
 /// To the nearest integer, halves away from zero; `core` has no `f64::round`.
 fn round(x: f64) -> f64 {
     // From 2^52 on every f64 is an integer.
-    if x.abs() < 4_503_599_627_370_496.0 {
-        (x + 0.5f64.copysign(x)) as i64 as f64
-    } else {
-        x
-    }
+    if x.abs() < 4_503_599_627_370_496.0 { (x + 0.5f64.copysign(x)) as i64 as f64 } else { x }
 }
 
 #[cfg(test)]
@@ -213,38 +183,20 @@ mod tests {
 
     #[test]
     fn converters_saturate_at_their_ends() {
-        let twelve_bit = Converter {
-            bits: 12,
-            full_scale_v: 10.0,
-        };
-        assert_eq!(
-            (twelve_bit.count(11.0), twelve_bit.count(-11.0)),
-            (2047, -2048)
-        );
+        let twelve_bit = Converter { bits: 12, full_scale_v: 10.0 };
+        assert_eq!((twelve_bit.count(11.0), twelve_bit.count(-11.0)), (2047, -2048));
         assert_eq!(twelve_bit.volts(1), 0.0048828125);
-        assert_eq!(
-            (
-                Converter::DEFAULT.count(99.0),
-                Converter::DEFAULT.count(-99.0)
-            ),
-            (32767, -32768)
-        );
+        assert_eq!((Converter::DEFAULT.count(99.0), Converter::DEFAULT.count(-99.0)), (32767, -32768));
         assert_eq!(Converter::DEFAULT.count(f64::NAN), 0);
     }
 
     #[test]
     fn integer_scale_agrees_with_floating_point_over_the_whole_range() {
-        let sensor = Sensor {
-            volts_per_unit: -0.37,
-            offset_v: 0.123,
-        };
+        let sensor = Sensor { volts_per_unit: -0.37, offset_v: 0.123 };
         let scale = sensor.scale(&Converter::DEFAULT);
         for count in i16::MIN..=i16::MAX {
             let exact = sensor.value(Converter::DEFAULT.volts(count)) * 1e6;
-            assert!(
-                (f64::from(scale.value_micro(count)) - exact).abs() < 1.8,
-                "count {count}"
-            );
+            assert!((f64::from(scale.value_micro(count)) - exact).abs() < 1.8, "count {count}");
         }
     }
 }

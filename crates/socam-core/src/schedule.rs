@@ -12,12 +12,7 @@ pub(crate) struct Schedule {
 
 impl Schedule {
     pub(crate) fn new(period_us: u32) -> Self {
-        Self {
-            period_us: period_us.max(1),
-            due_us: None,
-            tick: 0,
-            overruns: 0,
-        }
+        Self { period_us: period_us.max(1), due_us: None, tick: 0, overruns: 0 }
     }
 
     /// A new period; tick numbers go on.
@@ -38,11 +33,8 @@ impl Schedule {
         let late_us = now_us.saturating_sub(due_us);
         let late_us = u32::try_from(late_us).unwrap_or(u32::MAX);
         // The common case costs no division, which the board has to do in software.
-        let missed = if late_us < self.period_us {
-            0
-        } else {
-            late_us.checked_div(self.period_us).unwrap_or(0)
-        };
+        let missed =
+            if late_us < self.period_us { 0 } else { late_us.checked_div(self.period_us).unwrap_or(0) };
         let skipped_us = u64::from(missed).wrapping_mul(u64::from(self.period_us));
         self.due_us = Some(due_us.wrapping_add(skipped_us));
         self.tick = self.tick.wrapping_add(1).wrapping_add(missed);

@@ -32,13 +32,9 @@ pub(crate) struct SpeedLoop {
 
 impl SpeedLoop {
     pub(crate) fn new(control: &SpeedControl, sample_period_us: u32) -> Self {
-        let per_sample = i128::from(control.integral_per_s_q32)
-            .saturating_mul(i128::from(sample_period_us))
-            / 1_000_000;
-        Self {
-            integral_uv_q16: 0,
-            integral_per_sample_q32: i64::try_from(per_sample).unwrap_or(i64::MAX),
-        }
+        let per_sample =
+            i128::from(control.integral_per_s_q32).saturating_mul(i128::from(sample_period_us)) / 1_000_000;
+        Self { integral_uv_q16: 0, integral_per_sample_q32: i64::try_from(per_sample).unwrap_or(i64::MAX) }
     }
 
     /// The voltage for this sample.
@@ -51,13 +47,10 @@ impl SpeedLoop {
     ) -> i32 {
         let error = target_urad_s.saturating_sub(measured_urad_s);
         let proportional_uv = fixed::scale(error, control.proportional_q32, 32);
-        let direct_uv = control
-            .motor
-            .voltage_uv(target_urad_s)
-            .saturating_add(proportional_uv);
+        let direct_uv = control.motor.voltage_uv(target_urad_s).saturating_add(proportional_uv);
         let voltage_uv = direct_uv.saturating_add(fixed::saturate(self.integral_uv_q16 >> 16));
-        let winds_up = (voltage_uv >= clamp_uv && error > 0)
-            || (voltage_uv <= clamp_uv.saturating_neg() && error < 0);
+        let winds_up =
+            (voltage_uv >= clamp_uv && error > 0) || (voltage_uv <= clamp_uv.saturating_neg() && error < 0);
         if !winds_up {
             let increment_q16 = i64::from(error).saturating_mul(self.integral_per_sample_q32) >> 16;
             let bound_q16 = i64::from(clamp_uv).wrapping_shl(16);
@@ -83,21 +76,12 @@ mod tests {
             let speed = rpm * crate::scaling::RAD_S_PER_RPM;
             let exact = MotorCalibration::LOADED.volts(speed);
             let got = f64::from(line.voltage_uv((speed * 1e6) as i32)) * 1e-6;
-            assert!(
-                (got - exact).abs() < 2e-6,
-                "{rpm} rpm: {got} V instead of {exact} V"
-            );
+            assert!((got - exact).abs() < 2e-6, "{rpm} rpm: {got} V instead of {exact} V");
         }
     }
 
     /// A first-order motor, 15 % slower than calibrated, 80 ms time constant.
-    fn run(
-        loops: &mut SpeedLoop,
-        config: &Config,
-        speed: &mut f64,
-        target: f64,
-        samples: usize,
-    ) -> f64 {
+    fn run(loops: &mut SpeedLoop, config: &Config, speed: &mut f64, target: f64, samples: usize) -> f64 {
         let mut highest = f64::MIN;
         for _ in 0..samples {
             let uv = loops.step(
@@ -130,9 +114,6 @@ mod tests {
         let mut speed = 0.0;
         run(&mut loops, &config, &mut speed, 2000.0, 20_000);
         run(&mut loops, &config, &mut speed, 50.0, 1500);
-        assert!(
-            (speed - 50.0).abs() < 1.0,
-            "still at {speed} rad/s 1.5 s after the target came back"
-        );
+        assert!((speed - 50.0).abs() < 1.0, "still at {speed} rad/s 1.5 s after the target came back");
     }
 }

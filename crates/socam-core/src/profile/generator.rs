@@ -76,13 +76,9 @@ impl Generator {
         }
         let (course, peak_micro) = Course::new(&profile.shape, sample_period_us)?;
         if peak_micro > i64::from(profile.limit_micro) {
-            return Err(ProfileError::OverLimit {
-                peak_micro,
-                limit_micro: profile.limit_micro,
-            });
+            return Err(ProfileError::OverLimit { peak_micro, limit_micro: profile.limit_micro });
         }
-        let slew =
-            u64::from(profile.slew_micro_s).wrapping_mul(u64::from(sample_period_us)) / 1_000_000;
+        let slew = u64::from(profile.slew_micro_s).wrapping_mul(u64::from(sample_period_us)) / 1_000_000;
         let slew_per_sample = i32::try_from(slew).unwrap_or(i32::MAX);
         if slew_per_sample == 0 {
             return Err(ProfileError::SlewTooSlow);
@@ -117,9 +113,7 @@ impl Generator {
         self.envelope_q30 = if self.stopping {
             self.envelope_q30.saturating_sub(self.envelope_step_q30)
         } else {
-            self.envelope_q30
-                .saturating_add(self.envelope_step_q30)
-                .min(ENVELOPE_ONE)
+            self.envelope_q30.saturating_add(self.envelope_step_q30).min(ENVELOPE_ONE)
         };
 
         let faded = fixed::scale(wish.value_micro, i64::from(self.envelope_q30), 30);
@@ -144,8 +138,7 @@ impl Generator {
             return Ok(peak_micro);
         };
         let samples = fixed::samples_in(u64::from(period_us), sample_period_us);
-        let magnitudes =
-            (0..samples).map(|_| i64::from(course.step().value_micro).saturating_abs());
+        let magnitudes = (0..samples).map(|_| i64::from(course.step().value_micro).saturating_abs());
         Ok(magnitudes.max().unwrap_or(0))
     }
 }
@@ -154,37 +147,16 @@ impl Course {
     /// The shape at its beginning, and its largest magnitude as far as the parameters tell.
     fn new(shape: &Shape, sample_period_us: u32) -> Result<(Self, i64), ProfileError> {
         let around = |offset: i32, amplitude: i32| {
-            i64::from(offset)
-                .saturating_abs()
-                .saturating_add(i64::from(amplitude).saturating_abs())
+            i64::from(offset).saturating_abs().saturating_add(i64::from(amplitude).saturating_abs())
         };
         Ok(match *shape {
-            Shape::Constant { level_micro } => {
-                (Self::Constant(level_micro), around(level_micro, 0))
-            }
-            Shape::Staircase {
-                first_micro,
-                step_micro,
-                count,
-                dwell_us,
-                and_back,
-            } => {
-                let stairs = Staircase::new(
-                    first_micro,
-                    step_micro,
-                    count,
-                    dwell_us,
-                    and_back,
-                    sample_period_us,
-                )?;
+            Shape::Constant { level_micro } => (Self::Constant(level_micro), around(level_micro, 0)),
+            Shape::Staircase { first_micro, step_micro, count, dwell_us, and_back } => {
+                let stairs =
+                    Staircase::new(first_micro, step_micro, count, dwell_us, and_back, sample_period_us)?;
                 (Self::Staircase(stairs), stairs.peak_micro())
             }
-            Shape::Sine {
-                offset_micro,
-                amplitude_micro,
-                frequency_uhz,
-                periods,
-            } => (
+            Shape::Sine { offset_micro, amplitude_micro, frequency_uhz, periods } => (
                 Self::Sine(Sine::new(
                     offset_micro,
                     amplitude_micro,
@@ -194,26 +166,11 @@ impl Course {
                 )?),
                 around(offset_micro, amplitude_micro),
             ),
-            Shape::Triangle {
-                offset_micro,
-                amplitude_micro,
-                period_us,
-            } => (
-                Self::Triangle(Triangle::new(
-                    offset_micro,
-                    amplitude_micro,
-                    period_us,
-                    sample_period_us,
-                )?),
+            Shape::Triangle { offset_micro, amplitude_micro, period_us } => (
+                Self::Triangle(Triangle::new(offset_micro, amplitude_micro, period_us, sample_period_us)?),
                 around(offset_micro, amplitude_micro),
             ),
-            Shape::Chirp {
-                offset_micro,
-                amplitude_micro,
-                start_uhz,
-                end_uhz,
-                sweep_us,
-            } => (
+            Shape::Chirp { offset_micro, amplitude_micro, start_uhz, end_uhz, sweep_us } => (
                 Self::Chirp(Chirp::new(
                     offset_micro,
                     amplitude_micro,
@@ -224,32 +181,11 @@ impl Course {
                 )?),
                 around(offset_micro, amplitude_micro),
             ),
-            Shape::Prbs {
-                offset_micro,
-                amplitude_micro,
-                bit_us,
-                order,
-                seed,
-            } => (
-                Self::Prbs(Prbs::new(
-                    offset_micro,
-                    amplitude_micro,
-                    bit_us,
-                    order,
-                    seed,
-                    sample_period_us,
-                )?),
+            Shape::Prbs { offset_micro, amplitude_micro, bit_us, order, seed } => (
+                Self::Prbs(Prbs::new(offset_micro, amplitude_micro, bit_us, order, seed, sample_period_us)?),
                 around(offset_micro, amplitude_micro),
             ),
-            Shape::Multisine {
-                offset_micro,
-                line_micro,
-                period_us,
-                lines,
-                first_line,
-                last_line,
-                seed,
-            } => {
+            Shape::Multisine { offset_micro, line_micro, period_us, lines, first_line, last_line, seed } => {
                 let range = (first_line, last_line);
                 let sines = Multisine::new(
                     offset_micro,
@@ -267,11 +203,7 @@ impl Course {
 
     fn step(&mut self) -> Wish {
         match self {
-            Self::Constant(value_micro) => Wish {
-                value_micro: *value_micro,
-                segment: 0,
-                ended: false,
-            },
+            Self::Constant(value_micro) => Wish { value_micro: *value_micro, segment: 0, ended: false },
             Self::Staircase(course) => course.step(),
             Self::Sine(course) => course.step(),
             Self::Triangle(course) => course.step(),

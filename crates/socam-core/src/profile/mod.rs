@@ -207,22 +207,12 @@ impl fmt::Display for ProfileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NotPositive(key) => write!(f, "{key} must be greater than 0"),
-            Self::OverLimit {
-                peak_micro,
-                limit_micro,
-            } => write!(
+            Self::OverLimit { peak_micro, limit_micro } => write!(
                 f,
                 "the course reaches {peak_micro} millionths, its limit is {limit_micro}: lower the amplitude or raise the limit"
             ),
-            Self::SlewTooSlow => {
-                f.write_str("slew is less than one millionth per sample: raise it")
-            }
-            Self::NotWholeSamples {
-                key,
-                time_us,
-                sample_period_us,
-                at_least,
-            } => write!(
+            Self::SlewTooSlow => f.write_str("slew is less than one millionth per sample: raise it"),
+            Self::NotWholeSamples { key, time_us, sample_period_us, at_least } => write!(
                 f,
                 "{key} is {time_us} us; it must be a whole number of samples of {sample_period_us} us, at least {at_least}"
             ),
@@ -247,26 +237,15 @@ fn whole_samples(
     sample_period_us: u32,
     at_least: u32,
 ) -> Result<u32, ProfileError> {
-    let error = ProfileError::NotWholeSamples {
-        key,
-        time_us,
-        sample_period_us,
-        at_least,
-    };
+    let error = ProfileError::NotWholeSamples { key, time_us, sample_period_us, at_least };
     let samples = time_us.checked_div(sample_period_us).ok_or(error)?;
     let is_whole = samples.wrapping_mul(sample_period_us) == time_us;
-    if is_whole && samples >= at_least {
-        Ok(samples)
-    } else {
-        Err(error)
-    }
+    if is_whole && samples >= at_least { Ok(samples) } else { Err(error) }
 }
 
 /// Whether a sine of this frequency can be sampled at this period.
 fn check_frequency(frequency_uhz: u64, sample_period_us: u32) -> Result<(), ProfileError> {
-    let half_turns_e12 = frequency_uhz
-        .saturating_mul(u64::from(sample_period_us))
-        .saturating_mul(2);
+    let half_turns_e12 = frequency_uhz.saturating_mul(u64::from(sample_period_us)).saturating_mul(2);
     if frequency_uhz > 0 && half_turns_e12 < 1_000_000_000_000 {
         Ok(())
     } else {
@@ -308,11 +287,7 @@ impl PeriodClock {
         // Both are below `period` <= 2^32 - 1; u64 keeps their sum.
         let rest = u64::from(self.rest).wrapping_add(u64::from(self.rest_step));
         let carry = rest >= u64::from(self.period);
-        self.rest = if carry {
-            rest.wrapping_sub(u64::from(self.period))
-        } else {
-            rest
-        } as u32;
+        self.rest = if carry { rest.wrapping_sub(u64::from(self.period)) } else { rest } as u32;
         // phase_step < 2^31, so neither addition can wrap before the turn is full.
         let (next, wrapped) = phase.overflowing_add(self.phase_step.wrapping_add(u32::from(carry)));
         self.phase = next;
@@ -321,3 +296,5 @@ impl PeriodClock {
     }
 }
 
+#[cfg(test)]
+mod tests;

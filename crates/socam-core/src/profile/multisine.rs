@@ -48,26 +48,15 @@ impl Multisine {
             Lines::Even => (first_line.wrapping_add(first_line & 1), 2),
         };
         let last = u32::from(last_line);
-        let count = last.checked_sub(first).map_or(0, |span| {
-            span.checked_div(stride).unwrap_or(0).wrapping_add(1)
-        });
+        let count =
+            last.checked_sub(first).map_or(0, |span| span.checked_div(stride).unwrap_or(0).wrapping_add(1));
         if !(1..=MAX_LINES).contains(&count) {
             return Err(ProfileError::LineCount(count));
         }
-        let highest_uhz = u64::from(last)
-            .wrapping_mul(1_000_000_000_000)
-            .checked_div(u64::from(period_us))
-            .unwrap_or(0);
+        let highest_uhz =
+            u64::from(last).wrapping_mul(1_000_000_000_000).checked_div(u64::from(period_us)).unwrap_or(0);
         check_frequency(highest_uhz, sample_period_us)?;
-        Ok(Self {
-            offset_micro,
-            line_micro,
-            clock: PeriodClock::new(period),
-            first,
-            stride,
-            count,
-            seed,
-        })
+        Ok(Self { offset_micro, line_micro, clock: PeriodClock::new(period), first, stride, count, seed })
     }
 
     pub(super) fn step(&mut self) -> Wish {
@@ -83,10 +72,6 @@ impl Multisine {
             phase = phase.wrapping_add(phase_step);
         }
         let swing = fixed::scale(self.line_micro, i64::from(sum_q22), 22);
-        Wish {
-            value_micro: self.offset_micro.saturating_add(swing),
-            segment,
-            ended: false,
-        }
+        Wish { value_micro: self.offset_micro.saturating_add(swing), segment, ended: false }
     }
 }

@@ -4,9 +4,8 @@ use super::generator::Wish;
 use super::{ProfileError, ProfileKey, whole_samples};
 
 /// Feedback masks of maximum-length sequences, for orders 3 to 16 (a test runs through every one of them).
-const MASKS: [u16; 14] = [
-    0x6, 0xc, 0x14, 0x30, 0x60, 0xb8, 0x110, 0x240, 0x500, 0xe08, 0x1c80, 0x3802, 0x6000, 0xd008,
-];
+const MASKS: [u16; 14] =
+    [0x6, 0xc, 0x14, 0x30, 0x60, 0xb8, 0x110, 0x240, 0x500, 0xe08, 0x1c80, 0x3802, 0x6000, 0xd008];
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prbs {
@@ -52,20 +51,10 @@ impl Prbs {
             self.samples_left = self.bit;
             let feedback = if self.register & 1 == 1 { self.mask } else { 0 };
             self.register = (self.register >> 1) ^ feedback;
-            self.repeat = self
-                .repeat
-                .wrapping_add(u16::from(self.register == self.start));
+            self.repeat = self.repeat.wrapping_add(u16::from(self.register == self.start));
         }
         self.samples_left = self.samples_left.saturating_sub(1);
-        let value_micro = if self.register & 1 == 1 {
-            self.high_micro
-        } else {
-            self.low_micro
-        };
-        Wish {
-            value_micro,
-            segment: self.repeat,
-            ended: false,
-        }
+        let value_micro = if self.register & 1 == 1 { self.high_micro } else { self.low_micro };
+        Wish { value_micro, segment: self.repeat, ended: false }
     }
 }

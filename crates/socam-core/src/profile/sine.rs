@@ -28,32 +28,18 @@ impl Sine {
             return Err(ProfileError::NotPositive(ProfileKey::Periods));
         }
         let increment = fixed::increment(frequency_uhz, sample_period_us);
-        Ok(Self {
-            offset_micro,
-            amplitude_micro,
-            phase: 0,
-            increment,
-            period: 0,
-            periods,
-        })
+        Ok(Self { offset_micro, amplitude_micro, phase: 0, increment, period: 0, periods })
     }
 
     pub(super) fn step(&mut self) -> Wish {
         let sine_q22 = fixed::sine_q22((self.phase >> 32) as u32);
-        let value_micro = self.offset_micro.saturating_add(fixed::scale(
-            self.amplitude_micro,
-            i64::from(sine_q22),
-            22,
-        ));
+        let value_micro =
+            self.offset_micro.saturating_add(fixed::scale(self.amplitude_micro, i64::from(sine_q22), 22));
         let segment = self.period;
         let ended = self.periods.is_some_and(|periods| segment >= periods);
         let (phase, wrapped) = self.phase.overflowing_add(self.increment);
         self.phase = phase;
         self.period = self.period.wrapping_add(u16::from(wrapped));
-        Wish {
-            value_micro,
-            segment,
-            ended,
-        }
+        Wish { value_micro, segment, ended }
     }
 }

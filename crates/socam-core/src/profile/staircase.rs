@@ -26,9 +26,7 @@ impl Staircase {
         and_back: bool,
         sample_period_us: u32,
     ) -> Result<Self, ProfileError> {
-        let last_index = count
-            .checked_sub(1)
-            .ok_or(ProfileError::NotPositive(ProfileKey::Count))?;
+        let last_index = count.checked_sub(1).ok_or(ProfileError::NotPositive(ProfileKey::Count))?;
         let dwell = whole_samples(ProfileKey::Dwell, dwell_us, sample_period_us, 1)?;
         Ok(Self {
             first_micro,
@@ -44,9 +42,7 @@ impl Staircase {
     }
 
     pub(super) fn peak_micro(&self) -> i64 {
-        self.level(0)
-            .saturating_abs()
-            .max(self.level(self.last_index).saturating_abs())
+        self.level(0).saturating_abs().max(self.level(self.last_index).saturating_abs())
     }
 
     fn level(&self, index: u16) -> i64 {
@@ -61,11 +57,7 @@ impl Staircase {
             self.next_level();
         }
         self.samples_left = self.samples_left.saturating_sub(1);
-        Wish {
-            value_micro: fixed::saturate(self.level(self.index)),
-            segment: self.segment,
-            ended: false,
-        }
+        Wish { value_micro: fixed::saturate(self.level(self.index)), segment: self.segment, ended: false }
     }
 
     fn next_level(&mut self) {

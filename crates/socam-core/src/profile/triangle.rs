@@ -23,13 +23,7 @@ impl Triangle {
         sample_period_us: u32,
     ) -> Result<Self, ProfileError> {
         let period = whole_samples(ProfileKey::Period, period_us, sample_period_us, 4)?;
-        Ok(Self {
-            offset_micro,
-            amplitude_micro,
-            clock: PeriodClock::new(period),
-            falling: false,
-            leg: 0,
-        })
+        Ok(Self { offset_micro, amplitude_micro, clock: PeriodClock::new(period), falling: false, leg: 0 })
     }
 
     pub(super) fn step(&mut self) -> Wish {
@@ -46,10 +40,6 @@ impl Triangle {
             self.leg = self.leg.wrapping_add(1);
         }
         let swing = fixed::scale(self.amplitude_micro, i64::from(height_q30), 30);
-        Wish {
-            value_micro: self.offset_micro.saturating_add(swing),
-            segment: self.leg,
-            ended: false,
-        }
+        Wish { value_micro: self.offset_micro.saturating_add(swing), segment: self.leg, ended: false }
     }
 }
