@@ -1,0 +1,338 @@
+//! Frames through links that damage, lose, repeat and reorder them.
+
+use proptest::prelude::*;
+use socam_core::{
+    Board, Command, Config, ConfigError, ConverterSilent, Fault, Flags, Lines, Ports, Profile, ProfileError,
+    Refusal, Request, Ring, Sample, Shape, State,
+};
+use socam_wire::{
+    BATCH_SAMPLES, BoardLink, Decoder, Encoder, Identity, LinkError, MAX_FRAME, SCHEMA_VERSION, Text,
+    ToBoard, ToHost,
+};
+
+fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
+    let mut out = [0; MAX_FRAME];
+    let len = encoder.encode(message, &mut out).unwrap();
+    out[..len].to_vec()
+}
+
+fn decode<M: serde::de::DeserializeOwned>(
+    decoder: &mut Decoder<M>,
+    mut bytes: &[u8],
+) -> Vec<Result<M, LinkError>> {
+    std::iter::from_fn(|| decoder.next(&mut bytes)).collect()
+}
+
+fn identity() -> Identity {
+    Identity { board: Text::new("bench 7, serial 0123456789abcdef"), firmware: Text::new("0.1.0") }
+}
+
+fn numbered(number: u16) -> ToBoard {
+    ToBoard::Request { number, request: Request::Heartbeat }
+}
+
+#[test]
+fn every_request_and_answer_arrives_as_it_was_sent() {
+    let profile = Profile {
+        command: Command::SpeedClosedLoop,
+        shape: Shape::Multisine {
+            offset_micro: i32::MIN,
+            line_micro: i32::MAX,
+            period_us: u32::MAX,
+            lines: Lines::Odd,
+            first_line: u16::MAX,
+            last_line: u16::MAX,
+            seed: u32::MAX,
+        },
+        ramp_us: u32::MAX,
+        limit_micro: i32::MIN,
+        slew_micro_s: u32::MAX,
+        duration_us: u64::MAX,
+    };
+    let mut largest = Config { sample_period_us: u32::MAX, channel_count: 8, ..Config::default() };
+    largest.channels = [largest.channels[0]; 8];
+    for channel in &mut largest.channels {
+        channel.scale.micro_per_count_q16 = i64::MIN;
+        channel.scale.offset_micro = i32::MIN;
+        channel.limit_micro = Some(i32::MIN);
+        channel.stuck_after_us = Some(u32::MAX);
+    }
+    let requests = [
+        Request::Configure(largest),
+        Request::Load(profile),
+        Request::Arm,
+        Request::Run,
+        Request::Stop,
+        Request::EmergencyStop,
+        Request::ClearFault,
+        Request::Stream(true),
+    ];
+    let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
+    for request in requests {
+        let message = ToBoard::Request { number: 7, request };
+        assert_eq!(decode(&mut decoder, &frame(&mut encoder, &message)), [Ok(message)]);
+    }
+
+    let fault = Fault::OverTorque { channel: 7, value_micro: i32::MIN, limit_micro: i32::MAX };
+    let refusals = [
+        Ok(()),
+        Err(Refusal::NoProfile),
+        Err(Refusal::Faulted(fault)),
+        Err(Refusal::WrongState { state: State::Running, needs: State::Idle }),
+        Err(Refusal::Profile(ProfileError::OverLimit { peak_micro: i64::MIN, limit_micro: 1 })),
+        Err(Refusal::Config(ConfigError::Channel(3))),
+    ];
+    let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
+    for result in refusals {
+        let message = ToHost::Answer { number: u16::MAX, result };
+        assert_eq!(decode(&mut decoder, &frame(&mut encoder, &message)), [Ok(message)]);
+    }
+}
+
+#[test]
+fn another_version_is_told_in_words_whatever_its_frames_look_like() {
+    let mut decoder = Decoder::<ToHost>::new();
+    let foreign = SCHEMA_VERSION + 1;
+    let mut bytes = vec![0, 6, foreign, !foreign, 1, 2, 3, 0];
+    bytes.extend(frame(&mut Encoder::new(), &ToHost::Hello(identity())));
+    let items = decode(&mut decoder, &bytes);
+    assert_eq!(items, [Err(LinkError::ForeignVersion { theirs: foreign }), Ok(ToHost::Hello(identity()))]);
+    let words = items[0].as_ref().unwrap_err().to_string();
+    assert!(words.contains("version 2 of the messages, this one speaks version 1"), "{words}");
+}
+
+#[test]
+fn a_restarted_peer_is_understood_again_even_if_its_first_frames_were_lost() {
+    let mut decoder = Decoder::new();
+    let mut encoder = Encoder::new();
+    for number in 0..50 {
+        assert_eq!(decode(&mut decoder, &frame(&mut encoder, &numbered(number))), [Ok(numbered(number))]);
+    }
+    let mut fresh = Encoder::new();
+    assert_eq!(
+        decode(&mut decoder, &frame(&mut fresh, &ToBoard::Hello)),
+        [Err(LinkError::Restarted), Ok(ToBoard::Hello)]
+    );
+
+    let mut decoder = Decoder::new();
+    for _ in 0..50 {
+        decode::<ToBoard>(&mut decoder, &frame(&mut encoder, &ToBoard::Hello));
+    }
+    let mut fresh = Encoder::new();
+    frame(&mut fresh, &ToBoard::Hello);
+    let items: Vec<_> =
+        (1..6).flat_map(|number| decode(&mut decoder, &frame(&mut fresh, &numbered(number)))).collect();
+    assert_eq!(items[3..], [Err(LinkError::Restarted), Ok(numbered(4)), Ok(numbered(5))]);
+}
+
+/// What a link can do to bytes on their way.
+#[derive(Debug, Clone)]
+enum Damage {
+    FlipBit(usize, u8),
+    Remove(usize, usize),
+    Insert(usize, Vec<u8>),
+    Overwrite(usize, Vec<u8>),
+    LoseFrame(usize),
+    RepeatFrame(usize),
+    MoveFrame(usize, usize),
+}
+
+fn any_damage() -> impl Strategy<Value = Damage> {
+    let bytes = || prop::collection::vec(any::<u8>(), 1..40);
+    let at = any::<usize>;
+    prop_oneof![
+        4 => (at(), 0..8u8).prop_map(|(at, bit)| Damage::FlipBit(at, bit)),
+        2 => (at(), 1..60usize).prop_map(|(at, len)| Damage::Remove(at, len)),
+        2 => (at(), bytes()).prop_map(|(at, bytes)| Damage::Insert(at, bytes)),
+        2 => (at(), bytes()).prop_map(|(at, bytes)| Damage::Overwrite(at, bytes)),
+        1 => at().prop_map(Damage::LoseFrame),
+        1 => at().prop_map(Damage::RepeatFrame),
+        1 => (at(), at()).prop_map(|(from, to)| Damage::MoveFrame(from, to)),
+    ]
+}
+
+fn apply(damages: &[Damage], mut frames: Vec<Vec<u8>>) -> Vec<u8> {
+    for damage in damages {
+        let count = frames.len().max(1);
+        match *damage {
+            Damage::LoseFrame(at) if !frames.is_empty() => drop(frames.remove(at % count)),
+            Damage::RepeatFrame(at) if !frames.is_empty() => {
+                frames.insert(at % count, frames[at % count].clone())
+            }
+            Damage::MoveFrame(from, to) if !frames.is_empty() => {
+                let frame = frames.remove(from % count);
+                frames.insert(to % count, frame);
+            }
+            _ => {}
+        }
+    }
+    let mut bytes = frames.concat();
+    for damage in damages {
+        let size = bytes.len().max(1);
+        match damage {
+            Damage::FlipBit(at, bit) if !bytes.is_empty() => bytes[at % size] ^= 1 << bit,
+            Damage::Remove(at, len) if !bytes.is_empty() => {
+                drop(bytes.drain(at % size..(at % size + len).min(bytes.len())));
+            }
+            Damage::Insert(at, extra) => drop(bytes.splice(at % size..at % size, extra.iter().copied())),
+            Damage::Overwrite(at, with) => {
+                for (place, byte) in bytes.iter_mut().skip(at % size).zip(with) {
+                    *place = *byte;
+                }
+            }
+            _ => {}
+        }
+    }
+    bytes
+}
+
+fn any_sample() -> impl Strategy<Value = Sample> {
+    (any::<[i16; 8]>(), any::<i16>(), any::<i32>(), any::<u8>()).prop_map(
+        |(counts, output_count, setpoint_micro, flags)| Sample {
+            counts,
+            output_count,
+            setpoint_micro,
+            flags: Flags(flags),
+            ..Sample::default()
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Nothing that a link does passes unseen: what arrives is what was sent, or an error says otherwise; no message is made
+    /// up; and the first whole frame after the trouble is understood.
+    #[test]
+    fn no_damage_passes_unseen(
+        count in 1..12u16,
+        damages in prop::collection::vec(any_damage(), 0..4),
+        piece in 1..200usize,
+    ) {
+        let mut encoder = Encoder::new();
+        let opening = frame(&mut encoder, &numbered(0));
+        let sent: Vec<_> = (1..=count).map(numbered).collect();
+        let frames: Vec<_> = sent.iter().map(|message| frame(&mut encoder, message)).collect();
+        let closing = frame(&mut encoder, &numbered(count + 1));
+
+        let mut decoder = Decoder::new();
+        prop_assert_eq!(decode(&mut decoder, &opening), [Ok(numbered(0))]);
+        let stream = [apply(&damages, frames), closing].concat();
+        let items: Vec<_> = stream.chunks(piece).flat_map(|bytes| decode(&mut decoder, bytes)).collect();
+
+        prop_assert_eq!(items.last(), Some(&Ok(numbered(count + 1))));
+        let errors = items.iter().filter(|item| item.is_err()).count();
+        let arrived: Vec<_> = items.into_iter().flatten().take_while(|m| *m != numbered(count + 1)).collect();
+        prop_assert!(arrived == sent || errors > 0);
+        prop_assert!(arrived.iter().all(|message| sent.contains(message)), "a message was made up");
+        prop_assert!(arrived.windows(2).all(|pair| pair[0] != pair[1]), "a message arrived twice");
+    }
+
+    #[test]
+    fn noise_is_survived_and_yields_no_message(noise in prop::collection::vec(any::<u8>(), 0..3000)) {
+        let mut decoder = Decoder::<ToHost>::new();
+        prop_assert!(decode(&mut decoder, &noise).iter().all(Result::is_err));
+        let hello = ToHost::Hello(identity());
+        let last = decode(&mut decoder, &frame(&mut Encoder::new(), &hello)).pop();
+        prop_assert_eq!(last, Some(Ok(hello)));
+    }
+
+    /// Whatever the ring delivers - gaps by dropped samples and missed ticks included - the host gets it, in full batches.
+    #[test]
+    fn samples_travel_in_batches_without_change(
+        mut samples in prop::collection::vec((any_sample(), 0..40u32, 0..60u16), 1..200),
+        channels in 1..=8u8,
+    ) {
+        let mut ring = Ring::<256>::new();
+        let (mut producer, consumer) = ring.split();
+        let (mut seq, mut tick, mut segment) = (u32::MAX - 20, 0u32, 0u16);
+        for (sample, tick_jump, segment_jump) in &mut samples {
+            tick += 1 + tick_jump.saturating_sub(37);
+            segment += segment_jump.saturating_sub(57);
+            (sample.seq, sample.tick, sample.segment) = (seq, tick, segment);
+            sample.counts[usize::from(channels)..].fill(0);
+            seq = seq.wrapping_add(1 + u32::from(*tick_jump == 39));
+            producer.push(sample);
+        }
+        let mut link = BoardLink::new(identity(), consumer);
+        let (mut decoder, mut out) = (Decoder::new(), [0; MAX_FRAME]);
+        let (mut arrived, mut sizes) = (Vec::new(), Vec::new());
+        while let Some(len) = link.samples(channels, 1, &mut out) {
+            let items = decode(&mut decoder, &out[..len]);
+            let [Ok(ToHost::Samples(batch))] = items.as_slice() else { panic!("{items:?}") };
+            sizes.push(batch.len());
+            arrived.extend(batch.samples());
+        }
+        let sent: Vec<_> = samples.iter().map(|(sample, ..)| *sample).collect();
+        prop_assert_eq!(arrived, sent);
+        prop_assert!(sizes.iter().all(|&size| size <= BATCH_SAMPLES));
+    }
+}
+
+/// 10 kHz with 6 channels must stay inside the 220 kB/s that a full-speed USB link was seen to carry.
+#[test]
+fn ten_kilohertz_of_six_channels_fit_through_usb() {
+    let mut ring = Ring::<64>::new();
+    let (mut producer, consumer) = ring.split();
+    for seq in 0..32 {
+        producer.push(&Sample { tick: seq, seq, counts: [-1; 8], setpoint_micro: -1, ..Sample::default() });
+    }
+    let len = BoardLink::new(identity(), consumer).samples(6, 32, &mut [0; MAX_FRAME]).unwrap();
+    assert!(len * 10_000 / 32 < 210_000, "{} bytes per second", len * 10_000 / 32);
+}
+
+#[derive(Debug)]
+struct Still(u64);
+
+impl Ports for Still {
+    fn now_us(&mut self) -> u64 {
+        self.0
+    }
+    fn read(&mut self, _: &mut [i16]) -> Result<(), ConverterSilent> {
+        Ok(())
+    }
+    fn write(&mut self, _: i16) -> Result<(), ConverterSilent> {
+        Ok(())
+    }
+    fn enable(&mut self, _: bool) {}
+}
+
+#[test]
+fn a_host_talks_to_a_board() {
+    let mut ring = Ring::<64>::new();
+    let (producer, consumer) = ring.split();
+    let mut board = Board::new(Still(0), producer);
+    let mut link = BoardLink::new(identity(), consumer);
+    let (mut encoder, mut decoder, mut out) = (Encoder::new(), Decoder::<ToHost>::new(), [0; MAX_FRAME]);
+
+    let mut asked = frame(&mut encoder, &ToBoard::Hello);
+    for (number, request) in (1..).zip([Request::Stream(true), Request::Run]) {
+        asked.extend(frame(&mut encoder, &ToBoard::Request { number, request }));
+    }
+    let (mut bytes, mut answers) = (asked.as_slice(), Vec::new());
+    while let Some(len) = link.receive(&mut bytes, &mut out, |request| board.handle(request)) {
+        answers.extend(decode(&mut decoder, &out[..len]));
+    }
+    let refusal = Refusal::WrongState { state: State::Idle, needs: State::Armed };
+    assert_eq!(
+        answers,
+        [
+            Ok(ToHost::Hello(identity())),
+            Ok(ToHost::Answer { number: 1, result: Ok(()) }),
+            Ok(ToHost::Answer { number: 2, result: Err(refusal) }),
+        ]
+    );
+
+    for _ in 0..3 {
+        board.ports_mut().0 += 1000;
+        board.tick();
+    }
+    let len = link.samples(board.config().channel_count, 1, &mut out).unwrap();
+    let [Ok(ToHost::Samples(batch))] = decode(&mut decoder, &out[..len])[..] else { panic!() };
+    assert_eq!(batch.samples().map(|s| s.seq).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(link.samples(4, 1, &mut out), None);
+
+    let len = link.status(board.status(), &mut out).unwrap();
+    let [Ok(ToHost::Status(status))] = decode(&mut decoder, &out[..len])[..] else { panic!() };
+    assert_eq!((status.board, status.link.total()), (board.status(), 0));
+}
