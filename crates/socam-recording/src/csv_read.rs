@@ -44,10 +44,7 @@ impl CsvRows {
             }
         }
         if let Some(wanted) = wanted {
-            named = wanted
-                .iter()
-                .filter_map(|&i| named.get(i).cloned())
-                .collect();
+            named = wanted.iter().filter_map(|&i| named.get(i).cloned()).collect();
         }
         if named.is_empty() {
             return Err(RecordingError::NoChannels { path: path.into() });
@@ -55,11 +52,7 @@ impl CsvRows {
         let (columns, channels) = named
             .into_iter()
             .map(|(cell, channel)| {
-                let column = CsvColumn {
-                    cell,
-                    numbers: false,
-                    text: None,
-                };
+                let column = CsvColumn { cell, numbers: false, text: None };
                 (column, channel)
             })
             .unzip();
@@ -67,10 +60,7 @@ impl CsvRows {
             lines,
             channels,
             columns,
-            warnings: warnings
-                .into_iter()
-                .map(|(_, column)| Warning::ColumnWithoutUnit { column })
-                .collect(),
+            warnings: warnings.into_iter().map(|(_, column)| Warning::ColumnWithoutUnit { column }).collect(),
             previous_s: f64::NEG_INFINITY,
         })
     }
@@ -85,30 +75,21 @@ impl CsvRows {
             if !self.lines.next()? {
                 return Ok(false);
             }
-            self.row(table)
-                .map_err(|problem| self.lines.error(problem))?;
+            self.row(table).map_err(|problem| self.lines.error(problem))?;
         }
         Ok(true)
     }
 
     fn row(&mut self, table: &mut Table) -> Result<(), LineProblem> {
         let record = &self.lines.record;
-        let time_s = number(&record[0], "t_s")?.ok_or_else(|| LineProblem::MissingTime {
-            column: "t_s".into(),
-        })?;
+        let time_s =
+            number(&record[0], "t_s")?.ok_or_else(|| LineProblem::MissingTime { column: "t_s".into() })?;
         if time_s <= self.previous_s {
-            return Err(LineProblem::TimeNotIncreasing {
-                previous_s: self.previous_s,
-                time_s,
-            });
+            return Err(LineProblem::TimeNotIncreasing { previous_s: self.previous_s, time_s });
         }
         self.previous_s = time_s;
         table.time_s.push(time_s);
-        for ((column, channel), values) in self
-            .columns
-            .iter_mut()
-            .zip(&self.channels)
-            .zip(&mut table.columns)
+        for ((column, channel), values) in self.columns.iter_mut().zip(&self.channels).zip(&mut table.columns)
         {
             let value = column.take(&record[column.cell], channel, self.lines.line)?;
             values.push(value.unwrap_or(f64::NAN));
@@ -118,10 +99,7 @@ impl CsvRows {
 
     /// Which columns turned out to be text or empty, in words and by number.
     pub(crate) fn finish(self) -> EndOfRows {
-        let mut end = EndOfRows {
-            warnings: self.warnings,
-            ..EndOfRows::default()
-        };
+        let mut end = EndOfRows { warnings: self.warnings, ..EndOfRows::default() };
         for (index, (column, channel)) in self.columns.iter().zip(&self.channels).enumerate() {
             if column.numbers {
                 continue;
@@ -139,12 +117,7 @@ impl CsvRows {
 
 impl CsvColumn {
     /// A cell's number; text is let pass while the column has held nothing else.
-    fn take(
-        &mut self,
-        cell: &[u8],
-        channel: &Channel,
-        line: u64,
-    ) -> Result<Option<f64>, LineProblem> {
+    fn take(&mut self, cell: &[u8], channel: &Channel, line: u64) -> Result<Option<f64>, LineProblem> {
         let value = match number(cell, "") {
             Ok(Some(value)) => value,
             Ok(None) => return Ok(None),
@@ -184,14 +157,8 @@ pub(crate) fn number(cell: &[u8], column: &str) -> Result<Option<f64>, LineProbl
     let parsed = std::str::from_utf8(cell).ok().and_then(|c| c.parse().ok());
     match parsed {
         Some(value) if f64::is_finite(value) => Ok(Some(value)),
-        Some(_) => Err(LineProblem::NotFinite {
-            column: column.into(),
-            found: excerpt(cell),
-        }),
-        None => Err(LineProblem::NotANumber {
-            column: column.into(),
-            found: excerpt(cell),
-        }),
+        Some(_) => Err(LineProblem::NotFinite { column: column.into(), found: excerpt(cell) }),
+        None => Err(LineProblem::NotANumber { column: column.into(), found: excerpt(cell) }),
     }
 }
 
@@ -216,23 +183,14 @@ impl CsvLines {
             .flexible(true)
             .buffer_capacity(BUFFER_BYTES)
             .from_reader(file);
-        Ok(Self {
-            path: path.into(),
-            reader,
-            cells: 0,
-            record: ByteRecord::new(),
-            line: 0,
-        })
+        Ok(Self { path: path.into(), reader, cells: 0, record: ByteRecord::new(), line: 0 })
     }
 
     /// Reads the header; its first column must be `first`.
     pub(crate) fn header(&mut self, first: &str) -> Result<Vec<String>> {
         self.advance()?;
-        let header: Option<Vec<String>> = self
-            .record
-            .iter()
-            .map(|cell| Some(std::str::from_utf8(cell).ok()?.trim().to_owned()))
-            .collect();
+        let header: Option<Vec<String>> =
+            self.record.iter().map(|cell| Some(std::str::from_utf8(cell).ok()?.trim().to_owned())).collect();
         let header = header.ok_or_else(|| self.error(LineProblem::NotText))?;
         if header.first().is_none_or(|cell| cell != first) {
             let found = excerpt(self.record.get(0).unwrap_or_default());
@@ -240,9 +198,7 @@ impl CsvLines {
         }
         for (index, column) in header.iter().enumerate() {
             if header[..index].contains(column) {
-                return Err(self.error(LineProblem::DuplicateColumn {
-                    column: column.clone(),
-                }));
+                return Err(self.error(LineProblem::DuplicateColumn { column: column.clone() }));
             }
         }
         self.cells = header.len();
@@ -255,22 +211,16 @@ impl CsvLines {
             return Ok(false);
         }
         if self.record.len() != self.cells {
-            return Err(self.error(LineProblem::CellCount {
-                found: self.record.len(),
-                expected: self.cells,
-            }));
+            return Err(self.error(LineProblem::CellCount { found: self.record.len(), expected: self.cells }));
         }
         Ok(true)
     }
 
     fn advance(&mut self) -> Result<bool> {
-        let more = self
-            .reader
-            .read_byte_record(&mut self.record)
-            .map_err(|e| match e.into_kind() {
-                csv::ErrorKind::Io(e) => RecordingError::io(&self.path, "read", e),
-                _ => self.error(LineProblem::NotText),
-            })?;
+        let more = self.reader.read_byte_record(&mut self.record).map_err(|e| match e.into_kind() {
+            csv::ErrorKind::Io(e) => RecordingError::io(&self.path, "read", e),
+            _ => self.error(LineProblem::NotText),
+        })?;
         if let Some(position) = self.record.position() {
             self.line = position.line();
         }

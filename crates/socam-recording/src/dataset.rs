@@ -122,10 +122,7 @@ pub(crate) struct Table {
 
 impl Table {
     pub(crate) fn with_columns(columns: usize) -> Self {
-        Self {
-            time_s: Vec::new(),
-            columns: vec![Vec::new(); columns],
-        }
+        Self { time_s: Vec::new(), columns: vec![Vec::new(); columns] }
     }
 
     pub(crate) fn truncate(&mut self, rows: usize) {
@@ -183,10 +180,7 @@ impl Column {
     /// The value at a row of the block, `None` where it is missing (or the row does not exist).
     #[must_use]
     pub fn get(&self, row: usize) -> Option<f64> {
-        self.values
-            .get(row)
-            .copied()
-            .filter(|value| !value.is_nan())
+        self.values.get(row).copied().filter(|value| !value.is_nan())
     }
 
     /// Whether every row has a value.
@@ -271,18 +265,9 @@ impl Dataset {
         columns: Vec<Vec<f64>>,
     ) -> Result<Self> {
         let name = name.into();
-        let problem = |problem: String| {
-            Err(RecordingError::Table {
-                name: name.clone(),
-                problem,
-            })
-        };
+        let problem = |problem: String| Err(RecordingError::Table { name: name.clone(), problem });
         if channels.len() != columns.len() {
-            return problem(format!(
-                "{} columns for {} channels",
-                columns.len(),
-                channels.len()
-            ));
+            return problem(format!("{} columns for {} channels", columns.len(), channels.len()));
         }
         if let Some(row) = (1..time_s.len()).find(|&row| time_s[row] <= time_s[row - 1]) {
             return problem(format!("time does not increase at row {row}"));
@@ -318,9 +303,7 @@ impl Dataset {
         tally.take(&table);
         let (segments, sample_time_s) = tally.finder.finish();
         if segments.is_empty() {
-            return Err(RecordingError::NoSamples {
-                path: selection.path.clone(),
-            });
+            return Err(RecordingError::NoSamples { path: selection.path.clone() });
         }
         Ok(Self {
             name,
@@ -362,9 +345,7 @@ impl Dataset {
             }
         }
         if tally.rows == 0 {
-            return Err(RecordingError::NoSamples {
-                path: selection.path.clone(),
-            });
+            return Err(RecordingError::NoSamples { path: selection.path.clone() });
         }
         let end = rows.finish();
         Self::assemble(selection, format, &all_channels, tally, kept, end)
@@ -378,27 +359,19 @@ impl Dataset {
         kept: Option<Table>,
         end: EndOfRows,
     ) -> Result<Self> {
-        let columns: Vec<usize> = (0..all_channels.len())
-            .filter(|column| !end.unusable.contains(column))
-            .collect();
+        let columns: Vec<usize> =
+            (0..all_channels.len()).filter(|column| !end.unusable.contains(column)).collect();
         if columns.is_empty() {
-            return Err(RecordingError::NoChannels {
-                path: selection.path.clone(),
-            });
+            return Err(RecordingError::NoChannels { path: selection.path.clone() });
         }
         let source = match kept {
             Some(mut table) => Source::Memory(Arc::new(Table {
                 time_s: table.time_s,
-                columns: columns
-                    .iter()
-                    .map(|&column| std::mem::take(&mut table.columns[column]))
-                    .collect(),
+                columns: columns.iter().map(|&column| std::mem::take(&mut table.columns[column])).collect(),
             })),
-            None => Source::File(FileSource {
-                selection: selection.clone(),
-                format,
-                columns: columns.clone(),
-            }),
+            None => {
+                Source::File(FileSource { selection: selection.clone(), format, columns: columns.clone() })
+            }
         };
         let (segments, sample_time_s) = tally.finder.finish();
         Ok(Self {
@@ -500,22 +473,14 @@ impl Dataset {
     /// # Errors
     /// When there is none of this name, or several.
     pub fn channel_index(&self, name: &str) -> Result<usize> {
-        let by_column = self
-            .channels
-            .iter()
-            .position(|channel| channel.column_name() == name);
+        let by_column = self.channels.iter().position(|channel| channel.column_name() == name);
         let mut by_name = (0..self.channels.len()).filter(|&i| self.channels[i].name == name);
         match (by_column, by_name.next(), by_name.next()) {
             (Some(index), _, _) | (None, Some(index), None) => Ok(index),
             _ => Err(RecordingError::NoSuchChannel {
                 recording: self.name.clone(),
                 channel: name.into(),
-                available: self
-                    .channels
-                    .iter()
-                    .map(Channel::column_name)
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                available: self.channels.iter().map(Channel::column_name).collect::<Vec<_>>().join(", "),
             }),
         }
     }
@@ -528,23 +493,14 @@ impl Dataset {
         let feed = match &self.source {
             Source::Memory(table) => Feed::Memory { table, row: 0 },
             Source::File(file) => Feed::File {
-                rows: Box::new(Rows::open(
-                    &file.selection.path,
-                    file.format,
-                    Some(&file.columns),
-                )?),
+                rows: Box::new(Rows::open(&file.selection.path, file.format, Some(&file.columns))?),
                 span: file.selection.span,
                 pending: Table::with_columns(self.channels.len()),
                 row: 0,
                 ended: false,
             },
         };
-        Ok(Blocks {
-            dataset: self,
-            feed,
-            next_row: 0,
-            segment: 0,
-        })
+        Ok(Blocks { dataset: self, feed, next_row: 0, segment: 0 })
     }
 
     /// All rows of the named channels, in memory. Convenient for short recordings; prefer [`Dataset::blocks`] where a
@@ -553,10 +509,7 @@ impl Dataset {
     /// # Errors
     /// When a channel does not exist or the file cannot be read again.
     pub fn load(&self, channels: &[&str]) -> Result<Loaded> {
-        let indices = channels
-            .iter()
-            .map(|name| self.channel_index(name))
-            .collect::<Result<Vec<_>>>()?;
+        let indices = channels.iter().map(|name| self.channel_index(name)).collect::<Result<Vec<_>>>()?;
         let mut time_s = Vec::new();
         let mut columns = vec![Vec::new(); indices.len()];
         for block in self.blocks()? {
@@ -566,10 +519,7 @@ impl Dataset {
                 column.extend_from_slice(block.columns[index].values());
             }
         }
-        Ok(Loaded {
-            time_s,
-            columns: columns.into_iter().map(Column::new).collect(),
-        })
+        Ok(Loaded { time_s, columns: columns.into_iter().map(Column::new).collect() })
     }
 }
 
@@ -582,11 +532,7 @@ struct Tally {
 
 impl Tally {
     fn new(columns: usize) -> Self {
-        Self {
-            finder: SegmentFinder::new(),
-            running: vec![Running::new(); columns],
-            rows: 0,
-        }
+        Self { finder: SegmentFinder::new(), running: vec![Running::new(); columns], rows: 0 }
     }
 
     fn take(&mut self, table: &Table) {
@@ -698,11 +644,7 @@ impl Blocks<'_> {
             segment: self.segment,
             first_row: self.next_row,
             time_s: table.time_s[range.clone()].to_vec(),
-            columns: table
-                .columns
-                .iter()
-                .map(|column| Column::new(column[range.clone()].to_vec()))
-                .collect(),
+            columns: table.columns.iter().map(|column| Column::new(column[range.clone()].to_vec())).collect(),
         };
         self.next_row += rows as u64;
         if self.next_row == segment.end_row() {
@@ -716,13 +658,7 @@ impl Blocks<'_> {
         match &mut self.feed {
             Feed::Memory { table, row } => Ok(table.time_s.len() - *row),
             Feed::Failed => Ok(0),
-            Feed::File {
-                rows,
-                span,
-                pending,
-                row,
-                ended,
-            } => {
+            Feed::File { rows, span, pending, row, ended } => {
                 while *row == pending.time_s.len() && !*ended {
                     pending.clear();
                     *row = 0;

@@ -117,6 +117,22 @@ pub enum RecordingError {
         /// What does not fit.
         problem: String,
     },
+    /// An import of what needs none.
+    #[error("`{}` is an MCAP log already; use it as it is, or export it", .path.display())]
+    AlreadyMcap {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Times that a log cannot hold.
+    #[error("`{}` runs from {start_s} s to {end_s} s; a log holds times up to 8e9 s: is `t_s` really in seconds?", .path.display())]
+    TimeRange {
+        /// The file.
+        path: PathBuf,
+        /// First time, s.
+        start_s: f64,
+        /// Last time, s.
+        end_s: f64,
+    },
     /// A recording that ended without a sample.
     #[error("nothing was recorded to `{}`: not one sample arrived; check the device", .path.display())]
     NothingRecorded {
@@ -204,9 +220,7 @@ pub enum LineProblem {
         found: String,
     },
     /// An empty time.
-    #[error(
-        "`{column}` is empty; every row needs it (leave the whole row out where samples are missing)"
-    )]
+    #[error("`{column}` is empty; every row needs it (leave the whole row out where samples are missing)")]
     MissingTime {
         /// The first column.
         column: String,
@@ -240,28 +254,17 @@ impl RecordingError {
         if source.kind() == std::io::ErrorKind::IsADirectory {
             return Self::Directory { path: path.into() };
         }
-        Self::Io {
-            path: path.into(),
-            action,
-            source,
-        }
+        Self::Io { path: path.into(), action, source }
     }
 
     /// The same error, with how far a recording had come.
     pub(crate) fn after(self, samples: u64) -> Self {
-        Self::Stopped {
-            samples,
-            cause: Box::new(self),
-        }
+        Self::Stopped { samples, cause: Box::new(self) }
     }
 
     /// A bad line of a text file.
     pub(crate) fn line(path: &Path, line: u64, problem: LineProblem) -> Self {
-        Self::Line {
-            path: path.into(),
-            line,
-            problem,
-        }
+        Self::Line { path: path.into(), line, problem }
     }
 }
 
@@ -270,9 +273,7 @@ fn io_reason(source: &std::io::Error) -> String {
     use std::io::ErrorKind as K;
     match source.kind() {
         K::NotFound => "there is no such file; check the path".into(),
-        K::PermissionDenied => {
-            "permission denied; change the file's rights or choose another place".into()
-        }
+        K::PermissionDenied => "permission denied; change the file's rights or choose another place".into(),
         K::StorageFull | K::QuotaExceeded => {
             "the disk is full; free some space or choose another place".into()
         }
@@ -290,12 +291,8 @@ fn suffixes() -> String {
 /// Shortens what a file held to something that fits in a sentence.
 pub(crate) fn excerpt(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text);
-    let mut short: String = text
-        .trim()
-        .chars()
-        .map(|c| if c.is_control() { '?' } else { c })
-        .take(40)
-        .collect();
+    let mut short: String =
+        text.trim().chars().map(|c| if c.is_control() { '?' } else { c }).take(40).collect();
     if text.trim().chars().count() > 40 {
         short.push_str("...");
     }

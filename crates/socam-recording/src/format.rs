@@ -45,25 +45,13 @@ const FOREIGN: [(&[u8], &str); 8] = [
         b"MATLAB 5.0 MAT-file",
         "is a MATLAB .mat file, which this version does not read (save the columns as .csv)",
     ),
-    (
-        b"\x89HDF",
-        "is an HDF5 or MATLAB 7.3 file (save the columns as .csv)",
-    ),
+    (b"\x89HDF", "is an HDF5 or MATLAB 7.3 file (save the columns as .csv)"),
     (b"PAR1", "is a Parquet file (save the columns as .csv)"),
-    (
-        b"PK\x03\x04",
-        "is a zip archive or a spreadsheet (unpack it, or save it as .csv)",
-    ),
+    (b"PK\x03\x04", "is a zip archive or a spreadsheet (unpack it, or save it as .csv)"),
     (b"\x1f\x8b", "is compressed with gzip (decompress it first)"),
     (b"#ROSBAG", "is a ROS 1 bag (convert it to .csv)"),
-    (
-        b"SQLite format 3",
-        "is an SQLite database, perhaps a ROS 2 bag (convert it to .csv)",
-    ),
-    (
-        b"MDF ",
-        "is an MDF measurement file (save the channels as .csv)",
-    ),
+    (b"SQLite format 3", "is an SQLite database, perhaps a ROS 2 bag (convert it to .csv)"),
+    (b"MDF ", "is an MDF measurement file (save the channels as .csv)"),
 ];
 
 /// Looks at a file's first bytes.
@@ -83,10 +71,7 @@ pub fn detect(path: &Path) -> Result<Format> {
     if head.starts_with(MCAP_MAGIC) {
         return Ok(Format::Mcap);
     }
-    let foreign = |found: String| RecordingError::Foreign {
-        path: path.into(),
-        found,
-    };
+    let foreign = |found: String| RecordingError::Foreign { path: path.into(), found };
     if MCAP_MAGIC.starts_with(&head) {
         return Err(foreign(format!(
             "is an MCAP log cut off after {} bytes, before anything was recorded",
@@ -107,9 +92,7 @@ pub fn detect(path: &Path) -> Result<Format> {
 
 fn detect_text(path: &Path, head: &[u8]) -> Option<Format> {
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let line = text
-        .split(|b| *b == b'\n' || *b == b'\r')
-        .find(|line| !line.trim_ascii().is_empty())?;
+    let line = text.split(|b| *b == b'\n' || *b == b'\r').find(|line| !line.trim_ascii().is_empty())?;
     let first = line.split(|b| *b == b',').next()?.trim_ascii();
     let first = first.strip_prefix(b"\"").unwrap_or(first);
     let first = first.strip_suffix(b"\"").unwrap_or(first);

@@ -53,11 +53,8 @@ impl Default for LegacyCalibration {
             offset: 0.0,
             gain_per_v: 1000.0 / v_per_krpm * std::f64::consts::TAU / 60.0,
         };
-        let volts = |name: &str| LegacyInput {
-            channel: Channel::new(name, Unit::V),
-            offset: 0.0,
-            gain_per_v: 1.0,
-        };
+        let volts =
+            |name: &str| LegacyInput { channel: Channel::new(name, Unit::V), offset: 0.0, gain_per_v: 1.0 };
         Self {
             inputs: [
                 speed("motor_speed", 6.9),
@@ -99,9 +96,7 @@ impl LegacyLog {
             let value = |row: &[f64; COLUMNS]| input.offset + input.gain_per_v * row[index];
             columns.push(self.rows_v.iter().map(value).collect());
         }
-        let time_s = (0..self.rows_v.len())
-            .map(|row| row as f64 * self.sample_time_s)
-            .collect();
+        let time_s = (0..self.rows_v.len()).map(|row| row as f64 * self.sample_time_s).collect();
         (channels, Table { time_s, columns })
     }
 }
@@ -126,11 +121,7 @@ struct Parser {
 impl Parser {
     fn take(&mut self, line: &[u8]) -> Result<()> {
         let Ok(text) = std::str::from_utf8(line) else {
-            return Err(RecordingError::line(
-                &self.path,
-                self.line,
-                LineProblem::NotText,
-            ));
+            return Err(RecordingError::line(&self.path, self.line, LineProblem::NotText));
         };
         let text = text.split('%').next().unwrap_or_default().trim();
         if text.is_empty() {
@@ -180,8 +171,7 @@ impl Parser {
             match values.and_then(|values| values.try_into().ok()) {
                 Some(row_v) => self.rows_v.push(row_v),
                 None => {
-                    return self
-                        .unexpected(row, "five finite numbers: four inputs and the command, V");
+                    return self.unexpected(row, "five finite numbers: four inputs and the command, V");
                 }
             }
         }
@@ -193,43 +183,26 @@ impl Parser {
 
     fn finish(self) -> Result<LegacyLog> {
         if self.state != State::Done {
-            return self.unexpected(
-                "the end of the file",
-                "the data's closing `];` or `};` (the log is cut off)",
-            );
+            return self
+                .unexpected("the end of the file", "the data's closing `];` or `};` (the log is cut off)");
         }
         let [samprate, amplitude_v, frequency_hz, offset_v] = self.settings;
         let sample_time_s = match samprate {
             Some(step_s) if step_s > 0.0 && step_s <= 1.0 => step_s,
             Some(rate_hz) if rate_hz > 1.0 => 1.0 / rate_hz,
             _ => {
-                return self.unexpected(
-                    "no such line",
-                    "`samprate=` with the step in seconds, above 0",
-                );
+                return self.unexpected("no such line", "`samprate=` with the step in seconds, above 0");
             }
         };
-        Ok(LegacyLog {
-            sample_time_s,
-            amplitude_v,
-            frequency_hz,
-            offset_v,
-            rows_v: self.rows_v,
-        })
+        Ok(LegacyLog { sample_time_s, amplitude_v, frequency_hz, offset_v, rows_v: self.rows_v })
     }
 
     fn unexpected<T>(&self, found: &str, expected: &'static str) -> Result<T> {
-        let problem = LineProblem::Unexpected {
-            found: excerpt(found.as_bytes()),
-            expected,
-        };
+        let problem = LineProblem::Unexpected { found: excerpt(found.as_bytes()), expected };
         Err(RecordingError::line(&self.path, self.line, problem))
     }
 }
 
 fn finite(text: &str) -> Option<f64> {
-    text.trim()
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite())
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }

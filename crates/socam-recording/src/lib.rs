@@ -7,18 +7,21 @@
 //! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
 //! sentence that names the file, the place and the remedy. Nothing here prints.
 
+mod convert;
 mod csv_read;
 mod dataset;
 mod error;
 mod format;
 mod legacy;
 mod log;
+mod output_file;
 mod segments;
 mod selection;
 mod statistics;
 mod steady;
 mod unit;
 
+pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
 pub use format::{Format, detect};
@@ -28,6 +31,7 @@ pub use log::record::{Recorder, RecordingSummary};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::{Attachment, RecordingHeader};
 pub use log::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
+pub use output_file::OutputFile;
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
 pub use statistics::Statistics;

@@ -57,23 +57,13 @@ struct Open {
 
 impl Open {
     fn new(first_row: u64, time_s: f64) -> Self {
-        Self {
-            first_row,
-            start_s: time_s,
-            end_s: time_s,
-            rows: 1,
-            shortest_s: f64::INFINITY,
-            longest_s: 0.0,
-        }
+        Self { first_row, start_s: time_s, end_s: time_s, rows: 1, shortest_s: f64::INFINITY, longest_s: 0.0 }
     }
 
     fn close(self, sample_time_s: f64) -> Segment {
         let (mean_s, jitter_s) = if self.rows > 1 {
             let mean_s = (self.end_s - self.start_s) / (self.rows - 1) as f64;
-            (
-                mean_s,
-                (self.longest_s - mean_s).max(mean_s - self.shortest_s),
-            )
+            (mean_s, (self.longest_s - mean_s).max(mean_s - self.shortest_s))
         } else {
             (sample_time_s, 0.0)
         };
@@ -90,13 +80,7 @@ impl Open {
 
 impl SegmentFinder {
     pub(crate) fn new() -> Self {
-        Self {
-            waiting: Vec::new(),
-            sample_time_s: None,
-            done: Vec::new(),
-            open: None,
-            rows: 0,
-        }
+        Self { waiting: Vec::new(), sample_time_s: None, done: Vec::new(), open: None, rows: 0 }
     }
 
     /// Takes the next row's time, which must be later than all before.
@@ -142,8 +126,7 @@ impl SegmentFinder {
         let step_s = time_s - open.end_s;
         if step_s > GAP_STEPS * sample_time_s {
             let closed = self.open.replace(Open::new(row, time_s));
-            self.done
-                .extend(closed.map(|open| open.close(sample_time_s)));
+            self.done.extend(closed.map(|open| open.close(sample_time_s)));
             return;
         }
         open.end_s = time_s;
@@ -191,9 +174,6 @@ mod tests {
     fn one_row_and_none() {
         assert_eq!(find([]).0, vec![]);
         let (segments, sample_time_s) = find([3.0]);
-        assert_eq!(
-            (segments.len(), segments[0].rows, sample_time_s),
-            (1, 1, 0.0)
-        );
+        assert_eq!((segments.len(), segments[0].rows, sample_time_s), (1, 1, 0.0));
     }
 }

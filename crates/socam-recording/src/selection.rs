@@ -24,10 +24,7 @@ pub struct Span {
 
 impl Span {
     /// All of a recording.
-    pub const ALL: Self = Self {
-        from_s: f64::NEG_INFINITY,
-        to_s: f64::INFINITY,
-    };
+    pub const ALL: Self = Self { from_s: f64::NEG_INFINITY, to_s: f64::INFINITY };
 
     /// Whether a sample at this time belongs to the span.
     #[must_use]
@@ -40,10 +37,7 @@ impl Selection {
     /// All of one file.
     #[must_use]
     pub fn whole(path: impl Into<PathBuf>) -> Self {
-        Self {
-            path: path.into(),
-            span: Span::ALL,
-        }
+        Self { path: path.into(), span: Span::ALL }
     }
 
     /// Reads `RUN` or `RUN@FROM..TO`; either end may be left open (`RUN@2..`). An `@` that is not followed by a span
@@ -61,10 +55,7 @@ impl Selection {
         if Path::new(text).exists() {
             return Ok(Self::whole(text));
         }
-        let bad = |problem| RecordingError::Selection {
-            text: text.into(),
-            problem,
-        };
+        let bad = |problem| RecordingError::Selection { text: text.into(), problem };
         if path.is_empty() {
             return Err(bad("there is no file before the `@`"));
         }
@@ -73,10 +64,7 @@ impl Selection {
         if from_s >= to_s {
             return Err(bad("FROM must be before TO"));
         }
-        Ok(Self {
-            path: path.into(),
-            span: Span { from_s, to_s },
-        })
+        Ok(Self { path: path.into(), span: Span { from_s, to_s } })
     }
 
     /// The recording's name in results: the text it was named by.
@@ -87,11 +75,7 @@ impl Selection {
             return path.to_string();
         }
         let end = |s: f64| {
-            if s.is_finite() {
-                s.to_string()
-            } else {
-                String::new()
-            }
+            if s.is_finite() { s.to_string() } else { String::new() }
         };
         format!("{path}@{}..{}", end(self.span.from_s), end(self.span.to_s))
     }
@@ -125,10 +109,7 @@ mod tests {
         assert!(part.span.contains(2.0) && !part.span.contains(7.5));
         assert_eq!(part.name(), "run.mcap@2..7.5");
         assert_eq!(Selection::parse("r.m@..3").unwrap().name(), "r.m@..3");
-        assert_eq!(
-            Selection::parse("r.m@1..").unwrap().span.to_s,
-            f64::INFINITY
-        );
+        assert_eq!(Selection::parse("r.m@1..").unwrap().span.to_s, f64::INFINITY);
         assert_eq!(Selection::parse("r.m@..").unwrap().span, Span::ALL);
     }
 

@@ -32,14 +32,7 @@ pub(crate) struct Running {
 
 impl Running {
     pub(crate) const fn new() -> Self {
-        Self {
-            count: 0,
-            missing: 0,
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-            mean: 0.0,
-            squares: 0.0,
-        }
+        Self { count: 0, missing: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, squares: 0.0 }
     }
 
     /// Takes a value; NaN counts as missing.

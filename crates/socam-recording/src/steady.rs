@@ -46,9 +46,7 @@ impl Steady {
         for (cell, column) in header.iter().enumerate().skip(1) {
             match Channel::from_column_name(column) {
                 Some(channel) => channels.push((cell, channel)),
-                None => warnings.push(Warning::ColumnWithoutUnit {
-                    column: column.clone(),
-                }),
+                None => warnings.push(Warning::ColumnWithoutUnit { column: column.clone() }),
             }
         }
         if channels.is_empty() {
@@ -72,18 +70,15 @@ impl Steady {
     /// Values of one channel over all points, by its name or column name; `None` when there is no such channel.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<Vec<Option<f64>>> {
-        let index = self
-            .channels
-            .iter()
-            .position(|channel| channel.name == name || channel.column_name() == name)?;
+        let index =
+            self.channels.iter().position(|channel| channel.name == name || channel.column_name() == name)?;
         Some(self.rows.iter().map(|row| row.values[index]).collect())
     }
 }
 
 fn row(lines: &CsvLines, channels: &[(usize, Channel)]) -> Result<SteadyRow, LineProblem> {
-    let point = number(&lines.record[0], "point_1")?.ok_or_else(|| LineProblem::MissingTime {
-        column: "point_1".into(),
-    })?;
+    let point = number(&lines.record[0], "point_1")?
+        .ok_or_else(|| LineProblem::MissingTime { column: "point_1".into() })?;
     let values = channels
         .iter()
         .map(|(cell, channel)| number(&lines.record[*cell], &channel.column_name()))

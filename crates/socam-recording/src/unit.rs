@@ -122,10 +122,7 @@ impl Channel {
     /// A channel of this name and unit.
     #[must_use]
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self {
-            name: name.into(),
-            unit,
-        }
+        Self { name: name.into(), unit }
     }
 
     /// Splits a column's name, longest suffix first; `None` when it has no unit's suffix, or nothing before it.
@@ -162,10 +159,7 @@ mod tests {
             ("force_N", "force", Unit::N),
             ("duty_1", "duty", Unit::One),
         ] {
-            assert_eq!(
-                Channel::from_column_name(column),
-                Some(Channel::new(name, unit))
-            );
+            assert_eq!(Channel::from_column_name(column), Some(Channel::new(name, unit)));
         }
         assert_eq!(Channel::from_column_name("sample_id"), None);
         assert_eq!(Channel::from_column_name("_V"), None);
@@ -175,16 +169,10 @@ mod tests {
     fn suffixes_are_tried_longest_first_and_names_come_back() {
         for (index, unit) in Unit::ALL.into_iter().enumerate() {
             for later in &Unit::ALL[index + 1..] {
-                assert!(
-                    !later.suffix().ends_with(unit.suffix()),
-                    "{unit} hides {later}"
-                );
+                assert!(!later.suffix().ends_with(unit.suffix()), "{unit} hides {later}");
             }
             let channel = Channel::new("x", unit);
-            assert_eq!(
-                Channel::from_column_name(&channel.column_name()),
-                Some(channel)
-            );
+            assert_eq!(Channel::from_column_name(&channel.column_name()), Some(channel));
         }
     }
 }

@@ -13,9 +13,7 @@ fn file(dir: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> Strin
 
 fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
     let dir = tempfile::tempdir().unwrap();
-    let message = Dataset::open(&file(&dir, name, content))
-        .unwrap_err()
-        .to_string();
+    let message = Dataset::open(&file(&dir, name, content)).unwrap_err().to_string();
     assert!(!message.contains('\n'), "one sentence: {message}");
     assert!(message.contains(name), "names the file: {message}");
     message
@@ -34,27 +32,15 @@ fn columns_become_channels_and_the_rest_is_left_aside() {
          0.002,2.5,test,-4e-3,9,,\r\n",
     );
     let data = Dataset::open(&path).unwrap();
-    assert_eq!(
-        data.channels(),
-        [
-            Channel::new("motor_speed", Unit::RadPerS),
-            Channel::new("u", Unit::V)
-        ]
-    );
-    let column = |name: &str| Warning::ColumnWithoutUnit {
-        column: name.into(),
-    };
+    assert_eq!(data.channels(), [Channel::new("motor_speed", Unit::RadPerS), Channel::new("u", Unit::V)]);
+    let column = |name: &str| Warning::ColumnWithoutUnit { column: name.into() };
     assert_eq!(
         data.warnings(),
         [
             column("split"),
             column("count"),
-            Warning::TextColumn {
-                column: "note_A".into()
-            },
-            Warning::EmptyColumn {
-                column: "void_K".into()
-            },
+            Warning::TextColumn { column: "note_A".into() },
+            Warning::EmptyColumn { column: "void_K".into() },
         ]
     );
     assert_eq!(data.rows(), 3);
@@ -91,14 +77,9 @@ fn blocks_stop_at_gaps_and_selections_keep_their_times() {
         assert_eq!(row, 9990);
     }
     let part = Dataset::open(&format!("{path}@1..2.5")).unwrap();
-    assert_eq!(
-        (part.rows(), part.start_s(), part.end_s()),
-        (1500, 1.0, 2.499)
-    );
+    assert_eq!((part.rows(), part.start_s(), part.end_s()), (1500, 1.0, 2.499));
     assert_eq!(part.load(&["u"]).unwrap().columns[0].values()[0], 1000.0);
-    let message = Dataset::open(&format!("{path}@90..99"))
-        .unwrap_err()
-        .to_string();
+    let message = Dataset::open(&format!("{path}@90..99")).unwrap_err().to_string();
     assert!(message.contains("widen the selection"), "{message}");
 }
 
@@ -112,59 +93,23 @@ fn bad_files_get_one_sentence_with_the_place() {
     assert!(message.to_string().contains("no such file"), "{message}");
     for (name, content, expected) in [
         ("a.csv", "", "is empty"),
-        (
-            "b.csv",
-            "time,u_V\n0,1\n",
-            "line 1: the header starts with `time`",
-        ),
+        ("b.csv", "time,u_V\n0,1\n", "line 1: the header starts with `time`"),
         ("c.csv", "t_s,u\n0,1\n", "no numeric column ends in a unit"),
         ("d.csv", "t_s,u_V\n", "holds no samples"),
-        (
-            "e.csv",
-            "t_s,u_V\n0,1\n0.1,NaN\n",
-            "line 3: column `u_V` holds `NaN`",
-        ),
-        (
-            "f.csv",
-            "t_s,u_V\n0,1\n0.1,-inf\n",
-            "line 3: column `u_V` holds `-inf`",
-        ),
-        (
-            "g.csv",
-            "t_s,u_V\n0,1\n0.1,x\n",
-            "line 3: column `u_V` holds `x`",
-        ),
-        (
-            "h.csv",
-            "t_s,u_V\n0,x\n0.1,2\n",
-            "line 3: column `u_V` holds a number here but `x` in line 2",
-        ),
-        (
-            "i.csv",
-            "t_s,u_V\n0,1\n0.1,2\n0.05,3\n",
-            "line 4: time goes from 0.1 s to 0.05 s",
-        ),
-        (
-            "j.csv",
-            "t_s,u_V\n0,1\n0.1\n",
-            "line 3: 1 cells where the header names 2",
-        ),
+        ("e.csv", "t_s,u_V\n0,1\n0.1,NaN\n", "line 3: column `u_V` holds `NaN`"),
+        ("f.csv", "t_s,u_V\n0,1\n0.1,-inf\n", "line 3: column `u_V` holds `-inf`"),
+        ("g.csv", "t_s,u_V\n0,1\n0.1,x\n", "line 3: column `u_V` holds `x`"),
+        ("h.csv", "t_s,u_V\n0,x\n0.1,2\n", "line 3: column `u_V` holds a number here but `x` in line 2"),
+        ("i.csv", "t_s,u_V\n0,1\n0.1,2\n0.05,3\n", "line 4: time goes from 0.1 s to 0.05 s"),
+        ("j.csv", "t_s,u_V\n0,1\n0.1\n", "line 3: 1 cells where the header names 2"),
         ("k.csv", "t_s,u_V\n0,1\n,2\n", "line 3: `t_s` is empty"),
-        (
-            "l.csv",
-            "t_s,u_V,u_V\n0,1,2\n",
-            "two columns are named `u_V`",
-        ),
+        ("l.csv", "t_s,u_V,u_V\n0,1,2\n", "two columns are named `u_V`"),
         ("m.dat", "hello\n", "starts with `hello`"),
         ("n.dat", "PAR1....", "Parquet"),
         ("o.csv", "point_1,u_V\n1,2\n", "steady states"),
         ("p.csv", "t_s,u_V\n0,a\n1,b\n", "no numeric column"),
         ("q.mcap", "\u{89}", "starts with"),
-        (
-            "r.csv",
-            "t_s,u_V\nnan,1\n",
-            "line 2: column `t_s` holds `nan`",
-        ),
+        ("r.csv", "t_s,u_V\nnan,1\n", "line 2: column `t_s` holds `nan`"),
     ] {
         let message = refusal(name, content);
         assert!(message.contains(expected), "{name}: {message}");
@@ -185,9 +130,7 @@ fn the_thesis_program_log_is_read_in_both_brackets() {
             ),
         );
         let data = Dataset::open(&path).unwrap();
-        let loaded = data
-            .load(&["command", "motor_speed", "output_speed", "torque_in_V"])
-            .unwrap();
+        let loaded = data.load(&["command", "motor_speed", "output_speed", "torque_in_V"]).unwrap();
         assert_eq!(loaded.time_s, [0.0, 0.005]);
         assert_eq!(loaded.columns[0].values(), [1.88, 1.90]);
         let krpm = 1000.0 * std::f64::consts::TAU / 60.0;

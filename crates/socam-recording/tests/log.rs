@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use socam_recording::{
-    Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, RecordingSummary, SampleRow,
-    Status, Unit, Warning, read_attachments,
+    Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, RecordingSummary, SampleRow, Status,
+    Unit, Warning, read_attachments,
 };
 
 fn header() -> RecordingHeader {
@@ -29,10 +29,7 @@ fn header() -> RecordingHeader {
 
 /// Values that no compressor flattens, the same on every run.
 fn value(index: u64) -> f64 {
-    let bits = index
-        .wrapping_add(1)
-        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        .rotate_left(17);
+    let bits = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17);
     bits as f64 / u64::MAX as f64
 }
 
@@ -119,10 +116,7 @@ fn lost_samples_are_counted_from_their_numbers() {
     let data = open(&path).unwrap();
     assert_eq!(data.lost_samples(), 3);
     assert_eq!(data.segments().len(), 2);
-    assert!(
-        data.warnings()
-            .contains(&Warning::LostSamples { samples: 3 })
-    );
+    assert!(data.warnings().contains(&Warning::LostSamples { samples: 3 }));
 }
 
 #[test]
@@ -184,11 +178,7 @@ fn a_damaged_chunk_is_left_out_and_said() {
     let data = open(&path).unwrap();
     assert!(data.rows() < 2000);
     assert_eq!(data.rows() + data.lost_samples(), 2000);
-    assert!(
-        data.warnings()
-            .iter()
-            .any(|w| matches!(w, Warning::Damaged { .. }))
-    );
+    assert!(data.warnings().iter().any(|w| matches!(w, Warning::Damaged { .. })));
 }
 
 #[test]
@@ -301,5 +291,48 @@ proptest! {
                 block.unwrap();
             }
         }
+    }
+}
+
+fn table() -> impl Strategy<Value = (Vec<f64>, Vec<Vec<f64>>)> {
+    let number = prop_oneof![
+        5 => any::<f64>().prop_filter("finite", |v| v.is_finite()),
+        1 => Just(f64::NAN),
+    ];
+    let steps = prop::collection::vec(1e-12_f64..1e3, 1..80);
+    (steps, -100.0..100.0).prop_flat_map(move |(steps, start): (Vec<f64>, f64)| {
+        let mut time_s = vec![start];
+        time_s.extend(steps.iter().scan(start, |t, step| {
+            *t += step;
+            Some(*t)
+        }));
+        time_s.dedup();
+        let column = prop::collection::vec(number.clone(), time_s.len());
+        (Just(time_s), prop::collection::vec(column, 2))
+    })
+}
+
+proptest! {
+    #[test]
+    fn csv_and_mcap_give_back_every_value((time_s, mut columns) in table()) {
+        // A column without one value is no channel.
+        columns.iter_mut().for_each(|column| column[0] = 0.5);
+        let dir = tempfile::tempdir().unwrap();
+        let channels = vec![Channel::new("a b,\"c", Unit::Nm), Channel::new("w", Unit::RadPerS)];
+        let data = Dataset::from_columns("x", channels.clone(), time_s, columns).unwrap();
+        let names = ["a b,\"c", "w"];
+        let expected = format!("{:?}", data.load(&names).unwrap());
+        let csv = dir.path().join("x.csv");
+        socam_recording::export_csv(&data, &csv).unwrap();
+        let from_csv = open(&csv).unwrap();
+        prop_assert_eq!(from_csv.channels(), &channels[..]);
+        prop_assert_eq!(format!("{:?}", from_csv.load(&names).unwrap()), expected.clone());
+        let mcap = dir.path().join("x.mcap");
+        socam_recording::import_mcap(&from_csv, 1_700_000_000_000_000_000, BTreeMap::new(), &mcap).unwrap();
+        let from_mcap = open(&mcap).unwrap();
+        prop_assert_eq!(from_mcap.channels(), &channels[..]);
+        prop_assert_eq!(from_mcap.warnings(), &[]);
+        prop_assert_eq!(format!("{:?}", from_mcap.load(&names).unwrap()), expected);
+        prop_assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 }

@@ -115,17 +115,10 @@ impl Records {
             return Err(RecordingError::Byte {
                 path: path.into(),
                 byte: 0,
-                problem: "expected the beginning of an MCAP log; this is another kind of file"
-                    .into(),
+                problem: "expected the beginning of an MCAP log; this is another kind of file".into(),
             });
         }
-        Ok(Self {
-            path: path.into(),
-            file,
-            length,
-            position: 8,
-            body: Vec::new(),
-        })
+        Ok(Self { path: path.into(), file, length, position: 8, body: Vec::new() })
     }
 
     /// The next record; its body is empty unless `wanted`.
@@ -138,19 +131,14 @@ impl Records {
         let mut head = [0; RECORD_HEAD as usize];
         self.read(|file| file.read_exact(&mut head))?;
         let opcode = head[0];
-        let length = u64::from_le_bytes([
-            head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8],
-        ]);
+        let length =
+            u64::from_le_bytes([head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8]]);
         if opcode == 0 || length > left - RECORD_HEAD {
             return Ok(Next::Cut(byte));
         }
         if opcode == op::FOOTER {
             let end = byte + RECORD_HEAD + length + mcap::MAGIC.len() as u64;
-            return Ok(if end <= self.length {
-                Next::End
-            } else {
-                Next::Cut(byte)
-            });
+            return Ok(if end <= self.length { Next::End } else { Next::Cut(byte) });
         }
         self.body.clear();
         if wanted(opcode) {
@@ -171,11 +159,7 @@ impl Records {
             self.read(|file| file.seek_relative(length as i64))?;
         }
         self.position = byte + RECORD_HEAD + length;
-        Ok(Next::Record {
-            opcode,
-            byte,
-            body: &self.body,
-        })
+        Ok(Next::Record { opcode, byte, body: &self.body })
     }
 
     fn read(&mut self, read: impl FnOnce(&mut BufReader<File>) -> io::Result<()>) -> Result<()> {
@@ -238,9 +222,7 @@ impl LogRows {
         let end = self.ready.time_s.len().min(self.given + limit);
         let range = self.given..end;
         self.given = end;
-        table
-            .time_s
-            .extend_from_slice(&self.ready.time_s[range.clone()]);
+        table.time_s.extend_from_slice(&self.ready.time_s[range.clone()]);
         for (to, from) in table.columns.iter_mut().zip(&self.ready.columns) {
             to.extend_from_slice(&from[range.clone()]);
         }
@@ -286,9 +268,7 @@ impl LogRows {
         let columns = self.wanted.as_deref();
         let table = &mut self.ready;
         let whole = if opcode == op::CHUNK {
-            self.chunks.open(body, |opcode, body| {
-                decoder.take(opcode, body, columns, table)
-            })
+            self.chunks.open(body, |opcode, body| decoder.take(opcode, body, columns, table))
         } else {
             decoder.take(opcode, body, columns, table)
         };
@@ -296,13 +276,11 @@ impl LogRows {
             self.ready.truncate(rows_before);
             self.damaged.push((byte, body.len() as u64 + RECORD_HEAD));
         }
-        self.decoder
-            .check_order()
-            .map_err(|problem| RecordingError::Byte {
-                path: self.records.path.clone(),
-                byte,
-                problem,
-            })
+        self.decoder.check_order().map_err(|problem| RecordingError::Byte {
+            path: self.records.path.clone(),
+            byte,
+            problem,
+        })
     }
 
     fn skip_summary(&mut self) -> Result<()> {
@@ -330,17 +308,12 @@ impl LogRows {
             return RecordingError::Byte {
                 path,
                 byte,
-                problem: "the log is cut off here, before anything was recorded; record again"
-                    .into(),
+                problem: "the log is cut off here, before anything was recorded; record again".into(),
             };
         }
         RecordingError::ForeignMcap {
             path,
-            topics: if topics.is_empty() {
-                "none".into()
-            } else {
-                topics.join(", ")
-            },
+            topics: if topics.is_empty() { "none".into() } else { topics.join(", ") },
         }
     }
 
@@ -351,9 +324,7 @@ impl LogRows {
             ..EndOfRows::default()
         };
         if self.decoder.lost > 0 {
-            end.warnings.push(Warning::LostSamples {
-                samples: self.decoder.lost,
-            });
+            end.warnings.push(Warning::LostSamples { samples: self.decoder.lost });
         }
         for (byte, bytes) in self.damaged {
             end.warnings.push(Warning::Damaged { byte, bytes });
@@ -368,9 +339,7 @@ impl LogRows {
                     missing(&self.decoder.contents, self.decoder.previous_s)
                 },
             };
-            end.warnings.push(Warning::CutOff {
-                missing: cut.missing.clone(),
-            });
+            end.warnings.push(Warning::CutOff { missing: cut.missing.clone() });
             end.cut = Some(cut);
         }
         end.contents = Some(self.decoder.contents);
@@ -383,10 +352,7 @@ fn missing(contents: &LogContents, last_s: Option<f64>) -> String {
     let last_s = last_s.unwrap_or(0.0);
     let rest = match contents.planned_duration_s {
         Some(planned_s) if planned_s > last_s => {
-            format!(
-                "the last {:.3} s of the planned {planned_s} s",
-                planned_s - last_s
-            )
+            format!("the last {:.3} s of the planned {planned_s} s", planned_s - last_s)
         }
         _ => format!("all after {last_s} s (of a running recording, at most its last second)"),
     };
@@ -405,9 +371,7 @@ impl ChunkOpener {
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(RECORD_BYTES as usize);
-        Self {
-            reader: LinearReader::new_with_options(options),
-        }
+        Self { reader: LinearReader::new_with_options(options) }
     }
 
     /// Calls `take` with each record of a chunk; `None` when the chunk or a record in it is damaged.
@@ -464,27 +428,19 @@ struct Decoder {
 
 impl Decoder {
     /// Takes one record; `None` when it is damaged.
-    fn take(
-        &mut self,
-        opcode: u8,
-        body: &[u8],
-        wanted: Option<&[usize]>,
-        table: &mut Table,
-    ) -> Option<()> {
+    fn take(&mut self, opcode: u8, body: &[u8], wanted: Option<&[usize]>, table: &mut Table) -> Option<()> {
         if opcode == op::MESSAGE {
             return self.message(body, table);
         }
         match mcap::parse_record(opcode, body).ok()? {
             Record::Header(header) => self.contents.library = header.library,
             Record::Schema { header, data } => {
-                self.schemas
-                    .insert(header.id, (header.name, data.into_owned()));
+                self.schemas.insert(header.id, (header.name, data.into_owned()));
             }
             Record::Channel(channel) => self.topic(channel, wanted, table),
             Record::Metadata(metadata) if metadata.name == METADATA_NAME => {
                 let number = |name: &str| metadata.metadata.get(name);
-                self.contents.start_unix_ns =
-                    number("start_unix_ns").and_then(|text| text.parse().ok());
+                self.contents.start_unix_ns = number("start_unix_ns").and_then(|text| text.parse().ok());
                 self.contents.planned_duration_s =
                     number("planned_duration_s").and_then(|text| text.parse().ok());
                 self.contents.metadata.extend(metadata.metadata);
@@ -510,12 +466,7 @@ impl Decoder {
         Some(())
     }
 
-    fn topic(
-        &mut self,
-        channel: mcap::records::Channel,
-        wanted: Option<&[usize]>,
-        table: &mut Table,
-    ) {
+    fn topic(&mut self, channel: mcap::records::Channel, wanted: Option<&[usize]>, table: &mut Table) {
         if !self.topics.contains(&channel.topic) {
             self.topics.push(channel.topic.clone());
         }
@@ -539,20 +490,12 @@ impl Decoder {
     }
 
     /// Finds the channels among the message's fields. Names that were no identifiers stand in the topic's metadata.
-    fn columns_of(
-        &mut self,
-        fields: Vec<(u32, String)>,
-        names: Option<&str>,
-        wanted: Option<&[usize]>,
-    ) {
-        let names: Vec<String> = names
-            .and_then(|names| serde_json::from_str(names).ok())
-            .unwrap_or_default();
+    fn columns_of(&mut self, fields: Vec<(u32, String)>, names: Option<&str>, wanted: Option<&[usize]>) {
+        let names: Vec<String> = names.and_then(|names| serde_json::from_str(names).ok()).unwrap_or_default();
         let mut all = Vec::new();
         for (number, field) in fields {
-            let written = number
-                .checked_sub(schema::FIRST_CHANNEL)
-                .and_then(|index| names.get(index as usize));
+            let written =
+                number.checked_sub(schema::FIRST_CHANNEL).and_then(|index| names.get(index as usize));
             let column = written.cloned().unwrap_or(field);
             match Channel::from_column_name(&column) {
                 _ if number == EXACT_TIME_S => {}

@@ -93,22 +93,13 @@ impl Shared {
 }
 
 impl Queue {
-    fn push(
-        &mut self,
-        waiting: (Topic, i64, Option<u64>),
-        encode: impl FnOnce(&mut Vec<u8>),
-    ) -> bool {
+    fn push(&mut self, waiting: (Topic, i64, Option<u64>), encode: impl FnOnce(&mut Vec<u8>)) -> bool {
         if self.failed || self.bytes.len() >= QUEUE_BYTES {
             return false;
         }
         encode(&mut self.bytes);
         let (topic, device_time_ns, sequence) = waiting;
-        self.messages.push(Waiting {
-            topic,
-            device_time_ns,
-            sequence,
-            end: self.bytes.len(),
-        });
+        self.messages.push(Waiting { topic, device_time_ns, sequence, end: self.bytes.len() });
         true
     }
 }
@@ -121,9 +112,7 @@ impl Recorder {
     pub fn create(path: &Path, header: &RecordingHeader) -> Result<Self> {
         let file = create_file(path, header.replace)?;
         let log = LogWriter::begin(path, file, header).inspect_err(|_| remove(path))?;
-        let shared = Arc::new(Shared {
-            queue: Mutex::new(Queue::default()),
-        });
+        let shared = Arc::new(Shared { queue: Mutex::new(Queue::default()) });
         let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("socam-recorder".into())
@@ -149,9 +138,7 @@ impl Recorder {
         let mut taken = 0;
         for row in rows {
             if row.values.len() != self.channels
-                || self
-                    .latest_device_ns
-                    .is_some_and(|t| row.device_time_ns <= t)
+                || self.latest_device_ns.is_some_and(|t| row.device_time_ns <= t)
             {
                 self.counts.refused += 1;
                 continue;
@@ -204,19 +191,8 @@ impl Recorder {
     /// When writing has failed at any time. A recording without one sample is removed, and said.
     pub fn finish(mut self) -> Result<RecordingSummary> {
         let (written, bytes) = self.stop()?;
-        let Counts {
-            missed,
-            overflowed,
-            refused,
-        } = self.counts;
-        Ok(RecordingSummary {
-            written,
-            lost: self.counts.lost(),
-            missed,
-            overflowed,
-            refused,
-            bytes,
-        })
+        let Counts { missed, overflowed, refused } = self.counts;
+        Ok(RecordingSummary { written, lost: self.counts.lost(), missed, overflowed, refused, bytes })
     }
 
     fn stop(&mut self) -> Result<(u64, u64)> {
@@ -226,17 +202,11 @@ impl Recorder {
         self.shared.queue().ended = true;
         thread.thread().unpark();
         let (written, bytes) = thread.join().map_err(|_| {
-            RecordingError::io(
-                &self.path,
-                "record to",
-                std::io::Error::other("the writer stopped"),
-            )
+            RecordingError::io(&self.path, "record to", std::io::Error::other("the writer stopped"))
         })??;
         if written == 0 {
             remove(&self.path);
-            return Err(RecordingError::NothingRecorded {
-                path: self.path.clone(),
-            });
+            return Err(RecordingError::NothingRecorded { path: self.path.clone() });
         }
         Ok((written, bytes))
     }
@@ -297,12 +267,7 @@ fn write(log: &mut LogWriter, batch: &Queue) -> Result<()> {
     let mut start = 0;
     for message in &batch.messages {
         let bytes = &batch.bytes[start..message.end];
-        log.message(
-            message.topic,
-            message.device_time_ns,
-            message.sequence,
-            bytes,
-        )?;
+        log.message(message.topic, message.device_time_ns, message.sequence, bytes)?;
         start = message.end;
     }
     Ok(())
@@ -316,9 +281,7 @@ fn create_file(path: &Path, replace: bool) -> Result<File> {
     } else {
         options.create_new(true);
     }
-    options
-        .open(path)
-        .map_err(|e| RecordingError::io(path, "create", e))
+    options.open(path).map_err(|e| RecordingError::io(path, "create", e))
 }
 
 /// Removes a file that holds nothing worth keeping; devices stay.

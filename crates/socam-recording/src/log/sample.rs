@@ -97,10 +97,7 @@ fn put_text(out: &mut Vec<u8>, number: u32, text: &str) {
 
 fn put_counts(out: &mut Vec<u8>, counts: &[i32]) {
     let zigzag = |count: i32| u64::from(((count << 1) ^ (count >> 31)) as u32);
-    let bytes: usize = counts
-        .iter()
-        .map(|count| prost::encoding::encoded_len_varint(zigzag(*count)))
-        .sum();
+    let bytes: usize = counts.iter().map(|count| prost::encoding::encoded_len_varint(zigzag(*count))).sum();
     encode_key(RAW_COUNTS, WireType::LengthDelimited, out);
     encode_varint(bytes as u64, out);
     for count in counts {
@@ -139,13 +136,7 @@ pub(crate) fn fields(mut bytes: &[u8], mut take: impl FnMut(u32, Field<'_>)) -> 
 }
 
 pub(crate) fn decode_status(bytes: &[u8]) -> Option<Status> {
-    let mut status = Status {
-        device_time_ns: 0,
-        state: String::new(),
-        overruns: 0,
-        lost: 0,
-        link_errors: 0,
-    };
+    let mut status = Status { device_time_ns: 0, state: String::new(), overruns: 0, lost: 0, link_errors: 0 };
     fields(bytes, |number, field| match (number, field) {
         (1, Field::Varint(value)) => status.device_time_ns = value as i64,
         (2, Field::Bytes(text)) => status.state = String::from_utf8_lossy(text).into_owned(),
@@ -158,11 +149,7 @@ pub(crate) fn decode_status(bytes: &[u8]) -> Option<Status> {
 }
 
 pub(crate) fn decode_event(bytes: &[u8]) -> Option<Event> {
-    let mut event = Event {
-        device_time_ns: 0,
-        kind: String::new(),
-        text: String::new(),
-    };
+    let mut event = Event { device_time_ns: 0, kind: String::new(), text: String::new() };
     fields(bytes, |number, field| match (number, field) {
         (1, Field::Varint(value)) => event.device_time_ns = value as i64,
         (2, Field::Bytes(text)) => event.kind = String::from_utf8_lossy(text).into_owned(),

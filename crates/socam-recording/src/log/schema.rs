@@ -5,8 +5,7 @@
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{
-    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
-    OneofDescriptorProto,
+    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, OneofDescriptorProto,
 };
 
 use crate::Channel;
@@ -62,10 +61,8 @@ pub(crate) fn field_names(channels: &[Channel]) -> Vec<String> {
     let mut names: Vec<String> = Vec::with_capacity(channels.len());
     for channel in channels {
         let column = channel.column_name();
-        let mut name: String = column
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-            .collect();
+        let mut name: String =
+            column.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
             name.insert_str(0, "x_");
         }
@@ -104,18 +101,12 @@ struct Builder(DescriptorProto);
 
 impl Builder {
     fn new(name: &str) -> Self {
-        Self(DescriptorProto {
-            name: Some(name.into()),
-            ..DescriptorProto::default()
-        })
+        Self(DescriptorProto { name: Some(name.into()), ..DescriptorProto::default() })
     }
 
     fn optional(&mut self, name: &str, number: u32, of: Type) {
         let oneof_index = Some(self.0.oneof_decl.len() as i32);
-        self.0.oneof_decl.push(OneofDescriptorProto {
-            name: Some(format!("_{name}")),
-            options: None,
-        });
+        self.0.oneof_decl.push(OneofDescriptorProto { name: Some(format!("_{name}")), options: None });
         self.0.field.push(FieldDescriptorProto {
             oneof_index,
             proto3_optional: Some(true),
@@ -158,10 +149,7 @@ mod tests {
     #[test]
     fn odd_names_become_distinct_identifiers() {
         let channels = ["a b", "a_b", "1", "\u{e9}"].map(|name| Channel::new(name, Unit::V));
-        assert_eq!(
-            field_names(&channels),
-            ["a_b_V", "x2_a_b_V", "x_1_V", "x___V"]
-        );
+        assert_eq!(field_names(&channels), ["a_b_V", "x2_a_b_V", "x_1_V", "x___V"]);
         let fields = double_fields(&sample(&channels), SAMPLE).unwrap();
         assert_eq!(fields[0], (5, "t_s".into()));
         assert_eq!(fields[1], (16, "a_b_V".into()));

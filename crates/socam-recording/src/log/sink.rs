@@ -14,12 +14,7 @@ pub(crate) struct LogSink {
 
 impl LogSink {
     pub(crate) fn new(file: File) -> Self {
-        Self {
-            file,
-            held: Vec::new(),
-            written: 0,
-            failed: false,
-        }
+        Self { file, held: Vec::new(), written: 0, failed: false }
     }
 
     /// Bytes handed to the system.

@@ -10,9 +10,7 @@ use mcap::{Compression, McapError, WriteOptions, Writer};
 
 use super::sample::{Event, encode_event};
 use super::sink::LogSink;
-use super::{
-    EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME, schema,
-};
+use super::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME, schema};
 use crate::Channel;
 use crate::error::{RecordingError, Result};
 
@@ -113,11 +111,7 @@ impl LogWriter {
             })
         };
         let mut log = begin().map_err(|e| failure(path, "create", e))?;
-        let start = Event {
-            device_time_ns: 0,
-            kind: "start".into(),
-            text: "recording started".into(),
-        };
+        let start = Event { device_time_ns: 0, kind: "start".into(), text: "recording started".into() };
         let mut bytes = Vec::new();
         encode_event(&start, &mut bytes);
         log.message(Topic::Event, 0, None, &bytes)?;
@@ -146,16 +140,12 @@ impl LogWriter {
             publish_time,
         };
         self.messages[index] += 1;
-        self.writer
-            .write_to_known_channel(&header, bytes)
-            .map_err(|e| failure(&self.path, "write to", e))
+        self.writer.write_to_known_channel(&header, bytes).map_err(|e| failure(&self.path, "write to", e))
     }
 
     /// Closes the chunk and hands everything to the system.
     pub(crate) fn flush(&mut self) -> Result<()> {
-        self.writer
-            .flush()
-            .map_err(|e| failure(&self.path, "write to", e))?;
+        self.writer.flush().map_err(|e| failure(&self.path, "write to", e))?;
         self.samples_handed_over = self.samples();
         Ok(())
     }
@@ -215,41 +205,20 @@ fn metadata(header: &RecordingHeader) -> Metadata {
     if let Some(duration_s) = header.planned_duration_s {
         metadata.insert("planned_duration_s".into(), duration_s.to_string());
     }
-    Metadata {
-        name: METADATA_NAME.into(),
-        metadata,
-    }
+    Metadata { name: METADATA_NAME.into(), metadata }
 }
 
 fn topics(writer: &mut Writer<LogSink>, channels: &[Channel]) -> Result<[u16; 3], McapError> {
     let columns: Vec<String> = channels.iter().map(Channel::column_name).collect();
-    let columns = BTreeMap::from([(
-        "columns".to_owned(),
-        serde_json::Value::from(columns).to_string(),
-    )]);
+    let columns = BTreeMap::from([("columns".to_owned(), serde_json::Value::from(columns).to_string())]);
     let mut add = |name, data: Vec<u8>, topic, metadata: &BTreeMap<_, _>| {
         let id = writer.add_schema(name, "protobuf", &data)?;
         writer.add_channel(id, topic, "protobuf", metadata)
     };
     Ok([
-        add(
-            schema::SAMPLE,
-            schema::sample(channels),
-            SAMPLE_TOPIC,
-            &columns,
-        )?,
-        add(
-            schema::STATUS,
-            schema::status(),
-            STATUS_TOPIC,
-            &BTreeMap::new(),
-        )?,
-        add(
-            schema::EVENT,
-            schema::event(),
-            EVENT_TOPIC,
-            &BTreeMap::new(),
-        )?,
+        add(schema::SAMPLE, schema::sample(channels), SAMPLE_TOPIC, &columns)?,
+        add(schema::STATUS, schema::status(), STATUS_TOPIC, &BTreeMap::new())?,
+        add(schema::EVENT, schema::event(), EVENT_TOPIC, &BTreeMap::new())?,
     ])
 }
 

@@ -1,0 +1,91 @@
+//! Output files that are there whole or not at all.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{RecordingError, Result};
+
+/// A file written beside its place under another name (`NAME.part`) and put there by [`OutputFile::commit`]; dropping it
+/// before leaves nothing. What is not a regular file (a pipe, a terminal) is written directly.
+#[derive(Debug)]
+pub struct OutputFile {
+    target: PathBuf,
+    temporary: Option<PathBuf>,
+    file: BufWriter<File>,
+}
+
+impl OutputFile {
+    /// Starts a file that will stand at `target`, replacing what is there.
+    ///
+    /// # Errors
+    /// When it cannot be created.
+    pub fn create(target: &Path) -> Result<Self> {
+        let fail = |e| RecordingError::io(target, "create", e);
+        let special = match target.metadata() {
+            Ok(there) if there.is_dir() => {
+                return Err(fail(io::ErrorKind::IsADirectory.into()));
+            }
+            Ok(there) => !there.is_file(),
+            Err(_) => false,
+        };
+        if special {
+            let file = File::options().write(true).open(target).map_err(fail)?;
+            return Ok(Self { target: target.into(), temporary: None, file: BufWriter::new(file) });
+        }
+        let mut name = target.file_name().unwrap_or_default().to_owned();
+        name.push(".part");
+        let temporary = target.with_file_name(name);
+        let file = File::create(&temporary).map_err(fail)?;
+        Ok(Self {
+            target: target.into(),
+            temporary: Some(temporary),
+            file: BufWriter::with_capacity(1 << 18, file),
+        })
+    }
+
+    /// A second handle of the file, for a writer that brings its own buffer.
+    pub(crate) fn handle(&self) -> Result<File> {
+        self.file.get_ref().try_clone().map_err(|e| self.fail(e))
+    }
+
+    /// Brings the content to the disk and the file to its place.
+    ///
+    /// # Errors
+    /// When the content could not be written; nothing is left then.
+    pub fn commit(mut self) -> Result<()> {
+        self.file.flush().map_err(|e| self.fail(e))?;
+        let Some(temporary) = &self.temporary else {
+            return Ok(());
+        };
+        self.file
+            .get_ref()
+            .sync_all()
+            .and_then(|()| std::fs::rename(temporary, &self.target))
+            .map_err(|e| self.fail(e))?;
+        self.temporary = None;
+        Ok(())
+    }
+
+    fn fail(&self, e: io::Error) -> RecordingError {
+        RecordingError::io(&self.target, "write to", e)
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for OutputFile {
+    fn drop(&mut self) {
+        if let Some(temporary) = &self.temporary {
+            let _ = std::fs::remove_file(temporary);
+        }
+    }
+}
