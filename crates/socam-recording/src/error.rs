@@ -10,7 +10,7 @@ pub type Result<T, E = RecordingError> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum RecordingError {
     /// The operating system refused.
-    #[error("cannot {action} `{}`: {}", .path.display(), io_reason(.source))]
+    #[error("cannot {action} `{}`: {}", .path.display(), io_reason(action, .source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -269,9 +269,10 @@ impl RecordingError {
 }
 
 /// The system's answer in words, with what to do about it where that is known.
-fn io_reason(source: &std::io::Error) -> String {
+fn io_reason(action: &str, source: &std::io::Error) -> String {
     use std::io::ErrorKind as K;
     match source.kind() {
+        K::NotFound if action == "create" => "its folder does not exist; check the path".into(),
         K::NotFound => "there is no such file; check the path".into(),
         K::PermissionDenied => "permission denied; change the file's rights or choose another place".into(),
         K::StorageFull | K::QuotaExceeded => {

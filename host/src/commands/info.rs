@@ -1,0 +1,288 @@
+//! `info`: what recordings hold.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use socam_recording::{
+    Cut, Dataset, Format, LogContents, Segment, Statistics, Steady, Unit, Warning, detect,
+};
+
+use super::Outcome;
+use crate::output;
+
+/// Say what recordings hold: channels, rates, gaps, lost samples, notes, and what is missing
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let infos = args.runs.iter().map(|run| info(run)).collect::<anyhow::Result<Vec<_>>>()?;
+    if args.json {
+        output::print_json(&Document { schema: "socam.info/1", recordings: &infos })?;
+    } else {
+        let texts: Vec<String> = infos.iter().map(Info::to_text).collect();
+        output::print(&texts.join("\n"))?;
+    }
+    Ok(Outcome::Done)
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    recordings: &'a [Info],
+}
+
+/// What one recording holds. The names are part of the JSON document.
+#[derive(Serialize)]
+struct Info {
+    recording: String,
+    format: Format,
+    rows: u64,
+    start_s: Option<f64>,
+    end_s: Option<f64>,
+    duration_s: Option<f64>,
+    sample_time_s: Option<f64>,
+    rate_hz: Option<f64>,
+    channels: Vec<ChannelInfo>,
+    segments: Vec<Segment>,
+    gaps: Vec<Gap>,
+    lost_samples: Option<u64>,
+    cut: Option<Cut>,
+    log: Option<LogContents>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ChannelInfo {
+    name: String,
+    unit: Unit,
+    #[serde(flatten)]
+    statistics: Option<Statistics>,
+}
+
+#[derive(Serialize)]
+struct Gap {
+    from_s: f64,
+    to_s: f64,
+    /// Rows that would have fitted between.
+    rows: u64,
+}
+
+fn info(run: &str) -> anyhow::Result<Info> {
+    let path = socam_recording::Selection::parse(run)?.path;
+    if detect(&path)? == Format::SteadyStates {
+        return Ok(Info::of_steady(&Steady::open(&path)?));
+    }
+    Ok(Info::of(&Dataset::open(run)?))
+}
+
+/// What has a place of its own in the report.
+fn is_said_elsewhere(warning: &Warning) -> bool {
+    matches!(warning, Warning::CutOff { .. } | Warning::LostSamples { .. })
+}
+
+impl Info {
+    fn of(data: &Dataset) -> Self {
+        let sample_time_s = Some(data.sample_time_s()).filter(|s| *s > 0.0);
+        let gap = |pair: &[Segment]| Gap {
+            from_s: pair[0].end_s,
+            to_s: pair[1].start_s,
+            rows: ((pair[1].start_s - pair[0].end_s) / data.sample_time_s()).round() as u64 - 1,
+        };
+        Self {
+            recording: data.name().into(),
+            format: data.format(),
+            rows: data.rows(),
+            start_s: Some(data.start_s()),
+            end_s: Some(data.end_s()),
+            duration_s: Some(data.end_s() - data.start_s()),
+            sample_time_s,
+            rate_hz: sample_time_s.map(|s| 1.0 / s),
+            channels: data
+                .channels()
+                .iter()
+                .zip(data.statistics())
+                .map(|(channel, statistics)| ChannelInfo {
+                    name: channel.name.clone(),
+                    unit: channel.unit,
+                    statistics: Some(*statistics),
+                })
+                .collect(),
+            segments: data.segments().to_vec(),
+            gaps: data.segments().windows(2).map(gap).collect(),
+            lost_samples: (data.format() == Format::Mcap).then(|| data.lost_samples()),
+            cut: data.cut().cloned(),
+            log: data.contents().cloned(),
+            warnings: data
+                .warnings()
+                .iter()
+                .filter(|warning| !is_said_elsewhere(warning))
+                .map(ToString::to_string)
+                .collect(),
+        }
+    }
+
+    fn of_steady(steady: &Steady) -> Self {
+        Self {
+            recording: steady.name.clone(),
+            format: Format::SteadyStates,
+            rows: steady.rows.len() as u64,
+            start_s: None,
+            end_s: None,
+            duration_s: None,
+            sample_time_s: None,
+            rate_hz: None,
+            channels: steady
+                .channels
+                .iter()
+                .map(|channel| ChannelInfo {
+                    name: channel.name.clone(),
+                    unit: channel.unit,
+                    statistics: None,
+                })
+                .collect(),
+            segments: Vec::new(),
+            gaps: Vec::new(),
+            lost_samples: None,
+            cut: None,
+            log: None,
+            warnings: steady.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    fn to_text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "{}: {}", self.recording, self.format)?;
+        match (self.duration_s, self.rate_hz) {
+            (Some(duration_s), Some(rate_hz)) => writeln!(
+                out,
+                "  {} rows over {} s at {} Hz, from {} s",
+                self.rows,
+                short(duration_s),
+                short(rate_hz),
+                short(self.start_s.unwrap_or(0.0)),
+            )?,
+            _ => writeln!(out, "  {} rows", self.rows)?,
+        }
+        self.write_channels(out)?;
+        self.write_missing(out)?;
+        if let Some(log) = &self.log {
+            write_log(out, log)?;
+        }
+        for warning in &self.warnings {
+            writeln!(out, "  warning: {warning}")?;
+        }
+        Ok(())
+    }
+
+    fn write_channels(&self, out: &mut String) -> std::fmt::Result {
+        let width = self.channels.iter().map(|c| c.name.len()).max().unwrap_or(0);
+        let width = width.max("channel".len());
+        writeln!(
+            out,
+            "  {:width$}  {:6} {:>12} {:>12} {:>12} {:>12} {:>9}",
+            "channel", "unit", "min", "mean", "max", "std", "missing"
+        )?;
+        for channel in &self.channels {
+            let number = |of: fn(&Statistics) -> Option<f64>| {
+                let value = channel.statistics.as_ref().and_then(of);
+                value.map_or_else(|| "-".into(), short)
+            };
+            writeln!(
+                out,
+                "  {:width$}  {:6} {:>12} {:>12} {:>12} {:>12} {:>9}",
+                channel.name,
+                channel.unit.symbol(),
+                number(|s| s.min),
+                number(|s| s.mean),
+                number(|s| s.max),
+                number(|s| s.std),
+                channel.statistics.map_or_else(|| "-".into(), |s| s.missing.to_string()),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn write_missing(&self, out: &mut String) -> std::fmt::Result {
+        match self.gaps.len() {
+            0 if self.duration_s.is_some() => writeln!(out, "  no gaps")?,
+            0 => {}
+            count => writeln!(out, "  {count} gaps:")?,
+        }
+        for gap in self.gaps.iter().take(10) {
+            writeln!(out, "    {} s to {} s ({} rows)", gap.from_s, gap.to_s, gap.rows)?;
+        }
+        if self.gaps.len() > 10 {
+            writeln!(out, "    and {} more (all with --json)", self.gaps.len() - 10)?;
+        }
+        if let Some(lost) = self.lost_samples {
+            writeln!(out, "  {lost} samples lost while recording")?;
+        }
+        if let Some(cut) = &self.cut {
+            writeln!(
+                out,
+                "  cut off at byte {} ({} bytes after it are unusable); missing: {}",
+                cut.byte, cut.unused_bytes, cut.missing
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn write_log(out: &mut String, log: &LogContents) -> std::fmt::Result {
+    writeln!(out, "  written by {}", log.library)?;
+    for (name, text) in &log.metadata {
+        writeln!(out, "  {name}: {text}")?;
+    }
+    for attachment in &log.attachments {
+        writeln!(
+            out,
+            "  attachment {} ({}, {} bytes)",
+            attachment.name, attachment.media_type, attachment.bytes
+        )?;
+    }
+    if let Some(status) = &log.last_status {
+        writeln!(
+            out,
+            "  last status: {}, {} overruns, {} lost, {} link errors",
+            status.state, status.overruns, status.lost, status.link_errors
+        )?;
+    }
+    for event in log.events.iter().take(20) {
+        let time_s = event.device_time_ns as f64 / 1e9;
+        writeln!(out, "  event at {time_s} s: {}: {}", event.kind, event.text)?;
+    }
+    if log.events.len() > 20 {
+        writeln!(out, "  and {} more events (with --json)", log.events.len() - 20)?;
+    }
+    Ok(())
+}
+
+/// A number with six significant digits, as short as it gets.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if (-4..9).contains(&magnitude) {
+        let decimals = (5 - magnitude).max(0) as usize;
+        let text = format!("{value:.decimals$}");
+        if text.contains('.') {
+            return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        }
+        return text;
+    }
+    format!("{value:.5e}")
+}

@@ -1,0 +1,51 @@
+//! The commands, one file each. A new one takes its `mod` line and its line in the table below.
+
+mod export;
+mod import;
+mod info;
+
+use std::process::ExitCode;
+
+/// How a command that did not fail ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Done.
+    Done,
+    /// Done, but samples were lost.
+    LostSamples,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Done => Self::SUCCESS,
+            Outcome::LostSamples => Self::from(3),
+        }
+    }
+}
+
+/// Makes the subcommands from `Name => module` lines. Each module has `Args` (whose doc comment is the command's help) and
+/// `run(Args) -> anyhow::Result<Outcome>`.
+macro_rules! commands {
+    ($($name:ident => $module:ident,)*) => {
+        #[derive(Debug, clap::Subcommand)]
+        pub(crate) enum Command {
+            $($name($module::Args),)*
+        }
+
+        impl Command {
+            /// Runs it.
+            pub(crate) fn run(self) -> anyhow::Result<Outcome> {
+                match self {
+                    $(Self::$name(args) => $module::run(args),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    Info => info,
+    Import => import,
+    Export => export,
+}

@@ -1,0 +1,106 @@
+//! What every command says, and how: results on stdout, talk on stderr, an error as one sentence.
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use serde::Serialize;
+use socam_recording::{Dataset, RecordingError};
+
+/// Arguments that no command can work with; ends with exit code 2.
+#[derive(Debug)]
+pub(crate) struct WrongArguments(pub(crate) String);
+
+impl std::fmt::Display for WrongArguments {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for WrongArguments {}
+
+/// A reader of stdout that went away (`| head`): nothing is wrong, and nobody listens any more.
+#[derive(Debug)]
+struct NobodyListens;
+
+impl std::fmt::Display for NobodyListens {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("nobody reads the output")
+    }
+}
+
+impl std::error::Error for NobodyListens {}
+
+/// Prints text to stdout.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|e| match e.kind() {
+        io::ErrorKind::BrokenPipe => NobodyListens.into(),
+        _ => anyhow::Error::new(e).context("cannot write to stdout"),
+    })
+}
+
+/// Prints one JSON document to stdout.
+pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
+    let mut text = serde_json::to_string_pretty(document)?;
+    text.push('\n');
+    print(&text)
+}
+
+/// Says something on stderr.
+pub(crate) fn say(text: impl std::fmt::Display) {
+    // When stderr is gone there is nobody to tell.
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Says a warning on stderr.
+pub(crate) fn warn(text: impl std::fmt::Display) {
+    say(format_args!("{} {text}", painted("warning:", "33")));
+}
+
+/// Opens a recording (`RUN` or `RUN@FROM..TO`) and says its warnings.
+pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
+    let data = Dataset::open(run)?;
+    for warning in data.warnings() {
+        warn(format_args!("`{run}`: {warning}"));
+    }
+    Ok(data)
+}
+
+/// Says why a command failed, in one sentence, and with which code to exit.
+pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
+    if nobody_listens(error) {
+        return ExitCode::SUCCESS;
+    }
+    say(format_args!("{} {}", painted("error:", "31"), sentence(error)));
+    let wrong_arguments = error.is::<WrongArguments>()
+        || matches!(error.downcast_ref(), Some(RecordingError::Selection { .. }));
+    ExitCode::from(if wrong_arguments { 2 } else { 1 })
+}
+
+/// Whether the reader of stdout went away, however deep that was noticed.
+fn nobody_listens(error: &anyhow::Error) -> bool {
+    match error.downcast_ref() {
+        Some(RecordingError::Io { source, .. }) => source.kind() == io::ErrorKind::BrokenPipe,
+        _ => error.is::<NobodyListens>(),
+    }
+}
+
+/// The chain of causes, each once.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut sentence = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string().replace('\n', " ");
+        // Many errors repeat their cause in their own words.
+        if sentence.is_empty() {
+            sentence = cause;
+        } else if !sentence.contains(&cause) && !cause.contains("os error") {
+            sentence = format!("{sentence}: {cause}");
+        }
+    }
+    sentence
+}
+
+fn painted(text: &str, colour: &str) -> String {
+    let plain = std::env::var_os("NO_COLOR").is_some() || !io::stderr().is_terminal();
+    if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
+}
