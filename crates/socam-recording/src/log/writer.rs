@@ -120,7 +120,7 @@ impl LogWriter {
     }
 
     /// Writes one message. Times in the log never run back: a late status or event is logged at the latest time, and its
-    /// own time stays in its content and its publish time.
+    /// own time stays in its content.
     pub(crate) fn message(
         &mut self,
         topic: Topic,
@@ -128,8 +128,8 @@ impl LogWriter {
         sequence: Option<u64>,
         bytes: &[u8],
     ) -> Result<()> {
-        let publish_time = self.start_unix_ns.saturating_add_signed(device_time_ns);
-        self.latest_ns = self.latest_ns.max(publish_time);
+        let time_ns = self.start_unix_ns.saturating_add_signed(device_time_ns);
+        self.latest_ns = self.latest_ns.max(time_ns);
         let index = topic as usize;
         let counted = self.sequences[index];
         self.sequences[index] = counted.wrapping_add(1);
@@ -137,7 +137,7 @@ impl LogWriter {
             channel_id: self.ids[index],
             sequence: sequence.map_or(counted, |sequence| sequence as u32),
             log_time: self.latest_ns,
-            publish_time,
+            publish_time: self.latest_ns,
         };
         self.messages[index] += 1;
         self.writer.write_to_known_channel(&header, bytes).map_err(|e| failure(&self.path, "write to", e))

@@ -1,0 +1,168 @@
+//! A recording opens, checksums verified and every value equal, in readers that others wrote.
+//!
+//! The Python and JavaScript readers are fetched into `target/readers` on first use. `SOCAM_PYTHON` names a Python that has
+//! the packages of `readers/requirements.txt` already, `SOCAM_NODE_MODULES` a folder with those of `readers/package.json`.
+//! Rerun is large, so it is only asked when `SOCAM_RERUN_PYTHON` names a Python that has `rerun-sdk`.
+//! What cannot run is skipped, and said on stderr.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use socam_recording::{
+    Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv,
+};
+
+const ROWS: u64 = 30_000;
+
+fn scripts() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("readers")
+}
+
+/// Where the readers are kept: beside the build, so that `cargo clean` takes them too.
+fn kept() -> PathBuf {
+    let test = std::env::current_exe().expect("this test's path");
+    let target = test.ancestors().nth(3).expect("target/PROFILE/deps");
+    target.join("readers")
+}
+
+/// A recording with missing values, lost samples, raw counts and attachments; and what it should read as.
+fn recording(folder: &Path) -> (PathBuf, PathBuf) {
+    let log = folder.join("run.mcap");
+    let mut header = RecordingHeader::new(vec![
+        Channel::new("command", Unit::V),
+        Channel::new("motor_speed", Unit::RadPerS),
+        Channel::new("torque_in", Unit::Nm),
+    ]);
+    header.start_unix_ns = 1_700_000_000_123_456_789;
+    header.metadata.insert("note".into(), "conformance".into());
+    header.attachments.push(Attachment {
+        name: "model.toml".into(),
+        media_type: "application/toml".into(),
+        data: vec![b'#'; 5000],
+    });
+    let mut recorder = Recorder::create(&log, &header).expect("a recording");
+    for index in (0..ROWS).filter(|index| *index != 777) {
+        let t = index as f64 * 1e-4;
+        let torque = if index % 7 == 0 { f64::NAN } else { (70.0 * t).cos() };
+        recorder.push_samples(&[SampleRow {
+            device_time_ns: index as i64 * 100_000,
+            sequence: index,
+            flags: u32::from(index % 3 == 0),
+            raw_counts: &[index as i32, -(index as i32)],
+            values: &[0.0, (11.0 * t).sin() * 1e-3, torque],
+        }]);
+        if index % 5000 == 0 {
+            recorder.status(&Status {
+                device_time_ns: index as i64 * 100_000,
+                state: "running".into(),
+                overruns: 0,
+                lost: 0,
+                link_errors: 0,
+            });
+            recorder.event(&Event {
+                device_time_ns: index as i64 * 100_000 - 50_000,
+                kind: "phase".into(),
+                text: format!("step {index}"),
+            });
+            std::thread::sleep(std::time::Duration::from_millis(200));
+        }
+    }
+    recorder.finish().expect("a finished recording");
+    let table = folder.join("run.csv");
+    let data = Dataset::open(log.to_str().expect("a plain path")).expect("it opens");
+    assert_eq!(data.rows(), ROWS - 1);
+    export_csv(&data, &table).expect("a table");
+    (log, table)
+}
+
+/// Runs a reader's script; it fails when any value differs.
+fn read_with(program: &Path, script: &str, working_directory: &Path) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (log, table) = recording(folder.path());
+    let output = Command::new(program)
+        .arg(scripts().join(script))
+        .args([&log, &table])
+        .current_dir(working_directory)
+        .output()
+        .expect("the reader starts");
+    assert!(
+        output.status.success(),
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+/// Runs a step of the preparation; false when the program is absent or it fails (no network).
+fn prepare(program: impl AsRef<Path>, arguments: &[&str], folder: &Path) -> bool {
+    Command::new(program.as_ref())
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .is_ok_and(|output| output.status.success())
+}
+
+fn python() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("SOCAM_PYTHON") {
+        return Some(named.into());
+    }
+    let python = kept().join("venv/bin/python");
+    let packages = scripts().join("requirements.txt");
+    let ready = kept().join("venv/ready");
+    if !ready.exists() {
+        std::fs::create_dir_all(kept()).ok()?;
+        let install = ["-m", "pip", "install", "--quiet", "-r", packages.to_str()?];
+        let done =
+            prepare("python3", &["-m", "venv", "venv"], &kept()) && prepare(&python, &install, &kept());
+        if !done {
+            return None;
+        }
+        std::fs::write(&ready, "").ok()?;
+    }
+    Some(python)
+}
+
+fn node_modules() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("SOCAM_NODE_MODULES") {
+        return Some(named.into());
+    }
+    let folder = kept().join("node");
+    let ready = folder.join("ready");
+    if !ready.exists() {
+        std::fs::create_dir_all(&folder).ok()?;
+        std::fs::copy(scripts().join("package.json"), folder.join("package.json")).ok()?;
+        let install = ["install", "--no-audit", "--no-fund", "--ignore-scripts"];
+        if !prepare("npm", &install, &folder) || !prepare("node", &["--version"], &folder) {
+            return None;
+        }
+        std::fs::write(&ready, "").ok()?;
+    }
+    Some(folder)
+}
+
+#[test]
+fn python_reads_every_value() {
+    let Some(python) = python() else {
+        eprintln!("skipped: no Python with the mcap packages (SOCAM_PYTHON names one)");
+        return;
+    };
+    read_with(&python, "read_python.py", &scripts());
+}
+
+#[test]
+fn javascript_reads_every_value() {
+    let Some(folder) = node_modules() else {
+        eprintln!("skipped: no Node with the mcap packages (SOCAM_NODE_MODULES names a folder)");
+        return;
+    };
+    read_with(Path::new("node"), "read_node.mjs", &folder);
+}
+
+#[test]
+fn rerun_loads_every_sample() {
+    let Some(python) = std::env::var_os("SOCAM_RERUN_PYTHON") else {
+        eprintln!("skipped: SOCAM_RERUN_PYTHON names no Python with rerun-sdk");
+        return;
+    };
+    read_with(Path::new(&python), "read_rerun.py", &scripts());
+}
