@@ -1,1 +1,34 @@
-//! socam-identify.
+//! Identification: recordings and a model in, parameters with intervals out.
+//!
+//! [`output_error`](fn@output_error) fits a model's free parameters to many recordings jointly by Gauss-Newton with
+//! exact sensitivities; [`inverse_dynamics`](fn@inverse_dynamics) regresses the measured force of a one-coordinate
+//! axis. Both answer with an [`Identification`], in which a parameter that the data do not determine has
+//! no value, only what is known of it.
+//!
+//! How a fit runs: [`Problem`] binds recordings to the model's channels. A pass over the data
+//! ([`modal`] where the model is linear, [`stepper`] where force laws bend it) yields for each
+//! uninterrupted stretch the triangular factor of its residuals and sensitivities, start state
+//! eliminated; memory is bounded by a block. [`solver`] joins the factors and steps, with bounds and
+//! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
+
+mod error;
+mod feed;
+mod filters;
+mod inverse_dynamics;
+mod modal;
+mod pass;
+mod phi;
+mod problem;
+mod report;
+mod solver;
+mod start;
+mod stepper;
+mod triangle;
+
+pub use error::IdentifyError;
+pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
+pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
+pub use report::{
+    ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
+};
+pub use solver::output_error;

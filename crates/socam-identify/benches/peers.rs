@@ -1,0 +1,105 @@
+//! The two reference problems of other people's solvers, on their terms: white noise of given sigmas, input linear
+//! between samples, equilibrium start, k2, c3 and k3 fixed, one start; processor seconds of the solve.
+//!
+//! `SOCAM_BENCH=DIR cargo bench -p socam-identify --bench peers` where DIR holds `data/`, `truth.json`,
+//! `optimum.json` and, if the peers were run there in the same hour, their `results.jsonl`: then the ratios are printed
+//! too. Without the variable it says so and does nothing.
+
+use std::{error::Error, path::Path};
+
+use serde_json::Value;
+use socam_identify::{Identification, Intersample, Noise, Options, Problem, StartState, output_error};
+use socam_model::{BUILTIN, Model};
+use socam_recording::Dataset;
+
+const RUNS: usize = 5;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Ok(folder) = std::env::var("SOCAM_BENCH") else {
+        println!("peers: skipped, SOCAM_BENCH names no folder with the reference problems");
+        return Ok(());
+    };
+    let folder = Path::new(&folder);
+    let truth: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
+    let optimum: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("optimum.json"))?)?;
+    let peers = std::fs::read_to_string(folder.join("results.jsonl")).unwrap_or_default();
+    for (kind, problem) in [("lin", "lin_wp"), ("nl", "nl_wp")] {
+        let mut runs = Vec::new();
+        for _ in 0..RUNS {
+            runs.push(solve(folder, &truth, kind)?);
+        }
+        let mut cpu: Vec<f64> = runs.iter().map(|run| run.cpu_s).collect();
+        cpu.sort_by(f64::total_cmp);
+        let median = cpu[RUNS / 2];
+        let run = &runs[0];
+        let names = truth["names"].as_array().ok_or("truth.json has no names")?;
+        let worst = names.iter().enumerate().filter_map(|(i, name)| {
+            let index = run.parameters.iter().position(|p| Some(p.name.as_str()) == name.as_str())?;
+            Some((run.point[index] / optimum[problem]["p"][i].as_f64()? - 1.0).abs())
+        });
+        println!(
+            "{problem}: {median:.4} CPU s (median of {RUNS}, least {:.4}), {} iterations, {:?}, cost {:.3} (optimum {:.3}), worst parameter error {:.1e}",
+            cpu[0],
+            run.iterations,
+            run.end,
+            run.cost,
+            optimum[problem]["cost"].as_f64().unwrap_or(f64::NAN),
+            worst.fold(0.0, f64::max),
+        );
+        ratios(&peers, problem, median);
+    }
+    Ok(())
+}
+
+fn solve(folder: &Path, truth: &Value, kind: &str) -> Result<Identification, Box<dyn Error>> {
+    let numbers = |key: &str| -> Vec<f64> {
+        truth[key].as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+    };
+    let mut text = BUILTIN[0].1.to_owned();
+    if kind == "nl" {
+        text = text.replace("J2 = {", "Tc = { value = 0.6, unit = \"N m\", bounds = [0, 100] }\nws = { value = 0.05, unit = \"rad/s\", fixed = true }\nJ2 = {");
+        text.push_str("\n[[effects]]\neffect = \"coulomb_friction\"\nat = \"load_bearing\"\nparameters = { torque = \"Tc\", transition_speed = \"ws\" }\n");
+    }
+    let mut model = Model::parse(&text)?;
+    let (fixed, start) = (numbers("truth"), numbers(&format!("p0_{kind}")));
+    for (i, name) in ["k1", "k2", "k3", "k4", "c2", "c3", "c4", "c5", "Tc"].iter().enumerate() {
+        let Some(index) = model.parameter(name) else { continue };
+        let held = ["k2", "c3", "k3"].contains(name);
+        model.parameters[index].fixed = held;
+        model.parameters[index].value = if held { fixed[i] } else { start[i] };
+    }
+    for (name, value) in truth["constants"].as_object().into_iter().flatten() {
+        if let (Some(index), Some(value)) = (model.parameter(name), value.as_f64()) {
+            model.parameters[index].value = value;
+        }
+    }
+    let files = truth[format!("files_{kind}")].as_array().ok_or("truth.json names no files")?;
+    let paths = files.iter().filter_map(Value::as_str).map(|file| folder.join("data").join(file));
+    let datasets = paths.map(|path| Dataset::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
+    let options = Options {
+        noise: Noise::Given(numbers(&format!("sigma_{kind}"))),
+        start_state: StartState::Equilibrium,
+        intersample: Some(Intersample::Linear),
+        starts: 1,
+        ..Options::default()
+    };
+    Ok(output_error(&Problem::new(&model, &datasets, options)?)?)
+}
+
+/// Processor time of each peer over ours; medians where a peer ran several times.
+fn ratios(results: &str, problem: &str, ours: f64) {
+    let mut peers: std::collections::BTreeMap<String, Vec<f64>> = std::collections::BTreeMap::new();
+    for line in results.lines() {
+        let Ok(result) = serde_json::from_str::<Value>(line) else { continue };
+        if let (Some(name), Some(cpu)) = (result["name"].as_str(), result["cpu_solve"].as_f64())
+            && result["problem"] == problem
+        {
+            peers.entry(name.into()).or_default().push(cpu);
+        }
+    }
+    for (name, mut cpu) in peers {
+        cpu.sort_by(f64::total_cmp);
+        let median = cpu[cpu.len() / 2];
+        println!("  {:7.1} x  {name}: {median:.3} CPU s", median / ours);
+    }
+}

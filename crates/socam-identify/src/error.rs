@@ -1,0 +1,66 @@
+//! What can be wrong with the input of an identification. Outcomes (not converged, not determined) are values
+//! in the result, not errors.
+
+use socam_model::ModelError;
+use socam_recording::RecordingError;
+use thiserror::Error;
+
+/// Input that cannot be used.
+#[derive(Debug, Error)]
+pub enum IdentifyError {
+    /// A recording could not be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The model's equations could not be formed.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// No recording was given.
+    #[error("no recording was given; name at least one")]
+    NoRecordings,
+    /// A recording is too short for the model.
+    #[error(
+        "{recording}: its longest stretch without gaps has {rows} samples, but at least {needed} are needed"
+    )]
+    TooShort {
+        /// Recording name.
+        recording: String,
+        /// Samples of its longest stretch.
+        rows: u64,
+        /// Least number.
+        needed: u64,
+    },
+    /// A parameter that was named does not exist.
+    #[error("the model {model} has no parameter \"{name}\"; its parameters are {known}")]
+    NoSuchParameter {
+        /// Model name.
+        model: String,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// Everything is fixed.
+    #[error("every parameter of the model {model} is fixed; free at least one")]
+    NothingFree {
+        /// Model name.
+        model: String,
+    },
+    /// The method does not suit the model.
+    #[error("{method} does not suit the model {model}: {why}")]
+    Unsuited {
+        /// Method name.
+        method: &'static str,
+        /// Model name.
+        model: String,
+        /// Reason and remedy.
+        why: String,
+    },
+    /// The prediction overflowed at the very start values.
+    #[error(
+        "the model {model} runs away on these data at its start values; check signs and units of its parameters"
+    )]
+    Diverged {
+        /// Model name.
+        model: String,
+    },
+}

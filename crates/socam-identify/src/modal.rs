@@ -1,0 +1,570 @@
+//! Prediction of a linear model through its modes.
+//!
+//! Diagonalised, every output is a fixed combination of a few signals that do not depend on the number of
+//! parameters: the response chi of each mode to each input, its derivative psi with respect to the mode's
+//! pole, and the decaying start terms. So do all slopes. A sample costs a handful of recursions; the
+//! combinations are matrix products over blocks.
+
+use faer::{Accum, Mat, Par, linalg::matmul::matmul, reborrow::ReborrowMut};
+use nalgebra::{Complex, DMatrix, DVector};
+use socam_model::Equations;
+
+use crate::{
+    IdentifyError,
+    feed::{self, Chunk},
+    pass::{Point, Rows, Weights},
+    phi::Hold,
+    problem::{Problem, StartState},
+    start,
+};
+
+type C = Complex<f64>;
+
+/// Poles closer than this, relative to the larger, make eigenvector slopes useless.
+const LEAST_GAP: f64 = 1e-7;
+/// Condition of the eigenvectors beyond which modal slopes lose half their digits.
+const MOST_SKEWED: f64 = 1e9;
+/// Start terms below this are over.
+const DECAYED: f64 = 1e-13;
+
+/// A model diagonalised at one parameter vector.
+pub(crate) struct Modal {
+    /// One mode of each conjugate pair, and each real one.
+    modes: Vec<Mode>,
+    /// Inputs, plus one for the constant 1 where constant forces act.
+    inputs: usize,
+    constant: bool,
+    /// Per output, signals x [free | prediction]: the part that inputs excite.
+    forced: Vec<Mat<f64>>,
+    vectors: DMatrix<C>,
+    inverse: DMatrix<C>,
+    /// T of each free parameter: slopes of eigenvectors V T, of the inverse -T W.
+    turns: Vec<DMatrix<C>>,
+    pole_slopes: Vec<DVector<C>>,
+    equations: Equations,
+    slopes: Vec<Equations>,
+}
+
+struct Mode {
+    index: usize,
+    pole: C,
+    /// 1 for a real mode, 2 for a pair.
+    weight: f64,
+    real: bool,
+}
+
+impl Modal {
+    /// `None` where the modes are too close to each other; then the stepper takes over.
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        equations: &Equations,
+        slopes: &[Equations],
+        point: &Point,
+        weights: &Weights,
+    ) -> Option<Self> {
+        let (equations, slopes) = with_constant_forces(equations, slopes, &point.values, &problem.free);
+        let (poles, vectors, inverse) = diagonalise(&equations.state)?;
+        let mut modal = Self {
+            modes: representatives(&poles),
+            inputs: equations.input.ncols(),
+            constant: equations.input.ncols() > problem.model.inputs().count(),
+            forced: Vec::new(),
+            turns: Vec::new(),
+            pole_slopes: Vec::new(),
+            vectors,
+            inverse,
+            equations,
+            slopes,
+        };
+        for slope in &modal.slopes {
+            let change = &modal.inverse * complex(&slope.state) * &modal.vectors;
+            modal.pole_slopes.push(change.diagonal());
+            modal.turns.push(DMatrix::from_fn(poles.len(), poles.len(), |i, j| {
+                if i == j { C::default() } else { change[(i, j)] / (poles[j] - poles[i]) }
+            }));
+        }
+        modal.forced =
+            (0..problem.outputs()).map(|output| modal.forced_combination(output, weights)).collect();
+        Some(modal)
+    }
+
+    /// Signals per input: itself, then chi and psi of each mode.
+    fn forced_signals(&self) -> usize {
+        self.inputs * (1 + 2 * self.mode_signals())
+    }
+
+    /// Real signals that the modes have between them: one for a real mode, two for a pair.
+    fn mode_signals(&self) -> usize {
+        self.modes.iter().map(|mode| if mode.real { 1 } else { 2 }).sum()
+    }
+
+    /// Combination of the forced signals of one output.
+    fn forced_combination(&self, output: usize, weights: &Weights) -> Mat<f64> {
+        let free = self.slopes.len();
+        let mut combination = Mat::zeros(self.forced_signals(), free + 1);
+        let seen = complex(&self.equations.output.rows(output, 1).into_owned()) * &self.vectors;
+        let driven = &self.inverse * complex(&self.equations.input);
+        let mut row = 0;
+        for input in 0..self.inputs {
+            combination[(row, free)] = self.equations.feedthrough[(output, input)];
+            for (j, slope) in self.slopes.iter().enumerate() {
+                combination[(row, j)] = slope.feedthrough[(output, input)];
+            }
+            row += 1;
+            let signals = self.mode_signals();
+            for (part, offset) in [(Part::Value, 0), (Part::PoleSlope, signals)] {
+                let residue =
+                    |m: usize, j: Option<usize>| self.residue_part(&seen, &driven, output, input, m, j, part);
+                self.place(&mut combination, row + offset, free, residue);
+            }
+            row += 2 * signals;
+        }
+        weigh(&mut combination, weights, output, 0);
+        combination
+    }
+
+    /// Factor of chi (or psi) of mode `m` in the prediction (`None`) or in slope `j`.
+    #[allow(clippy::too_many_arguments)]
+    fn residue_part(
+        &self,
+        seen: &DMatrix<C>,
+        driven: &DMatrix<C>,
+        output: usize,
+        input: usize,
+        m: usize,
+        j: Option<usize>,
+        part: Part,
+    ) -> C {
+        let residue = seen[m] * driven[(m, input)];
+        match (part, j) {
+            (Part::Value, None) => residue,
+            (Part::PoleSlope, None) => C::default(),
+            (Part::PoleSlope, Some(j)) => residue * self.pole_slopes[j][m],
+            (Part::Value, Some(j)) => {
+                let slope = &self.slopes[j];
+                let seen_slope = self.row_slope(&slope.output, seen, output, m, j);
+                let driven_slope = (0..self.vectors.nrows()).fold(C::default(), |sum, i| {
+                    sum + self.inverse[(m, i)] * slope.input[(i, input)]
+                        - self.turns[j][(m, i)] * driven[(i, input)]
+                });
+                seen_slope * driven[(m, input)] + seen[m] * driven_slope
+            }
+        }
+    }
+
+    /// Slope of (C V)_om: dC V + C V T.
+    fn row_slope(
+        &self,
+        output_slope: &DMatrix<f64>,
+        seen: &DMatrix<C>,
+        output: usize,
+        m: usize,
+        j: usize,
+    ) -> C {
+        (0..self.vectors.nrows()).fold(C::default(), |sum, i| {
+            sum + self.vectors[(i, m)] * output_slope[(output, i)] + seen[i] * self.turns[j][(i, m)]
+        })
+    }
+
+    /// Writes Re(weight * factor * signal) for all modes, rows from `row` on.
+    fn place(
+        &self,
+        combination: &mut Mat<f64>,
+        row: usize,
+        free: usize,
+        factor: impl Fn(usize, Option<usize>) -> C,
+    ) {
+        let mut row = row;
+        for mode in &self.modes {
+            for column in 0..=free {
+                let value = factor(mode.index, (column < free).then_some(column)) * mode.weight;
+                combination[(row, column)] = value.re;
+                if !mode.real {
+                    combination[(row + 1, column)] = -value.im;
+                }
+            }
+            row += if mode.real { 1 } else { 2 };
+        }
+    }
+
+    /// Runs one stretch into `rows`; false where the prediction overflowed.
+    pub(crate) fn predict(
+        &self,
+        problem: &Problem<'_>,
+        index: usize,
+        point: &Point,
+        weights: &Weights,
+        rows: &mut Rows,
+    ) -> Result<bool, IdentifyError> {
+        let stretch = &problem.stretches[index];
+        let mut run = Run {
+            modal: self,
+            step_s: stretch.sample_time_s,
+            holds: self.modes.iter().map(|mode| Hold::new(mode.pole, stretch.sample_time_s)).collect(),
+            states: vec![(C::default(), C::default()); self.modes.len() * self.inputs],
+            last: vec![0.0; self.inputs],
+            decays: vec![C::from(1.0); self.modes.len()],
+            row: 0,
+            start: Vec::new(),
+            alive: true,
+            offsets: offset_channels(problem),
+        };
+        let mut finite = true;
+        feed::read(
+            problem.model,
+            &problem.datasets[stretch.recording],
+            stretch,
+            problem.intersample,
+            |chunk| {
+                if run.row == 0 {
+                    run.start = self.start_combinations(problem, &point.locals[index], point, chunk, weights);
+                }
+                finite = finite && run.chunk(chunk, weights, &point.locals[index], rows);
+            },
+        )?;
+        Ok(finite)
+    }
+
+    /// Per output, combination of the start signals: [decay | t decay] x [local | free | prediction].
+    fn start_combinations(
+        &self,
+        problem: &Problem<'_>,
+        locals: &[f64],
+        point: &Point,
+        chunk: &Chunk,
+        weights: &Weights,
+    ) -> Vec<Mat<f64>> {
+        let states = self.vectors.nrows();
+        let free_start = problem.options.start_state == StartState::Free;
+        let first: Vec<f64> =
+            chunk.inputs.iter().map(|input| input[0]).chain(self.constant.then_some(1.0)).collect();
+        let rest = || start::equilibrium(&self.equations, &point.values, &first);
+        let x0 = if free_start {
+            DVector::from_column_slice(&locals[..states])
+        } else {
+            rest().unwrap_or_else(|| DVector::zeros(states))
+        };
+        let x0_slopes = if free_start {
+            None
+        } else {
+            start::equilibrium_slopes(
+                &self.equations,
+                &self.slopes,
+                &point.values,
+                &problem.free,
+                &first,
+                &x0,
+            )
+        };
+        let z0 = &self.inverse * x0.map(C::from);
+        let signals = self.mode_signals();
+        let (free, local) = (self.slopes.len(), locals.len());
+        (0..problem.outputs())
+            .map(|output| {
+                let seen = complex(&self.equations.output.rows(output, 1).into_owned()) * &self.vectors;
+                let mut inner = Mat::zeros(2 * signals, free + 1);
+                self.place(&mut inner, 0, free, |m, j| match j {
+                    None => seen[m] * z0[m],
+                    Some(j) => {
+                        let seen_slope = self.row_slope(&self.slopes[j].output, &seen, output, m, j);
+                        let x0_slope = x0_slopes.as_ref().map(|slopes| &slopes[j]);
+                        let z0_slope = (0..states).fold(C::default(), |sum, i| {
+                            let moved = x0_slope.map_or(0.0, |slope| slope[i]);
+                            sum + self.inverse[(m, i)] * moved - self.turns[j][(m, i)] * z0[i]
+                        });
+                        seen_slope * z0[m] + seen[m] * z0_slope
+                    }
+                });
+                self.place(&mut inner, signals, free, |m, j| {
+                    j.map_or(C::default(), |j| seen[m] * z0[m] * self.pole_slopes[j][m])
+                });
+                let mut whole = Mat::zeros(2 * signals, local + free + 1);
+                whole.as_mut().subcols_mut(local, free + 1).copy_from(&inner);
+                if free_start {
+                    let mut start = Mat::zeros(2 * signals, states);
+                    let last = states - 1;
+                    self.place(&mut start, 0, last, |m, i| seen[m] * self.inverse[(m, i.unwrap_or(last))]);
+                    whole.as_mut().subcols_mut(0, states).copy_from(&start);
+                }
+                weigh(&mut whole, weights, output, local);
+                whole
+            })
+            .collect()
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Part {
+    Value,
+    PoleSlope,
+}
+
+/// State of the recursions along one stretch.
+struct Run<'m> {
+    modal: &'m Modal,
+    step_s: f64,
+    holds: Vec<Hold>,
+    /// (chi, psi) per input and mode.
+    states: Vec<(C, C)>,
+    last: Vec<f64>,
+    decays: Vec<C>,
+    row: usize,
+    start: Vec<Mat<f64>>,
+    alive: bool,
+    /// Output and position among the offsets of each channel that has one.
+    offsets: Vec<usize>,
+}
+
+impl Run<'_> {
+    fn chunk(&mut self, chunk: &Chunk, weights: &Weights, locals: &[f64], rows: &mut Rows) -> bool {
+        let capacity = rows.capacity();
+        let mut finite = true;
+        let mut from = 0;
+        while from < chunk.rows() && finite {
+            let count = capacity.min(chunk.rows() - from);
+            finite = self.block(chunk, from, count, weights, locals, rows);
+            from += count;
+        }
+        finite
+    }
+
+    fn block(
+        &mut self,
+        chunk: &Chunk,
+        from: usize,
+        count: usize,
+        weights: &Weights,
+        locals: &[f64],
+        rows: &mut Rows,
+    ) -> bool {
+        let forced = self.modal.forced_signals();
+        let mode_signals = self.modal.mode_signals();
+        let mut signals = Mat::<f64>::zeros(count, forced);
+        self.forced(chunk, from, &mut signals);
+        self.alive = self.alive
+            && (!self.offsets.is_empty() || self.decays.iter().any(|decay| decay.norm() > DECAYED));
+        let starts = self.alive.then(|| {
+            let mut starts = Mat::<f64>::zeros(count, 2 * mode_signals);
+            self.starts(&mut starts);
+            starts
+        });
+        self.row += count;
+        let measured: Vec<&[f64]> = chunk.outputs.iter().map(|output| &output[from..from + count]).collect();
+        let (free, local) = (self.modal.slopes.len(), locals.len());
+        rows.take(count, self.alive, &weights.noise_std, &measured, |output, mut target| {
+            let skipped = if let Some(starts) = &starts {
+                matmul(
+                    target.rb_mut(),
+                    Accum::Replace,
+                    starts.as_ref(),
+                    self.start[output].as_ref(),
+                    1.0,
+                    Par::Seq,
+                );
+                local
+            } else {
+                target.rb_mut().fill(0.0);
+                0
+            };
+            let inner = target.rb_mut().subcols_mut(skipped, free + 1);
+            matmul(inner, Accum::Add, signals.as_ref(), self.modal.forced[output].as_ref(), 1.0, Par::Seq);
+            if let Some(position) = self.offsets.iter().position(|channel| *channel == output) {
+                let column = local - self.offsets.len() + position;
+                let unit = 1.0 / weights.noise_std[output];
+                for k in 0..count {
+                    target[(k, column)] = unit;
+                    target[(k, local + free)] += locals[column] * unit;
+                }
+            }
+        })
+    }
+
+    /// Inputs and the modes' responses to them, one column each.
+    fn forced(&mut self, chunk: &Chunk, from: usize, signals: &mut Mat<f64>) {
+        let count = signals.nrows();
+        let ones = vec![1.0; if self.modal.constant { count } else { 0 }];
+        let modes = self.modal.modes.len();
+        let mut column = 0;
+        for input in 0..self.modal.inputs {
+            let (raw, held) = match (chunk.inputs.get(input), chunk.held.get(input)) {
+                (Some(raw), Some(held)) => (&raw[from..from + count], &held[from..from + count]),
+                _ => (&ones[..], &ones[..]),
+            };
+            for (k, value) in raw.iter().enumerate() {
+                signals[(k, column)] = *value;
+            }
+            column += 1;
+            let width = self.modal.mode_signals();
+            let mut offset = 0;
+            for mode in 0..modes {
+                let state = &mut self.states[input * modes + mode];
+                let real = self.modal.modes[mode].real;
+                let hold = &self.holds[mode];
+                let mut last = self.last[input];
+                for (k, value) in held.iter().enumerate() {
+                    if self.row + k > 0 {
+                        let chi = state.0;
+                        state.1 = hold.decay * state.1
+                            + hold.decay_slope * chi
+                            + hold.before_slope * last
+                            + hold.after_slope * value;
+                        state.0 = hold.decay * chi + hold.before * last + hold.after * value;
+                    }
+                    last = *value;
+                    signals[(k, column + offset)] = state.0.re;
+                    signals[(k, column + width + offset)] = state.1.re;
+                    if !real {
+                        signals[(k, column + offset + 1)] = state.0.im;
+                        signals[(k, column + width + offset + 1)] = state.1.im;
+                    }
+                }
+                offset += if real { 1 } else { 2 };
+            }
+            self.last[input] = held[count - 1];
+            column += 2 * width;
+        }
+    }
+
+    /// Decaying start terms and the same times t.
+    fn starts(&mut self, signals: &mut Mat<f64>) {
+        let width = self.modal.mode_signals();
+        let mut offset = 0;
+        for (mode, (decay, hold)) in self.modal.modes.iter().zip(self.decays.iter_mut().zip(&self.holds)) {
+            for k in 0..signals.nrows() {
+                let t = (self.row + k) as f64 * self.step_s;
+                signals[(k, offset)] = decay.re;
+                signals[(k, width + offset)] = t * decay.re;
+                if !mode.real {
+                    signals[(k, offset + 1)] = decay.im;
+                    signals[(k, width + offset + 1)] = t * decay.im;
+                }
+                *decay *= hold.decay;
+            }
+            offset += if mode.real { 1 } else { 2 };
+        }
+    }
+}
+
+/// Outputs whose offset is estimated.
+pub(crate) fn offset_channels(problem: &Problem<'_>) -> Vec<usize> {
+    let outputs = problem.model.outputs().enumerate();
+    outputs.filter(|(_, channel)| channel.estimate_offset).map(|(index, _)| index).collect()
+}
+
+fn complex(matrix: &DMatrix<f64>) -> DMatrix<C> {
+    matrix.map(C::from)
+}
+
+/// Rows to noise units, slopes to scaled parameters.
+fn weigh(combination: &mut Mat<f64>, weights: &Weights, output: usize, local: usize) {
+    for j in 0..combination.ncols() {
+        let scale = if j < local { 1.0 } else { weights.scales.get(j - local).copied().unwrap_or(1.0) };
+        for i in 0..combination.nrows() {
+            combination[(i, j)] *= scale / weights.noise_std[output];
+        }
+    }
+}
+
+/// Constant forces become one more input that is always 1.
+fn with_constant_forces(
+    equations: &Equations,
+    slopes: &[Equations],
+    values: &[f64],
+    free: &[usize],
+) -> (Equations, Vec<Equations>) {
+    if equations.ports.is_empty() {
+        return (equations.clone(), slopes.to_vec());
+    }
+    let still = DVector::zeros(equations.ports.len());
+    let (torque, _) = start::laws(equations, values, &still);
+    let append = |matrix: &DMatrix<f64>, column: DVector<f64>| {
+        let last = matrix.ncols();
+        let mut wide = matrix.clone().insert_column(last, 0.0);
+        wide.set_column(last, &column);
+        wide
+    };
+    let extended = Equations {
+        input: append(&equations.input, &equations.force * &torque),
+        feedthrough: append(&equations.feedthrough, &equations.force_output * &torque),
+        force: equations.force.columns(0, 0).into_owned(),
+        port: equations.port.rows(0, 0).into_owned(),
+        port_input: DMatrix::zeros(0, equations.input.ncols() + 1),
+        ports: Vec::new(),
+        ..equations.clone()
+    };
+    let extend = |slope: &Equations, parameter: usize| {
+        let law = start::law_slopes(equations, values, &still, parameter);
+        Equations {
+            input: append(&slope.input, &slope.force * &torque + &equations.force * &law),
+            feedthrough: append(
+                &slope.feedthrough,
+                &slope.force_output * &torque + &equations.force_output * &law,
+            ),
+            force: slope.force.columns(0, 0).into_owned(),
+            port: slope.port.rows(0, 0).into_owned(),
+            port_input: DMatrix::zeros(0, slope.input.ncols() + 1),
+            ..slope.clone()
+        }
+    };
+    let slopes = slopes.iter().zip(free).map(|(slope, parameter)| extend(slope, *parameter)).collect();
+    (extended, slopes)
+}
+
+/// Eigenvalues, eigenvectors and their inverse; `None` where they are too close to defective.
+fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, DMatrix<C>)> {
+    let n = matrix.nrows();
+    let scale = balance(matrix);
+    let balanced = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * scale[j] / scale[i]);
+    let eigen = balanced.eigen().ok()?;
+    let poles: Vec<C> = (0..n).map(|i| eigen.S()[i]).collect();
+    for i in 0..n {
+        for j in 0..i {
+            if (poles[i] - poles[j]).norm() < LEAST_GAP * poles[i].norm().max(poles[j].norm()) {
+                return None;
+            }
+        }
+    }
+    let vectors = DMatrix::from_fn(n, n, |i, j| eigen.U()[(i, j)]);
+    let inverse = vectors.clone().try_inverse()?;
+    let condition = vectors.norm() * inverse.norm();
+    if condition.is_nan() || condition > MOST_SKEWED {
+        return None;
+    }
+    let vectors = DMatrix::from_fn(n, n, |i, j| vectors[(i, j)] * scale[i]);
+    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / scale[j]);
+    Some((poles, vectors, inverse))
+}
+
+/// Powers of two that bring rows and columns to like size (Parlett and Reinsch 1969): wind-ups of 1e-5 rad and
+/// speeds of 100 rad/s stand in one state.
+fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
+    let n = matrix.nrows();
+    let mut scale = vec![1.0; n];
+    for _ in 0..20 {
+        let mut done = true;
+        for i in 0..n {
+            let others = || (0..n).filter(|j| *j != i);
+            let column: f64 = others().map(|j| (matrix[(j, i)] * scale[i] / scale[j]).abs()).sum();
+            let row: f64 = others().map(|j| (matrix[(i, j)] * scale[j] / scale[i]).abs()).sum();
+            if column > 0.0 && row > 0.0 {
+                let factor = (row / column).sqrt().log2().round().exp2();
+                done &= factor == 1.0;
+                scale[i] *= factor;
+            }
+        }
+        if done {
+            break;
+        }
+    }
+    scale
+}
+
+fn representatives(poles: &[C]) -> Vec<Mode> {
+    let modes = poles.iter().enumerate().filter(|(_, pole)| pole.im >= 0.0);
+    modes
+        .map(|(index, pole)| {
+            let real = pole.im == 0.0;
+            Mode { index, pole: *pole, weight: if real { 1.0 } else { 2.0 }, real }
+        })
+        .collect()
+}

@@ -1,0 +1,273 @@
+//! One pass over the data at given parameters: for each stretch, the triangular factor of residuals and slopes.
+
+use faer::Mat;
+use rayon::prelude::*;
+use socam_model::Equations;
+
+use crate::{
+    IdentifyError, feed,
+    modal::Modal,
+    problem::{Problem, StartState},
+    start,
+    stepper::Stepper,
+    triangle::{self, Triangle},
+};
+
+/// Unknowns at which a pass is made.
+#[derive(Debug, Clone)]
+pub(crate) struct Point {
+    /// All parameters of the model, SI.
+    pub(crate) values: Vec<f64>,
+    /// For each stretch its local unknowns: start state (if free), then offsets of the outputs that have one.
+    pub(crate) locals: Vec<Vec<f64>>,
+}
+
+/// What a pass says of one stretch.
+pub(crate) struct StretchResult {
+    /// Factor over [local | free parameters | residual], residuals weighted by 1/noise, slopes by the scales.
+    pub(crate) factor: Mat<f64>,
+    pub(crate) locals: usize,
+    /// Per output: sum of squared residuals (SI), their number, and sums over the measured values.
+    pub(crate) channels: Vec<ChannelSums>,
+    /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
+    /// [local | free]. Only when asked for.
+    pub(crate) scores: Vec<Vec<f64>>,
+}
+
+/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
+pub(crate) const SCORE_BLOCK_S: f64 = 0.5;
+
+/// Sums over one output channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ChannelSums {
+    pub(crate) residual_squares: f64,
+    pub(crate) count: f64,
+    pub(crate) sum: f64,
+    pub(crate) squares: f64,
+}
+
+impl ChannelSums {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.residual_squares += other.residual_squares;
+        self.count += other.count;
+        self.sum += other.sum;
+        self.squares += other.squares;
+    }
+
+    pub(crate) fn rms(&self) -> f64 {
+        (self.residual_squares / self.count.max(1.0)).sqrt()
+    }
+
+    /// Standard deviation of the measured values.
+    pub(crate) fn spread(&self) -> f64 {
+        let mean = self.sum / self.count.max(1.0);
+        (self.squares / self.count.max(1.0) - mean * mean).max(0.0).sqrt()
+    }
+}
+
+/// How residuals and slopes are weighted in a pass.
+#[derive(Debug, Clone)]
+pub(crate) struct Weights {
+    /// Noise standard deviation of each output, SI.
+    pub(crate) noise_std: Vec<f64>,
+    /// Slopes with respect to free parameter j are multiplied by `scales[j]`.
+    pub(crate) scales: Vec<f64>,
+    /// Whether block scores are wanted.
+    pub(crate) scores: bool,
+}
+
+/// The whole pass; `None` where the prediction overflowed.
+pub(crate) type PassResult = Option<Vec<StretchResult>>;
+
+/// Runs the model over every stretch, in parallel; the order of the result is that of the stretches.
+pub(crate) fn run(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+) -> Result<PassResult, IdentifyError> {
+    let Ok((equations, slopes)) = problem.model.equations_with_slopes(&point.values, &problem.free) else {
+        // A step beyond what physics allows; the solver will shorten it.
+        return Ok(None);
+    };
+    let linear = is_linear(&equations, &point.values);
+    let modal = if linear { Modal::new(problem, &equations, &slopes, point, weights) } else { None };
+    let one = |index: usize| -> Result<Option<StretchResult>, IdentifyError> {
+        let stretch = &problem.stretches[index];
+        let mut rows = Rows::new(problem, stretch.sample_time_s, weights, point.locals[index].len());
+        let finite = match &modal {
+            Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
+            None => Stepper::new(problem, &equations, &slopes, point, weights, stretch.sample_time_s)
+                .map_or(Ok(false), |mut stepper| stepper.predict(problem, index, point, &mut rows))?,
+        };
+        Ok(finite.then(|| rows.finish()))
+    };
+    let results: Result<Vec<_>, _> = (0..problem.stretches.len()).into_par_iter().map(one).collect();
+    Ok(results?.into_iter().collect())
+}
+
+/// No force law depends on the motion.
+fn is_linear(equations: &Equations, values: &[f64]) -> bool {
+    equations.ports.iter().all(|port| {
+        let parameters: Vec<f64> = port.parameters.iter().map(|index| values[*index]).collect();
+        (port.effect.transition_speed)(&parameters) == 0.0
+    })
+}
+
+/// Local unknowns of a stretch before anything is known: start state from the first samples, offsets zero.
+pub(crate) fn first_locals(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let equations = problem.model.equations(values)?;
+    let offsets = problem.model.outputs().filter(|channel| channel.estimate_offset).count();
+    problem
+        .stretches
+        .iter()
+        .map(|stretch| {
+            let mut locals = Vec::new();
+            if problem.options.start_state == StartState::Free {
+                let (inputs, outputs) = first_samples(problem, stretch)?;
+                locals = start::guess(&equations, values, &inputs, &outputs);
+            }
+            locals.extend(std::iter::repeat_n(0.0, offsets));
+            Ok(locals)
+        })
+        .collect()
+}
+
+/// First sample of every input and output (NaN where missing) of a stretch.
+fn first_samples(
+    problem: &Problem<'_>,
+    stretch: &feed::Stretch,
+) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+    let mut first = (Vec::new(), Vec::new());
+    let head = feed::Stretch { rows: 2, ..stretch.clone() };
+    feed::read(problem.model, &problem.datasets[stretch.recording], &head, problem.intersample, |chunk| {
+        if first.0.is_empty() {
+            first.0 = chunk.inputs.iter().map(|input| input[0]).collect();
+            first.1 = chunk.outputs.iter().map(|output| output[0]).collect();
+        }
+    })?;
+    Ok(first)
+}
+
+/// Takes predictions and slopes, sample by sample or block by block, and folds them.
+pub(crate) struct Rows {
+    locals: usize,
+    globals: usize,
+    with_locals: Triangle,
+    without_locals: Triangle,
+    channels: Vec<ChannelSums>,
+    scores: Option<Scores>,
+}
+
+impl Rows {
+    fn new(problem: &Problem<'_>, sample_time_s: f64, weights: &Weights, locals: usize) -> Self {
+        let globals = problem.free.len();
+        let outputs = problem.outputs();
+        let block_rows = (SCORE_BLOCK_S / sample_time_s).ceil().max(1.0) as usize;
+        Self {
+            locals,
+            globals,
+            with_locals: Triangle::new(locals + globals + 1),
+            without_locals: Triangle::new(globals + 1),
+            channels: vec![ChannelSums::default(); outputs],
+            scores: weights.scores.then(|| Scores {
+                block_rows,
+                row: 0,
+                sums: Vec::new(),
+                width: locals + globals,
+            }),
+        }
+    }
+
+    /// Most samples in one call of [`Rows::take`].
+    pub(crate) fn capacity(&self) -> usize {
+        (Triangle::capacity() / self.channels.len()).max(1)
+    }
+
+    /// Folds a block: `fill(output, target)` writes weighted slopes and, in the last column, the weighted
+    /// prediction of all `rows` samples of one output. `measured` holds NaN where nothing was measured.
+    /// Without `alive`, local columns are known to be zero and left out.
+    pub(crate) fn take(
+        &mut self,
+        rows: usize,
+        alive: bool,
+        noise_std: &[f64],
+        measured: &[&[f64]],
+        mut fill: impl FnMut(usize, faer::MatMut<'_, f64>),
+    ) -> bool {
+        let outputs = self.channels.len();
+        let (triangle, columns) = if alive {
+            (&mut self.with_locals, self.locals + self.globals + 1)
+        } else {
+            (&mut self.without_locals, self.globals + 1)
+        };
+        let mut target = triangle.rows_mut(rows * outputs);
+        let mut finite = true;
+        for (output, sums) in self.channels.iter_mut().enumerate() {
+            let mut block = target.rb_mut().subrows_mut(output * rows, rows);
+            fill(output, block.rb_mut());
+            let std = noise_std[output];
+            for (k, value) in measured[output].iter().enumerate() {
+                if value.is_nan() {
+                    block.rb_mut().row_mut(k).fill(0.0);
+                    continue;
+                }
+                let residual = block[(k, columns - 1)] - value / std;
+                block[(k, columns - 1)] = residual;
+                sums.residual_squares += (residual * std).powi(2);
+                sums.count += 1.0;
+                sums.sum += value;
+                sums.squares += value * value;
+            }
+            finite &= sums.residual_squares.is_finite();
+        }
+        if let Some(scores) = &mut self.scores {
+            scores.take(target.as_ref(), rows, outputs, if alive { 0 } else { self.locals });
+        }
+        finite
+    }
+
+    fn finish(self) -> StretchResult {
+        let columns = self.locals + self.globals + 1;
+        let late = self.without_locals.finish();
+        let shifted = Mat::from_fn(late.nrows(), columns, |i, j| {
+            if j < self.locals { 0.0 } else { late[(i, j - self.locals)] }
+        });
+        let early = self.with_locals.finish();
+        StretchResult {
+            factor: triangle::join([early.as_ref(), shifted.as_ref()].into_iter(), columns),
+            locals: self.locals,
+            channels: self.channels,
+            scores: self.scores.map(|scores| scores.sums).unwrap_or_default(),
+        }
+    }
+}
+
+use faer::reborrow::ReborrowMut;
+
+/// Block sums of slopes times residuals.
+struct Scores {
+    block_rows: usize,
+    row: usize,
+    sums: Vec<Vec<f64>>,
+    width: usize,
+}
+
+impl Scores {
+    fn take(&mut self, rows: faer::MatRef<'_, f64>, samples: usize, outputs: usize, skipped: usize) {
+        let last = rows.ncols() - 1;
+        for k in 0..samples {
+            let block = (self.row + k) / self.block_rows;
+            if block >= self.sums.len() {
+                self.sums.push(vec![0.0; self.width]);
+            }
+            for output in 0..outputs {
+                let row = output * samples + k;
+                let residual = rows[(row, last)];
+                for j in 0..last {
+                    self.sums[block][skipped + j] += rows[(row, j)] * residual;
+                }
+            }
+        }
+        self.row += samples;
+    }
+}

@@ -1,0 +1,124 @@
+//! What is to be identified, from what, and under which assumptions.
+
+use socam_model::{Model, Quantity};
+use socam_recording::Dataset;
+
+use crate::{
+    IdentifyError,
+    feed::{self, Stretch},
+};
+
+/// How an input moves between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Intersample {
+    /// Straight lines. Right for a signal that was generated so; on a sampled motion it acts as a low-pass that
+    /// biases dampings (by several per cent for content up to a sixth of the sampling rate).
+    Linear,
+    /// A band-limited motion: the samples are sharpened by 1 - (second difference)/12 before straight lines are
+    /// drawn, which makes the hold exact to fourth order in frequency.
+    BandLimited,
+}
+
+/// What is assumed of sensor noise: white, independent between channels.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Noise {
+    /// One standard deviation per output channel, estimated from the residuals.
+    Estimated,
+    /// Known standard deviations, SI, one per output channel.
+    Given(Vec<f64>),
+}
+
+/// Where each uninterrupted stretch of data starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartState {
+    /// Unknown: estimated with the parameters.
+    Free,
+    /// At rest relative to the first input sample, for the current parameters. Only for drivetrains that have
+    /// such a state (no free-running position).
+    Equilibrium,
+}
+
+/// A linear constraint: lower <= sum of coefficient * parameter <= upper, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constraint {
+    /// Parameter index and coefficient.
+    pub terms: Vec<(usize, f64)>,
+    /// Lower limit.
+    pub lower: f64,
+    /// Upper limit.
+    pub upper: f64,
+}
+
+/// Assumptions and limits of a fit.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Noise levels.
+    pub noise: Noise,
+    /// Start state of each stretch.
+    pub start_state: StartState,
+    /// Input between samples; `None`: band-limited for a measured speed, straight lines for the rest.
+    pub intersample: Option<Intersample>,
+    /// Number of starts: the file's values first, then values spread by factors of up to three around them.
+    pub starts: usize,
+    /// Seed of that spread.
+    pub seed: u64,
+    /// Most iterations of one descent.
+    pub max_iterations: usize,
+    /// Linear constraints on parameters.
+    pub constraints: Vec<Constraint>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            noise: Noise::Estimated,
+            start_state: StartState::Free,
+            intersample: None,
+            starts: 6,
+            seed: 1,
+            max_iterations: 60,
+            constraints: Vec::new(),
+        }
+    }
+}
+
+/// Recordings bound to a model.
+#[derive(Debug)]
+pub struct Problem<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) datasets: &'a [Dataset],
+    /// Parameters to estimate, indices into the model's.
+    pub(crate) free: Vec<usize>,
+    pub(crate) stretches: Vec<Stretch>,
+    pub(crate) options: Options,
+    pub(crate) intersample: Intersample,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl<'a> Problem<'a> {
+    /// Binds `datasets` to the channels that `model` reads. Parameters that the model marks as fixed stay so.
+    ///
+    /// # Errors
+    /// When a recording lacks a channel or is too short, when nothing is free, or when a file cannot be read.
+    pub fn new(model: &'a Model, datasets: &'a [Dataset], options: Options) -> Result<Self, IdentifyError> {
+        if datasets.is_empty() {
+            return Err(IdentifyError::NoRecordings);
+        }
+        let free: Vec<usize> =
+            (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
+        if free.is_empty() {
+            return Err(IdentifyError::NothingFree { model: model.name.clone() });
+        }
+        let mut warnings = Vec::new();
+        let stretches = feed::stretches(model, datasets, &mut warnings)?;
+        let measured_speed = model.inputs().any(|channel| channel.quantity == Quantity::Speed);
+        let default = if measured_speed { Intersample::BandLimited } else { Intersample::Linear };
+        let intersample = options.intersample.unwrap_or(default);
+        Ok(Self { model, datasets, free, stretches, options, intersample, warnings })
+    }
+
+    /// Number of outputs of the model.
+    pub(crate) fn outputs(&self) -> usize {
+        self.model.outputs().count()
+    }
+}

@@ -1,0 +1,554 @@
+//! From the last factor to numbers with intervals, and to what the data do not determine.
+
+use faer::{Mat, MatRef};
+use serde::Serialize;
+use socam_model::Model;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{
+    IdentifyError,
+    modal::offset_channels,
+    pass::{self, ChannelSums, StretchResult},
+    problem::Problem,
+    solver::{Descent, Race},
+};
+
+/// Version of [`Identification`]'s JSON form.
+pub const SCHEMA: &str = "socam.identification/1";
+
+/// An estimate counts as determined when its 95 % interval is at most this fraction of it to either side.
+const LARGEST_HALF_WIDTH: f64 = 0.5;
+/// Estimates correlated more than this cannot be told apart.
+const ENTANGLED: f64 = 0.9;
+/// Singular values below this fraction of the largest are taken as zero.
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// How a fit ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// No step lowers the cost.
+    Converged,
+    /// Converged with at least one parameter at its bound.
+    AtBound,
+    /// Steps that should help do not: the cost is not smooth here, or the model does not fit at all.
+    Stalled,
+    /// The iteration limit came first.
+    IterationLimit,
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The recordings.
+    Data,
+    /// Mostly what was known before.
+    Prior,
+    /// It was not estimated.
+    Fixed,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterEstimate {
+    /// Name.
+    pub name: String,
+    /// SI; `None` where the data do not determine it.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation.
+    pub std: Option<f64>,
+    /// 95 % interval; an open end is `None`.
+    pub ci95: [Option<f64>; 2],
+    /// Whether the data determine it: the interval lies inside the bounds and is at most half the value to
+    /// either side.
+    pub identifiable: bool,
+    /// Where it comes from.
+    pub source: Source,
+    /// Parameters that it cannot be told apart from.
+    pub determined_with: Vec<String>,
+    /// Why it is not determined, or anything else worth saying.
+    pub note: String,
+}
+
+/// A combination of parameters that the data determine better than the parameters themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CombinationEstimate {
+    /// Name.
+    pub name: String,
+    /// In terms of parameters.
+    pub expression: String,
+    /// SI; `None` where not even this is determined.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation.
+    pub std: Option<f64>,
+    /// 95 % interval.
+    pub ci95: [Option<f64>; 2],
+}
+
+/// How well one channel is predicted, over all recordings, running free.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelFit {
+    /// Root mean square of the residual, SI.
+    pub rms: f64,
+    /// Noise level that was used, SI.
+    pub noise_std: f64,
+    /// 100 rms / standard deviation of the measured channel.
+    pub nrmse_percent: f64,
+    /// 100 - `nrmse_percent`.
+    pub fit_percent: f64,
+    /// Variance accounted for, per cent.
+    pub vaf_percent: f64,
+    /// 100 norm(residual) / norm(measured).
+    pub relative_error_percent: f64,
+}
+
+/// Fit of all channels, in the model's order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// By channel name.
+    #[serde(serialize_with = "as_map")]
+    pub channels: Vec<(String, ChannelFit)>,
+}
+
+fn as_map<S: serde::Serializer>(channels: &[(String, ChannelFit)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(channels.iter().map(|(name, fit)| (name, fit)))
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identification {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Method id.
+    pub method: &'static str,
+    /// Model name.
+    pub model: String,
+    /// Recordings used.
+    pub recordings: Vec<String>,
+    /// Whether the estimate is a minimum.
+    pub converged: bool,
+    /// How it ended.
+    pub end: End,
+    /// Iterations of the last descents.
+    pub iterations: usize,
+    /// Processor time of the fit without reading files, s, all threads.
+    pub cpu_s: f64,
+    /// All parameters of the model, in its order.
+    pub parameters: Vec<ParameterEstimate>,
+    /// Combinations.
+    pub combinations: Vec<CombinationEstimate>,
+    /// Sensor offsets, one per channel and uninterrupted stretch.
+    pub nuisance: Vec<ParameterEstimate>,
+    /// How well the model fits.
+    pub fit: Fit,
+    /// Anything a careful reader should know.
+    pub warnings: Vec<String>,
+    /// Point values of all parameters, SI, determined or not: what reproduces `fit`. For writing models.
+    #[serde(skip)]
+    pub point: Vec<f64>,
+    /// Sum of squared residuals in noise units, halved.
+    pub cost: f64,
+}
+
+/// Processor time since it was started.
+pub(crate) struct CpuClock(cpu_time::ProcessTime);
+
+impl CpuClock {
+    pub(crate) fn start() -> Self {
+        Self(cpu_time::ProcessTime::now())
+    }
+
+    pub(crate) fn seconds(&self) -> f64 {
+        self.0.elapsed().as_secs_f64()
+    }
+}
+
+/// Covariance of the free parameters, SI, and the quantile that turns a standard deviation into an interval.
+pub(crate) struct Uncertainty {
+    pub(crate) covariance: Mat<f64>,
+    pub(crate) quantile: f64,
+}
+
+pub(crate) fn identification(
+    problem: &Problem<'_>,
+    descent: Descent,
+    races: &[Race],
+    clock: CpuClock,
+) -> Result<Identification, IdentifyError> {
+    let weights = crate::pass::Weights { scores: true, ..descent.weights.clone() };
+    let results = match pass::run(problem, &descent.point, &weights)? {
+        Some(results) => results,
+        None => descent.results,
+    };
+    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, &results);
+    let cpu_s = clock.seconds();
+    let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty);
+    let end = if descent.end == End::Converged && at_bound { End::AtBound } else { descent.end };
+    let mut warnings = problem.warnings.clone();
+    if let Some(warning) = race_warning(races) {
+        warnings.push(warning);
+    }
+    if end == End::Stalled || end == End::IterationLimit {
+        warnings.push("the fit did not converge; its intervals mean little: give better start values, fix what is known, or look at the residuals".into());
+    }
+    Ok(Identification {
+        schema: SCHEMA,
+        method: "output-error",
+        model: problem.model.name.clone(),
+        recordings: problem.datasets.iter().map(|dataset| dataset.name().to_owned()).collect(),
+        converged: matches!(end, End::Converged | End::AtBound),
+        end,
+        iterations: descent.iterations,
+        cpu_s,
+        parameters,
+        combinations: combinations(problem, &descent.point.values, &uncertainty),
+        nuisance: offsets(problem, &descent.point.locals, &results, &uncertainty, &weights.scales),
+        fit: fit(problem.model, &crate::solver::channel_sums(&results), &weights.noise_std),
+        warnings,
+        point: descent.point.values,
+        cost: 0.5 * descent.cost,
+    })
+}
+
+/// Starts that ended in different minima are worth a word.
+fn race_warning(races: &[Race]) -> Option<String> {
+    let best = races.iter().map(|race| race.cost).fold(f64::INFINITY, f64::min);
+    let reached = races.iter().filter(|race| race.cost < 1.05 * best).count();
+    (races.len() > 1 && reached * 3 < races.len()).then(|| {
+        format!("only {reached} of {} starts came near the best minimum; there may be a better one: try --starts with a larger number", races.len())
+    })
+}
+
+pub(crate) fn fit(model: &Model, channels: &[ChannelSums], noise_std: &[f64]) -> Fit {
+    let each = model
+        .outputs()
+        .zip(channels)
+        .zip(noise_std)
+        .map(|((channel, sums), noise_std)| (channel.name.clone(), channel_fit(sums, *noise_std)));
+    Fit { channels: each.collect() }
+}
+
+pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
+    let (rms, spread) = (sums.rms(), sums.spread().max(1e-300));
+    let ratio = rms / spread;
+    ChannelFit {
+        rms,
+        noise_std,
+        nrmse_percent: 100.0 * ratio,
+        fit_percent: 100.0 * (1.0 - ratio),
+        vaf_percent: 100.0 * (1.0 - ratio * ratio),
+        relative_error_percent: 100.0 * (sums.residual_squares / sums.squares.max(1e-300)).sqrt(),
+    }
+}
+
+/// Inverse information, and the spread of scores between blocks of data where there are enough of them: their
+/// ratio to the information is what coloured residuals cost.
+fn uncertainty(
+    problem: &Problem<'_>,
+    point: &pass::Point,
+    scales: &[f64],
+    results: &[StretchResult],
+) -> Uncertainty {
+    let free = problem.free.len();
+    let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
+    let factor = crate::solver::global_factor(problem, point, &weights, results);
+    let inverse = inverse_information(factor.as_ref().submatrix(0, 0, free, free));
+    let scores: Vec<Vec<f64>> = results.iter().flat_map(|result| profiled_scores(result, free)).collect();
+    let (covariance, degrees) = if scores.len() >= 5 * free.max(2) {
+        let prior = crate::solver::prior_rows(problem, point, &weights);
+        let correction = scores.len() as f64 / (scores.len() - free) as f64;
+        let middle = Mat::from_fn(free, free, |i, j| {
+            let spread: f64 = scores.iter().map(|score| score[i] * score[j]).sum();
+            let known: f64 = (0..free).map(|k| prior[(k, i)] * prior[(k, j)]).sum();
+            correction * spread + known
+        });
+        (&inverse * middle * &inverse, (scores.len() - free) as f64)
+    } else {
+        (inverse, 1e6)
+    };
+    let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
+    let covariance = Mat::from_fn(free, free, |i, j| covariance[(i, j)] * scales[i] * scales[j]);
+    Uncertainty { covariance, quantile }
+}
+
+/// (R' R)⁻¹ through the singular values of R with its columns scaled to one; directions without information
+/// get an enormous variance instead of an overflow.
+pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
+    let free = factor.ncols();
+    let norms: Vec<f64> = (0..free).map(|j| factor.col(j).norm_l2().max(1e-150)).collect();
+    let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
+    let Ok(svd) = scaled.svd() else {
+        return Mat::from_fn(free, free, |i, j| if i == j { 1e300 } else { 0.0 });
+    };
+    let largest = svd.S()[0];
+    let v = svd.V();
+    Mat::from_fn(free, free, |i, j| {
+        let sum: f64 =
+            (0..free).map(|k| v[(i, k)] * v[(j, k)] / svd.S()[k].max(RANK_TOLERANCE * largest).powi(2)).sum();
+        sum / (norms[i] * norms[j])
+    })
+}
+
+/// Scores of the free parameters after the local unknowns have followed: g - A' g_local, A = R_ll⁻¹ R_lg.
+fn profiled_scores(result: &StretchResult, free: usize) -> Vec<Vec<f64>> {
+    let follow = followers(result, free);
+    let each = result.scores.iter().map(|score| {
+        let (local, global) = score.split_at(result.locals);
+        let own = global.iter().enumerate();
+        own.map(|(j, g)| g - local.iter().enumerate().map(|(i, l)| follow[(i, j)] * l).sum::<f64>()).collect()
+    });
+    each.collect()
+}
+
+/// How far local unknowns move per free parameter, with the sign of R_ll⁻¹ R_lg.
+fn followers(result: &StretchResult, free: usize) -> Mat<f64> {
+    let r = result.factor.as_ref();
+    let count = result.locals;
+    let mut follow = Mat::zeros(count, free);
+    for i in (0..count).rev() {
+        if r[(i, i)].abs() <= 1e-8 * r.col(i).norm_l2().max(1e-300) {
+            continue;
+        }
+        for j in 0..free {
+            let known: f64 = (i + 1..count).map(|k| r[(i, k)] * follow[(k, j)]).sum();
+            follow[(i, j)] = (r[(i, count + j)] - known) / r[(i, i)];
+        }
+    }
+    follow
+}
+
+fn parameter_estimates(
+    problem: &Problem<'_>,
+    values: &[f64],
+    uncertainty: &Uncertainty,
+) -> (Vec<ParameterEstimate>, bool) {
+    let covariance = uncertainty.covariance.as_ref();
+    let mut at_bound = false;
+    let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
+        let value = values[index];
+        let Some(j) = problem.free.iter().position(|free| *free == index) else {
+            return ParameterEstimate {
+                name: parameter.name.clone(),
+                value: Some(value),
+                unit: parameter.unit.clone(),
+                std: None,
+                ci95: [None, None],
+                identifiable: false,
+                source: Source::Fixed,
+                determined_with: Vec::new(),
+                note: String::new(),
+            };
+        };
+        let std = covariance[(j, j)].max(0.0).sqrt();
+        let half = uncertainty.quantile * std;
+        let (low, high) = parameter.bounds;
+        let stuck =
+            value <= low + 1e-6 * (value - low).abs().max(low.abs()) || value >= high - 1e-6 * high.abs();
+        at_bound |= stuck;
+        // Not finite counts as not determined.
+        let narrow = half <= LARGEST_HALF_WIDTH * value.abs();
+        let inside = value - half >= low && value + half <= high;
+        let identifiable = narrow && inside && !stuck;
+        let determined_with = if identifiable { Vec::new() } else { entangled(problem, covariance, j) };
+        let (ci, note) = if identifiable {
+            ([Some(value - half), Some(value + half)], String::new())
+        } else {
+            let ends =
+                [Some(value - half).filter(|end| *end > low), Some(value + half).filter(|end| *end < high)];
+            let ends = ends.map(|end| end.filter(|_| narrow));
+            (ends, why_not(stuck, half / value.abs(), &determined_with))
+        };
+        let prior = parameter.prior.is_some_and(|prior| std > 0.7 * prior.std);
+        ParameterEstimate {
+            name: parameter.name.clone(),
+            value: identifiable.then_some(value),
+            unit: parameter.unit.clone(),
+            std: identifiable.then_some(std),
+            ci95: ci,
+            identifiable,
+            source: if prior { Source::Prior } else { Source::Data },
+            determined_with,
+            note,
+        }
+    });
+    let estimates = estimates.collect();
+    (estimates, at_bound)
+}
+
+fn entangled(problem: &Problem<'_>, covariance: MatRef<'_, f64>, j: usize) -> Vec<String> {
+    let others = (0..problem.free.len()).filter(|i| {
+        let correlation = covariance[(*i, j)] / (covariance[(*i, *i)] * covariance[(j, j)]).sqrt();
+        *i != j && correlation.abs() > ENTANGLED
+    });
+    others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
+}
+
+fn why_not(stuck: bool, relative: f64, entangled: &[String]) -> String {
+    let reason = if stuck {
+        "it ran to its bound".into()
+    } else if relative.is_finite() && relative < 1e3 {
+        format!("its 95 % interval is +-{:.0} %", 100.0 * relative)
+    } else {
+        "these recordings say next to nothing of it".into()
+    };
+    if entangled.is_empty() {
+        format!("not determined: {reason}")
+    } else {
+        format!("not determined: {reason}; it cannot be told apart from {}", entangled.join(", "))
+    }
+}
+
+/// Two springs in a row with nothing but a massless point between them act nearly as one: its stiffness and
+/// damping are what the rest of the drivetrain feels.
+fn combinations(
+    problem: &Problem<'_>,
+    values: &[f64],
+    uncertainty: &Uncertainty,
+) -> Vec<CombinationEstimate> {
+    let model = problem.model;
+    let mut found = Vec::new();
+    for (node, _) in model.nodes.iter().enumerate().filter(|(_, node)| node.inertia.is_none()) {
+        let springs: Vec<_> = model.springs.iter().filter(|s| s.from == node || s.to == Some(node)).collect();
+        let tied = model.gears.iter().any(|gear| gear.from == node || gear.to == node)
+            || model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
+            || model.bearings.iter().any(|bearing| bearing.node == node)
+            || model.effects.iter().any(|used| used.node == node);
+        let [a, b] = springs[..] else { continue };
+        if tied {
+            continue;
+        }
+        let (ka, kb) = (values[a.stiffness], values[b.stiffness]);
+        let sum = ka + kb;
+        let names = (&model.parameters[a.stiffness], &model.parameters[b.stiffness]);
+        let slopes = [(a.stiffness, (kb / sum).powi(2)), (b.stiffness, (ka / sum).powi(2))];
+        found.extend(combination(
+            problem,
+            uncertainty,
+            &names.0.unit,
+            series_name("k", &names.0.name, &names.1.name),
+            format!("1/(1/{} + 1/{})", names.0.name, names.1.name),
+            ka * kb / sum,
+            &slopes,
+        ));
+        if let (Some(da), Some(db)) = (a.damping, b.damping) {
+            let (ca, cb) = (values[da], values[db]);
+            let value = (ca * kb * kb + cb * ka * ka) / (sum * sum);
+            let slopes = [
+                (da, (kb / sum).powi(2)),
+                (db, (ka / sum).powi(2)),
+                (a.stiffness, 2.0 * (cb * ka - value * sum) / (sum * sum)),
+                (b.stiffness, 2.0 * (ca * kb - value * sum) / (sum * sum)),
+            ];
+            let names = [da, db, a.stiffness, b.stiffness].map(|index| model.parameters[index].name.as_str());
+            let expression =
+                format!("({0} {3}^2 + {1} {2}^2)/({2} + {3})^2", names[0], names[1], names[2], names[3]);
+            found.extend(combination(
+                problem,
+                uncertainty,
+                &model.parameters[da].unit,
+                series_name("c", names[0], names[1]),
+                expression,
+                value,
+                &slopes,
+            ));
+        }
+    }
+    found
+}
+
+/// `k_series_12` for k1 and k2; names without a common stem are spelled out.
+fn series_name(kind: &str, a: &str, b: &str) -> String {
+    match (a.strip_prefix(kind), b.strip_prefix(kind)) {
+        (Some(a), Some(b)) if a.chars().chain(b.chars()).all(|c| c.is_ascii_digit()) => {
+            format!("{kind}_series_{a}{b}")
+        }
+        _ => format!("{kind}_series_{a}_{b}"),
+    }
+}
+
+fn combination(
+    problem: &Problem<'_>,
+    uncertainty: &Uncertainty,
+    unit: &str,
+    name: String,
+    expression: String,
+    value: f64,
+    slopes: &[(usize, f64)],
+) -> Option<CombinationEstimate> {
+    let own: Vec<(usize, f64)> = slopes
+        .iter()
+        .filter_map(|(index, slope)| Some((problem.free.iter().position(|free| free == index)?, *slope)))
+        .collect();
+    if own.is_empty() {
+        return None;
+    }
+    let variance: f64 = own
+        .iter()
+        .flat_map(|a| own.iter().map(move |b| (a, b)))
+        .map(|((i, a), (j, b))| a * b * uncertainty.covariance[(*i, *j)])
+        .sum();
+    let std = variance.max(0.0).sqrt();
+    let half = uncertainty.quantile * std;
+    let determined = half <= LARGEST_HALF_WIDTH * value.abs();
+    Some(CombinationEstimate {
+        name,
+        expression,
+        value: determined.then_some(value),
+        unit: unit.into(),
+        std: determined.then_some(std),
+        ci95: [value - half, value + half].map(|end| Some(end).filter(|_| determined)),
+    })
+}
+
+fn offsets(
+    problem: &Problem<'_>,
+    locals: &[Vec<f64>],
+    results: &[StretchResult],
+    uncertainty: &Uncertainty,
+    scales: &[f64],
+) -> Vec<ParameterEstimate> {
+    let channels = offset_channels(problem);
+    if channels.is_empty() {
+        return Vec::new();
+    }
+    let outputs: Vec<_> = problem.model.outputs().collect();
+    let free = problem.free.len();
+    let mut all = Vec::new();
+    for ((stretch, values), result) in problem.stretches.iter().zip(locals).zip(results) {
+        let follow = followers(result, free);
+        let own = inverse_information(result.factor.as_ref().submatrix(0, 0, result.locals, result.locals));
+        for (position, output) in channels.iter().enumerate() {
+            let row = result.locals - channels.len() + position;
+            let carried: f64 = (0..free)
+                .flat_map(|i| (0..free).map(move |j| (i, j)))
+                .map(|(i, j)| {
+                    follow[(row, i)] * follow[(row, j)] * uncertainty.covariance[(i, j)]
+                        / (scales[i] * scales[j])
+                })
+                .sum();
+            let std = (own[(row, row)] + carried).max(0.0).sqrt();
+            let value = values[row];
+            all.push(ParameterEstimate {
+                name: format!(
+                    "offset of {} in {}",
+                    outputs[*output].name,
+                    problem.datasets[stretch.recording].name()
+                ),
+                value: Some(value),
+                unit: outputs[*output].unit.into(),
+                std: Some(std),
+                ci95: [Some(value - uncertainty.quantile * std), Some(value + uncertainty.quantile * std)],
+                identifiable: true,
+                source: Source::Data,
+                determined_with: Vec::new(),
+                note: String::new(),
+            });
+        }
+    }
+    all
+}

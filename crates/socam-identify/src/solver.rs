@@ -1,0 +1,456 @@
+//! Gauss-Newton with Levenberg-Marquardt damping; bounds and constraints by a quadratic programme.
+
+use clarabel::{
+    algebra::CscMatrix,
+    solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus},
+};
+use faer::{Mat, MatRef, linalg::solvers::SolveLstsqCore};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng},
+};
+
+use crate::{
+    IdentifyError,
+    pass::{self, ChannelSums, Point, StretchResult, Weights},
+    problem::{Noise, Problem},
+    report::{self, End, Identification},
+    triangle,
+};
+
+/// A descent ends when the next step would lower the cost by less than this fraction.
+const TOLERANCE: f64 = 1e-9;
+/// While noise levels or the best start are still being sought.
+const COARSE_TOLERANCE: f64 = 1e-4;
+/// Noise levels are settled when they change by less than this fraction.
+const NOISE_SETTLED: f64 = 0.01;
+/// Samples per recording, and recordings, on which starts compete.
+const RACE_ROWS: u64 = 4000;
+const RACE_STRETCHES: usize = 4;
+
+/// Fits the free parameters of the problem's model to all its recordings by output error: the model runs free
+/// from the measured input, and what separates its outputs from the measured ones is least in noise units.
+///
+/// # Assumes
+/// The input is measured without error that matters, the residuals of a right model are sensor noise, and what
+/// drives the input does not depend on that noise. Intervals allow for coloured residuals (they are taken from
+/// sums of scores over blocks of half a second), not for bias.
+///
+/// # Breaks when
+/// The recording was made in a closed loop and unmodelled disturbances matter: then the input is correlated with
+/// them. Model the loop (a servo) and feed its reference instead.
+///
+/// # Errors
+/// When a recording cannot be read, or the model overflows at its start values. Not converging is no error: see
+/// [`Identification::end`].
+pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyError> {
+    let clock = report::CpuClock::start();
+    let mut races = Vec::new();
+    let start = best_start(problem, &mut races)?;
+    let descent = settle_noise(problem, start)?;
+    report::identification(problem, descent, &races, clock)
+}
+
+/// A descent and where it ended.
+pub(crate) struct Descent {
+    pub(crate) point: Point,
+    pub(crate) weights: Weights,
+    pub(crate) results: Vec<StretchResult>,
+    pub(crate) cost: f64,
+    pub(crate) iterations: usize,
+    pub(crate) end: End,
+}
+
+impl Descent {
+    pub(crate) fn channels(&self) -> Vec<ChannelSums> {
+        channel_sums(&self.results)
+    }
+}
+
+pub(crate) fn channel_sums(results: &[StretchResult]) -> Vec<ChannelSums> {
+    let mut sums = vec![ChannelSums::default(); results.first().map_or(0, |r| r.channels.len())];
+    for result in results {
+        sums.iter_mut().zip(&result.channels).for_each(|(sum, channel)| sum.add(channel));
+    }
+    sums
+}
+
+/// Magnitude of each free parameter, in which its steps are measured.
+fn scales(problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
+    let scale = |index: &usize| {
+        let parameter = &problem.model.parameters[*index];
+        let range = parameter.bounds.1 - parameter.bounds.0;
+        [
+            values[*index].abs(),
+            parameter.value.abs(),
+            parameter.prior.map_or(0.0, |prior| prior.std),
+            0.01 * range,
+            1.0,
+        ]
+        .into_iter()
+        .find(|scale| *scale > 0.0 && scale.is_finite())
+        .unwrap_or(1.0)
+    };
+    problem.free.iter().map(scale).collect()
+}
+
+/// Noise levels to begin with: those given, or a fiftieth of each channel's movement.
+fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, IdentifyError> {
+    let scales = scales(problem, &point.values);
+    let mut weights = Weights { noise_std: vec![1.0; problem.outputs()], scales, scores: false };
+    match &problem.options.noise {
+        Noise::Given(given) => weights.noise_std.clone_from(given),
+        Noise::Estimated => {
+            let Some(results) = pass::run(problem, point, &weights)? else {
+                return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
+            };
+            let known = problem.model.outputs().map(|channel| channel.noise_std);
+            weights.noise_std = channel_sums(&results)
+                .iter()
+                .zip(known)
+                .map(|(channel, known)| known.unwrap_or_else(|| floor(0.02 * channel.spread(), channel)))
+                .collect();
+        }
+    }
+    Ok(weights)
+}
+
+/// Never zero: a channel that stands still, or a perfect prediction, must not divide by nothing.
+fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
+    let size = (channel.squares / channel.count.max(1.0)).sqrt();
+    noise_std.max(1e-9 * size).max(1e-300)
+}
+
+/// Descends, takes the noise levels from the residuals, and again until both agree.
+fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
+    let mut weights = first_weights(problem, &point)?;
+    if matches!(problem.options.noise, Noise::Given(_)) {
+        return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations);
+    }
+    let known: Vec<bool> = problem.model.outputs().map(|channel| channel.noise_std.is_some()).collect();
+    let mut point = point;
+    let mut iterations = 0;
+    for round in 0.. {
+        let tolerance = if round == 0 { COARSE_TOLERANCE } else { TOLERANCE };
+        let mut descent = descend(problem, point, weights, tolerance, problem.options.max_iterations)?;
+        iterations += descent.iterations;
+        let mut settled = round > 0;
+        let mut next = descent.weights.clone();
+        for (index, channel) in descent.channels().iter().enumerate().filter(|(index, _)| !known[*index]) {
+            let std = floor(channel.rms(), channel);
+            settled &= (std / next.noise_std[index] - 1.0).abs() < NOISE_SETTLED;
+            next.noise_std[index] = std;
+        }
+        if settled || round >= 6 {
+            descent.iterations = iterations;
+            return Ok(descent);
+        }
+        next.scales = scales(problem, &descent.point.values);
+        (point, weights) = (descent.point, next);
+    }
+    unreachable!("the loop above ends by itself")
+}
+
+/// What one start of the race came to.
+pub(crate) struct Race {
+    pub(crate) cost: f64,
+}
+
+/// Lets the file's values and spread ones compete on a part of the data; the best goes on to all of it.
+fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, IdentifyError> {
+    let first = problem.model.values();
+    let with_locals = |values: Vec<f64>| -> Result<Point, IdentifyError> {
+        let locals = pass::first_locals(problem, &values)?;
+        Ok(Point { values, locals })
+    };
+    if problem.options.starts <= 1 {
+        return with_locals(first);
+    }
+    let short = Problem {
+        stretches: problem.stretches.iter().take(RACE_STRETCHES).map(|s| feed_head(s, RACE_ROWS)).collect(),
+        model: problem.model,
+        datasets: problem.datasets,
+        free: problem.free.clone(),
+        options: problem.options.clone(),
+        intersample: problem.intersample,
+        warnings: Vec::new(),
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
+    let candidates = (0..problem.options.starts)
+        .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
+    let base = Point { values: first.clone(), locals: pass::first_locals(&short, &first)? };
+    let weights = first_weights(&short, &base)?;
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for values in candidates.collect::<Vec<_>>() {
+        let Ok(locals) = pass::first_locals(&short, &values) else { continue };
+        let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
+        let Ok(descent) = descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15) else {
+            continue;
+        };
+        races.push(Race { cost: descent.cost });
+        if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
+            best = Some((descent.cost, descent.point.values));
+        }
+    }
+    with_locals(best.map_or(first, |(_, values)| values))
+}
+
+fn feed_head(stretch: &crate::feed::Stretch, rows: u64) -> crate::feed::Stretch {
+    crate::feed::Stretch { rows: stretch.rows.min(rows), ..stretch.clone() }
+}
+
+/// Values spread by factors of up to three where the sign is known, within bounds.
+fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut spread = values.to_vec();
+    for index in &problem.free {
+        let parameter = &problem.model.parameters[*index];
+        let uniform = f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
+        if parameter.bounds.0 >= 0.0 {
+            spread[*index] *= 3.0_f64.powf(uniform);
+        }
+        spread[*index] = spread[*index].clamp(parameter.bounds.0, parameter.bounds.1);
+    }
+    spread
+}
+
+/// All stretches' say on the free parameters, priors included: factor over [free | residual].
+pub(crate) fn global_factor(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    results: &[StretchResult],
+) -> Mat<f64> {
+    let free = problem.free.len();
+    let corners = results.iter().map(|r| r.factor.as_ref().submatrix(r.locals, r.locals, free + 1, free + 1));
+    let prior = prior_rows(problem, point, weights);
+    triangle::join(corners.chain([prior.as_ref()]), free + 1)
+}
+
+pub(crate) fn prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights) -> Mat<f64> {
+    let free = problem.free.len();
+    let mut rows = Mat::zeros(free, free + 1);
+    for (j, index) in problem.free.iter().enumerate() {
+        if let Some(prior) = problem.model.parameters[*index].prior {
+            rows[(j, j)] = weights.scales[j] / prior.std;
+            rows[(j, free)] = (point.values[*index] - prior.value) / prior.std;
+        }
+    }
+    rows
+}
+
+fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, results: &[StretchResult]) -> f64 {
+    let channels = channel_sums(results);
+    let data: f64 =
+        channels.iter().zip(&weights.noise_std).map(|(c, std)| c.residual_squares / (std * std)).sum();
+    let prior = prior_rows(problem, point, weights);
+    data + prior.as_ref().col(problem.free.len()).squared_norm_l2()
+}
+
+/// Levenberg-Marquardt from `point` at fixed noise levels.
+fn descend(
+    problem: &Problem<'_>,
+    point: Point,
+    weights: Weights,
+    tolerance: f64,
+    max_iterations: usize,
+) -> Result<Descent, IdentifyError> {
+    let Some(results) = pass::run(problem, &point, &weights)? else {
+        return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
+    };
+    let cost = total_cost(problem, &point, &weights, &results);
+    let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::IterationLimit };
+    let (mut damping, mut growth) = (1e-3_f64, 2.0);
+    let mut factor = global_factor(problem, &at.point, &at.weights, &at.results);
+    while at.iterations < max_iterations {
+        at.iterations += 1;
+        let Some(step) = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping) else {
+            at.end = End::Stalled;
+            break;
+        };
+        let predicted = at.cost - predicted_cost(factor.as_ref(), &step);
+        if predicted <= tolerance * at.cost {
+            // Damping shortens the step; only an undamped one that gains nothing is the end.
+            if damping < 1e-2 || step.iter().all(|s| s.abs() < 1e-9) {
+                at.end = End::Converged;
+                break;
+            }
+            damping *= 0.1;
+            continue;
+        }
+        let trial = moved(problem, &at, &step);
+        let gained = match pass::run(problem, &trial, &at.weights)? {
+            Some(results) => {
+                let cost = total_cost(problem, &trial, &at.weights, &results);
+                Some((results, cost)).filter(|_| cost < at.cost)
+            }
+            None => None,
+        };
+        if let Some((results, cost)) = gained {
+            let ratio = (at.cost - cost) / predicted;
+            damping = (damping * (1.0 - (2.0 * ratio - 1.0).powi(3)).max(0.1)).max(1e-12);
+            growth = 2.0;
+            (at.point, at.results, at.cost) = (trial, results, cost);
+            factor = global_factor(problem, &at.point, &at.weights, &at.results);
+        } else {
+            damping *= growth;
+            growth *= 2.0;
+            if damping > 1e9 {
+                at.end = if predicted <= 1e-6 * at.cost { End::Converged } else { End::Stalled };
+                break;
+            }
+        }
+    }
+    Ok(at)
+}
+
+/// Cost that the linear picture promises after a step in scaled parameters.
+fn predicted_cost(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
+    let free = step.len();
+    (0..=free)
+        .map(|i| {
+            let row: f64 = factor[(i, free)] + (i..free).map(|j| factor[(i, j)] * step[j]).sum::<f64>();
+            row * row
+        })
+        .sum()
+}
+
+/// The point after a step, local unknowns following.
+fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
+    let mut point = at.point.clone();
+    for (j, index) in problem.free.iter().enumerate() {
+        let bounds = problem.model.parameters[*index].bounds;
+        point.values[*index] =
+            (point.values[*index] + step[j] * at.weights.scales[j]).clamp(bounds.0, bounds.1);
+    }
+    for (locals, result) in point.locals.iter_mut().zip(&at.results) {
+        let r = result.factor.as_ref();
+        let count = result.locals;
+        let mut change = vec![0.0; count];
+        for i in (0..count).rev() {
+            let known: f64 = (i + 1..count).map(|j| r[(i, j)] * change[j]).sum::<f64>()
+                + step.iter().enumerate().map(|(j, s)| r[(i, count + j)] * s).sum::<f64>()
+                + r[(i, count + step.len())];
+            let column = r.col(i).norm_l2();
+            // A start term that the data do not show (it decays within a sample) stays where it is.
+            change[i] = if r[(i, i)].abs() > 1e-8 * column.max(1e-300) { -known / r[(i, i)] } else { 0.0 };
+        }
+        locals.iter_mut().zip(change).for_each(|(local, change)| *local += change);
+    }
+    point
+}
+
+/// Step in scaled parameters within bounds, constraints and a factor of ten for what cannot change sign.
+fn constrained_step(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    factor: MatRef<'_, f64>,
+    damping: f64,
+) -> Option<Vec<f64>> {
+    let free = problem.free.len();
+    let norms: Vec<f64> = (0..free).map(|j| factor.col(j).norm_l2().max(1e-300)).collect();
+    let limits: Vec<(f64, f64)> = problem
+        .free
+        .iter()
+        .enumerate()
+        .map(|(j, index)| {
+            let (value, bounds, scale) =
+                (point.values[*index], problem.model.parameters[*index].bounds, weights.scales[j]);
+            let reach = value.abs().max(0.1 * scale);
+            let near = if bounds.0 >= 0.0 {
+                (value - 0.9 * reach, value + 9.0 * reach)
+            } else {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            };
+            ((bounds.0.max(near.0) - value) / scale, (bounds.1.min(near.1) - value) / scale)
+        })
+        .collect();
+    if problem.options.constraints.is_empty() {
+        let step = damped_step(factor, &norms, damping);
+        let inside = step.iter().zip(&limits).all(|(s, (low, high))| s >= low && s <= high);
+        if inside {
+            return Some(step);
+        }
+    }
+    quadratic_programme(problem, point, weights, factor, &norms, damping, &limits)
+}
+
+/// Least squares of [R; sqrt(damping) diag(norms)] step = -[r; 0] by QR.
+fn damped_step(factor: MatRef<'_, f64>, norms: &[f64], damping: f64) -> Vec<f64> {
+    let free = norms.len();
+    // In units of each column's norm, so that rank is judged alike for all.
+    let matrix = Mat::from_fn(2 * free, free, |i, j| {
+        if i < free {
+            factor[(i, j)] / norms[j]
+        } else if i - free == j {
+            damping.sqrt()
+        } else {
+            0.0
+        }
+    });
+    let mut right = Mat::from_fn(2 * free, 1, |i, _| if i < free { -factor[(i, free)] } else { 0.0 });
+    matrix.qr().solve_lstsq_in_place_with_conj(faer::Conj::No, right.as_mut());
+    (0..free).map(|j| right[(j, 0)] / norms[j]).collect()
+}
+
+fn quadratic_programme(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    factor: MatRef<'_, f64>,
+    norms: &[f64],
+    damping: f64,
+    limits: &[(f64, f64)],
+) -> Option<Vec<f64>> {
+    let free = norms.len();
+    // Unknowns z = norm * step: a unit Hessian diagonal, as the solver likes it. The gradient is scaled to one.
+    let hessian = |i: usize, j: usize| {
+        let product: f64 = (0..=i.min(j)).map(|k| factor[(k, i)] * factor[(k, j)]).sum();
+        product / (norms[i] * norms[j]) + if i == j { damping } else { 0.0 }
+    };
+    let gradient: Vec<f64> = (0..free)
+        .map(|j| (0..=j).map(|k| factor[(k, j)] * factor[(k, free)]).sum::<f64>() / norms[j])
+        .collect();
+    let size = gradient.iter().fold(1e-300_f64, |m, g| m.max(g.abs()));
+    let q: Vec<f64> = gradient.iter().map(|g| g / size).collect();
+    let upper: Vec<Vec<f64>> =
+        (0..free).map(|i| (0..free).map(|j| if i <= j { hessian(i, j) } else { 0.0 }).collect()).collect();
+    // a z <= b, in units where the gradient is one.
+    let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
+    for (j, (low, high)) in limits.iter().enumerate() {
+        for (sign, limit) in [(1.0, *high), (-1.0, -*low)] {
+            if limit.is_finite() {
+                let mut row = vec![0.0; free];
+                row[j] = sign;
+                rows.push((row, limit * norms[j] / size));
+            }
+        }
+    }
+    for constraint in &problem.options.constraints {
+        let now: f64 = constraint.terms.iter().map(|(index, c)| c * point.values[*index]).sum();
+        for (sign, limit) in [(1.0, constraint.upper - now), (-1.0, now - constraint.lower)] {
+            let mut row = vec![0.0; free];
+            for (index, c) in &constraint.terms {
+                if let Some(j) = problem.free.iter().position(|free| free == index) {
+                    row[j] += sign * c * weights.scales[j] / norms[j];
+                }
+            }
+            let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
+            if limit.is_finite() && length > 0.0 {
+                rows.push((row.iter().map(|r| r / length).collect(), limit / (length * size)));
+            }
+        }
+    }
+    let dense: Vec<Vec<f64>> = rows.iter().map(|(row, _)| row.clone()).collect();
+    let right: Vec<f64> = rows.iter().map(|(_, limit)| *limit).collect();
+    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+    let (p, a) = (CscMatrix::from(&upper), CscMatrix::from(&dense));
+    let cones = [NonnegativeConeT(right.len())];
+    let mut solver = DefaultSolver::new(&p, &q, &a, &right, &cones, settings).ok()?;
+    solver.solve();
+    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    solved.then(|| {
+        let steps = solver.solution.x.iter().zip(norms).zip(limits);
+        steps.map(|((z, norm), (low, high))| (z * size / norm).clamp(*low, *high)).collect()
+    })
+}

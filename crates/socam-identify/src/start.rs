@@ -1,0 +1,106 @@
+//! Where a simulation starts: at equilibrium, or from a guess out of the first samples.
+
+use nalgebra::{DMatrix, DVector};
+use socam_model::Equations;
+
+/// Law outputs at given port speeds: torque, slope with respect to speed.
+pub(crate) fn laws(
+    equations: &Equations,
+    values: &[f64],
+    speeds: &DVector<f64>,
+) -> (DVector<f64>, DVector<f64>) {
+    let mut torque = DVector::zeros(equations.ports.len());
+    let mut slope = torque.clone();
+    for (index, port) in equations.ports.iter().enumerate() {
+        let parameters: Vec<f64> = port.parameters.iter().map(|p| values[*p]).collect();
+        let response = (port.effect.law)(speeds[index], &parameters);
+        torque[index] = response.torque;
+        slope[index] = response.slope_speed;
+    }
+    (torque, slope)
+}
+
+/// State in which nothing accelerates while the inputs stay at `inputs`; `None` where there is none (a free
+/// position). Newton on A x + B u + H f(V x + W u) = 0; laws on massless nodes are taken at zero feedthrough.
+pub(crate) fn equilibrium(equations: &Equations, values: &[f64], inputs: &[f64]) -> Option<DVector<f64>> {
+    let u = DVector::from_column_slice(inputs);
+    let mut x = DVector::zeros(equations.state.nrows());
+    for _ in 0..50 {
+        let speeds = &equations.port * &x + &equations.port_input * &u;
+        let (torque, slope) = laws(equations, values, &speeds);
+        let rate = &equations.state * &x + &equations.input * &u + &equations.force * torque;
+        let bend = DMatrix::from_diagonal(&slope) * &equations.port;
+        let step = (&equations.state + &equations.force * bend).full_piv_lu().solve(&rate)?;
+        let size = step.amax();
+        x -= step;
+        if !size.is_finite() {
+            return None;
+        }
+        if size <= 1e-12 * x.amax().max(1e-12) {
+            break;
+        }
+    }
+    Some(x)
+}
+
+/// Derivative of [`equilibrium`] with respect to each parameter whose slopes are given.
+pub(crate) fn equilibrium_slopes(
+    equations: &Equations,
+    slopes: &[Equations],
+    values: &[f64],
+    free: &[usize],
+    inputs: &[f64],
+    x: &DVector<f64>,
+) -> Option<Vec<DVector<f64>>> {
+    let u = DVector::from_column_slice(inputs);
+    let speeds = &equations.port * x + &equations.port_input * &u;
+    let (torque, slope) = laws(equations, values, &speeds);
+    let bend = DMatrix::from_diagonal(&slope);
+    let lu = (&equations.state + &equations.force * &bend * &equations.port).full_piv_lu();
+    let each = slopes.iter().zip(free).map(|(d, parameter)| {
+        let seen = &d.port * x + &d.port_input * &u;
+        let law = law_slopes(equations, values, &speeds, *parameter);
+        let force = &d.force * &torque + &equations.force * (&bend * seen + law);
+        lu.solve(&-(&d.state * x + &d.input * &u + force))
+    });
+    each.collect()
+}
+
+/// Derivative of each law's torque with respect to one parameter of the model.
+pub(crate) fn law_slopes(
+    equations: &Equations,
+    values: &[f64],
+    speeds: &DVector<f64>,
+    parameter: usize,
+) -> DVector<f64> {
+    DVector::from_fn(equations.ports.len(), |index, _| {
+        let port = &equations.ports[index];
+        let parameters: Vec<f64> = port.parameters.iter().map(|p| values[*p]).collect();
+        let response = (port.effect.law)(speeds[index], &parameters);
+        let own = port.parameters.iter().enumerate().filter(|(_, p)| **p == parameter);
+        own.map(|(position, _)| response.slope_parameters[position]).sum()
+    })
+}
+
+/// A start state near equilibrium that also explains the first measured outputs, by least squares with each
+/// equation scaled to one.
+pub(crate) fn guess(equations: &Equations, values: &[f64], inputs: &[f64], outputs: &[f64]) -> Vec<f64> {
+    let u = DVector::from_column_slice(inputs);
+    let states = equations.state.nrows();
+    let still = DVector::zeros(equations.ports.len());
+    let (torque, _) = laws(equations, values, &still);
+    let rest = -(&equations.input * &u) - &equations.force * torque;
+    let seen = &equations.feedthrough * &u;
+    let mut rows: Vec<(DVector<f64>, f64)> = Vec::new();
+    for i in 0..states {
+        rows.push((equations.state.row(i).transpose(), rest[i]));
+    }
+    for (i, measured) in outputs.iter().enumerate().filter(|(_, measured)| measured.is_finite()) {
+        rows.push((equations.output.row(i).transpose(), measured - seen[i]));
+    }
+    rows.retain(|(row, _)| row.amax() > 0.0);
+    let matrix = DMatrix::from_fn(rows.len(), states, |i, j| rows[i].0[j] / rows[i].0.amax());
+    let right = DVector::from_fn(rows.len(), |i, _| rows[i].1 / rows[i].0.amax());
+    let solution = matrix.svd(true, true).solve(&right, 1e-9);
+    solution.map_or_else(|_| vec![0.0; states], |x| x.iter().copied().collect())
+}
