@@ -7,6 +7,7 @@
 //! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
 //! sentence that names the file, the place and the remedy. Nothing here prints.
 
+mod calibration_file;
 mod convert;
 mod csv_read;
 mod dataset;
@@ -15,12 +16,15 @@ mod format;
 mod legacy;
 mod log;
 mod output_file;
+mod profile_file;
 mod segments;
 mod selection;
+mod settings;
 mod statistics;
 mod steady;
 mod unit;
 
+pub use calibration_file::{CalibratedChannel, Calibration, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
@@ -32,8 +36,10 @@ pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::{Attachment, RecordingHeader};
 pub use log::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
 pub use output_file::OutputFile;
+pub use profile_file::{Course, ProfileFile};
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
+pub use settings::SettingsError;
 pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};
