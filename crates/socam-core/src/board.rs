@@ -1,6 +1,7 @@
 //! The board: everything that happens at a tick and on a request, whatever the hardware.
 
 use crate::config::{Config, MAX_CHANNELS};
+use crate::fixed;
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
 use crate::safety::{State, Watch};
@@ -321,7 +322,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
                 self.speed_loop.step(&self.config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
             }
         };
-        self.output_uv = wanted_uv.clamp(clamp_uv.saturating_neg(), clamp_uv);
+        self.output_uv = fixed::within(wanted_uv, clamp_uv);
         let clamped = self.output_uv != wanted_uv;
         if clamped || setpoint.limited {
             self.limited = self.limited.saturating_add(1);

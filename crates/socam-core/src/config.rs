@@ -229,11 +229,14 @@ impl Config {
             }
         }
         let output = &self.output;
-        if output.clamp_uv <= 0 || output.counts_per_uv_q32 <= 0 || output.count(output.clamp_uv) == i16::MAX
+        // Up to 2^30: a full scale of 131 mV at 16 bits.
+        if output.clamp_uv <= 0
+            || !(1..=1 << 30).contains(&output.counts_per_uv_q32)
+            || output.count(output.clamp_uv) == i16::MAX
         {
             return Err(ConfigError::Output);
         }
-        if !self.speed.is_sound()
+        if !self.speed.is_sound(self.sample_period_us)
             || self.tachometer().is_none_or(|channel| channel.kind != ChannelKind::Speed)
         {
             return Err(ConfigError::SpeedControl);
@@ -264,14 +267,21 @@ impl Output {
     /// The count for a voltage, saturated.
     pub fn count(&self, voltage_uv: i32) -> i16 {
         let count = crate::fixed::scale(voltage_uv, self.counts_per_uv_q32, 32);
-        count.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16
+        count.max(i32::from(i16::MIN)).min(i32::from(i16::MAX)) as i16
     }
 }
 
 impl SpeedControl {
-    fn is_sound(&self) -> bool {
-        let sound = |gain: i64| (0..=1 << 36).contains(&gain);
-        sound(self.motor.uv_per_urad_s_q32) && sound(self.proportional_q32) && sound(self.integral_per_s_q32)
+    /// The gains must keep a product with any speed inside i64; the integral one acts per sample.
+    fn is_sound(&self, sample_period_us: u32) -> bool {
+        [self.motor.uv_per_urad_s_q32, self.proportional_q32, self.integral_per_sample_q32(sample_period_us)]
+            .into_iter()
+            .all(|gain| (0..=1 << 31).contains(&gain))
+    }
+
+    /// The integral gain over one sample.
+    pub(crate) fn integral_per_sample_q32(&self, sample_period_us: u32) -> i64 {
+        self.integral_per_s_q32.saturating_mul(i64::from(sample_period_us)) / 1_000_000
     }
 }
 

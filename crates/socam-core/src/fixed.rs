@@ -3,17 +3,23 @@
 /// One in the format of [`sine_q22`].
 pub(crate) const ONE_Q22: i32 = 1 << 22;
 
-/// `value * factor / 2^shift`, rounded to nearest, saturated to i32. `|factor|` must be below 2^31 * 2^16 to be exact;
-/// beyond that the product itself saturates.
+/// `value * factor / 2^shift`, rounded to nearest, saturated to i32. Exact while `|value * factor|` is below 2^62, which the
+/// checks of profile and configuration guarantee: a saturating product would cost the board four multiplications instead of
+/// one.
 pub(crate) fn scale(value: i32, factor: i64, shift: u32) -> i32 {
-    let product = i64::from(value).saturating_mul(factor);
+    let product = i64::from(value).wrapping_mul(factor);
     let half = 1i64.wrapping_shl(shift) >> 1;
-    saturate(product.saturating_add(half) >> shift.min(63))
+    saturate(product.wrapping_add(half).wrapping_shr(shift))
+}
+
+/// `value`, held between `-bound` and `bound`. (`Ord::clamp` would panic on a negative bound.)
+pub(crate) fn within(value: i32, bound: i32) -> i32 {
+    value.min(bound).max(bound.saturating_neg())
 }
 
 /// The nearest i32.
 pub(crate) fn saturate(value: i64) -> i32 {
-    value.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+    value.max(i64::from(i32::MIN)).min(i64::from(i32::MAX)) as i32
 }
 
 /// How many whole samples of `period_us` fit into `time_us`.
@@ -139,7 +145,7 @@ mod tests {
     fn scaling_rounds_and_saturates() {
         assert_eq!(scale(3, 1 << 15, 16), 2);
         assert_eq!(scale(-3, 1 << 15, 16), -1);
-        assert_eq!(scale(i32::MAX, i64::MAX, 16), i32::MAX);
-        assert_eq!(scale(i32::MIN, i64::MAX, 16), i32::MIN);
+        assert_eq!(scale(i32::MAX, 1 << 31, 16), i32::MAX);
+        assert_eq!(scale(i32::MIN, 1 << 31, 16), i32::MIN);
     }
 }

@@ -32,9 +32,10 @@ pub(crate) struct SpeedLoop {
 
 impl SpeedLoop {
     pub(crate) fn new(control: &SpeedControl, sample_period_us: u32) -> Self {
-        let per_sample =
-            i128::from(control.integral_per_s_q32).saturating_mul(i128::from(sample_period_us)) / 1_000_000;
-        Self { integral_uv_q16: 0, integral_per_sample_q32: i64::try_from(per_sample).unwrap_or(i64::MAX) }
+        Self {
+            integral_uv_q16: 0,
+            integral_per_sample_q32: control.integral_per_sample_q32(sample_period_us),
+        }
     }
 
     /// The voltage for this sample.
@@ -52,12 +53,13 @@ impl SpeedLoop {
         let winds_up =
             (voltage_uv >= clamp_uv && error > 0) || (voltage_uv <= clamp_uv.saturating_neg() && error < 0);
         if !winds_up {
-            let increment_q16 = i64::from(error).saturating_mul(self.integral_per_sample_q32) >> 16;
+            let increment_q16 = i64::from(error).wrapping_mul(self.integral_per_sample_q32) >> 16;
             let bound_q16 = i64::from(clamp_uv).wrapping_shl(16);
             self.integral_uv_q16 = self
                 .integral_uv_q16
                 .saturating_add(increment_q16)
-                .clamp(bound_q16.saturating_neg(), bound_q16);
+                .max(bound_q16.saturating_neg())
+                .min(bound_q16);
         }
         voltage_uv
     }

@@ -117,10 +117,10 @@ impl Generator {
         };
 
         let faded = fixed::scale(wish.value_micro, i64::from(self.envelope_q30), 30);
-        let clamped = faded.clamp(self.limit_micro.saturating_neg(), self.limit_micro);
+        let clamped = fixed::within(faded, self.limit_micro);
         let lowest = self.value_micro.saturating_sub(self.slew_per_sample);
         let highest = self.value_micro.saturating_add(self.slew_per_sample);
-        self.value_micro = clamped.clamp(lowest, highest);
+        self.value_micro = clamped.max(lowest).min(highest);
         Setpoint {
             value_micro: self.value_micro,
             segment: wish.segment,
