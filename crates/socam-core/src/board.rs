@@ -61,7 +61,8 @@ pub struct Status {
 /// A board with hardware `P` and a ring of `N` samples to its sender.
 ///
 /// The sampling interrupt calls [`tick`](Self::tick) once per period; the sender calls [`handle`](Self::handle) with what the
-/// host asks. Both need exclusive access for microseconds only.
+/// host asks. Both need exclusive access for microseconds only. After a granted [`Request::Configure`] the caller sets its timer
+/// to the new [`Config::sample_period_us`].
 #[derive(Debug)]
 pub struct Board<'r, P, const N: usize> {
     ports: P,

@@ -6,8 +6,8 @@ use socam_core::{
     Refusal, Request, Ring, Sample, Shape, State,
 };
 use socam_wire::{
-    BATCH_SAMPLES, BoardLink, Decoder, Encoder, Identity, LinkError, MAX_FRAME, SCHEMA_VERSION, Text,
-    ToBoard, ToHost,
+    BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, Identity, LinkCounts, LinkError, MAX_FRAME,
+    SCHEMA_VERSION, Text, ToBoard, ToHost,
 };
 
 fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
@@ -89,6 +89,36 @@ fn every_request_and_answer_arrives_as_it_was_sent() {
     }
 }
 
+/// The bytes are a contract with every board out there: if this fails, raise `SCHEMA_VERSION`, then pin the new bytes.
+#[test]
+fn the_bytes_of_every_kind_of_message_are_pinned() {
+    let board = Board::new(Still(0), Ring::<4>::new().split().0).status();
+    let status = BoardStatus { board, link: LinkCounts::default() };
+    let mut ring = Ring::<4>::new();
+    let (mut producer, consumer) = ring.split();
+    producer.push(&Sample { tick: 1, seq: 2, counts: [3; 8], setpoint_micro: -4, ..Sample::default() });
+    let mut out = [0; MAX_FRAME];
+    let samples = BoardLink::new(identity(), consumer).samples(2, 1, &mut out).unwrap();
+    let to_board = [
+        ToBoard::Hello,
+        ToBoard::Request { number: 1, request: Request::Configure(Config::default()) },
+        ToBoard::Request { number: 2, request: Request::Stream(false) },
+    ];
+    let to_host = [
+        ToHost::Hello(identity()),
+        ToHost::Answer { number: 3, result: Err(Refusal::NoProfile) },
+        ToHost::Status(status),
+    ];
+    let mut encoder = Encoder::new();
+    let mut bytes: Vec<_> = to_board.iter().flat_map(|message| frame(&mut encoder, message)).collect();
+    bytes.extend(to_host.iter().flat_map(|message| frame(&mut encoder, message)));
+    bytes.extend_from_slice(&out[..samples]);
+    let hash = bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325u64, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
+    assert_eq!((SCHEMA_VERSION, bytes.len(), hash), (1, 340, 0xbb23_570c_0cd6_282f));
+}
+
 #[test]
 fn another_version_is_told_in_words_whatever_its_frames_look_like() {
     let mut decoder = Decoder::<ToHost>::new();
@@ -99,6 +129,13 @@ fn another_version_is_told_in_words_whatever_its_frames_look_like() {
     assert_eq!(items, [Err(LinkError::ForeignVersion { theirs: foreign }), Ok(ToHost::Hello(identity()))]);
     let words = items[0].as_ref().unwrap_err().to_string();
     assert!(words.contains("version 2 of the messages, this one speaks version 1"), "{words}");
+
+    // A board answers a foreign host all the same: its frame shows its version.
+    let mut ring = Ring::<4>::new();
+    let mut link = BoardLink::new(identity(), ring.split().1);
+    let mut out = [0; MAX_FRAME];
+    let len = link.receive(&mut bytes.as_slice(), &mut out, |_| Ok(())).unwrap();
+    assert_eq!(decode(&mut Decoder::new(), &out[..len]), [Ok(ToHost::Hello(identity()))]);
 }
 
 #[test]
