@@ -91,6 +91,8 @@ const BUILT_IN: [(&str, &str); 7] = [
     ("sine", include_str!("profiles/sine.toml")),
 ];
 
+const SCHEMA: &str = "socam.profile/1";
+
 const COMMANDS: [(&str, bool); 2] = [("voltage", false), ("speed", true)];
 const CONTROLS: [(&str, Command); 2] =
     [("closed_loop", Command::SpeedClosedLoop), ("open_loop", Command::SpeedOpenLoop)];
@@ -160,6 +162,7 @@ impl ProfileFile {
     /// Reads a profile from its TOML text.
     pub fn parse(text: &str) -> Result<Self, SettingsError> {
         let mut fields = Fields::parse(text)?;
+        fields.schema(SCHEMA);
         let purpose = fields.maybe_text("purpose");
         let is_speed = fields.choice("command", &COMMANDS);
         let command = if is_speed {
@@ -207,6 +210,7 @@ impl ProfileFile {
         let mut line = |key: &str, value: String| {
             let _ = writeln!(text, "{key} = {value}");
         };
+        line("schema", format!("\"{SCHEMA}\""));
         if let Some(purpose) = &self.purpose {
             line("purpose", toml::Value::from(purpose.as_str()).to_string());
         }
@@ -475,7 +479,7 @@ mod tests {
         };
         assert_eq!(
             complaint("amplitude_V", "amplitude_rad_s"),
-            "line 4: `amplitude_rad_s` is not a key here; expected one of `purpose`, `command`, `shape`, `offset_V`, `amplitude_V`, \
+            "line 5: `amplitude_rad_s` is not a key here; expected one of `schema`, `purpose`, `command`, `shape`, `offset_V`, `amplitude_V`, \
              `period_s`, `ramp_s`, `limit_V`, `slew_V_s`, `duration_s`"
         );
         assert_eq!(
@@ -484,17 +488,17 @@ mod tests {
         );
         assert_eq!(
             complaint("\"triangle\"", "\"wobble\"").split(';').next(),
-            Some("line 3: `shape` is \"wobble\"")
+            Some("line 4: `shape` is \"wobble\"")
         );
         assert_eq!(
             complaint("= 1.5", "= nan"),
-            "line 4: `amplitude_V` is nan; expected a number from 0 to 2000"
+            "line 5: `amplitude_V` is nan; expected a number from 0 to 2000"
         );
         assert!(
             complaint("= 1.5", "= 1.9")
                 .starts_with("this profile cannot run: the course reaches 1900000 millionths")
         );
-        assert!(complaint("= 1.5", "= = 1").starts_with("line 4: "));
+        assert!(complaint("= 1.5", "= = 1").starts_with("line 5: "));
         let unknown = ProfileFile::open("wiggle").unwrap_err().to_string();
         assert!(
             unknown.starts_with(

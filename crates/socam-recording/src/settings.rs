@@ -179,10 +179,9 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// The file's schema: the first thing that must be right.
+    /// The file's schema: it may be left out, but must not be another one.
     pub(crate) fn schema(&mut self, expected: &str) {
-        let schema = self.text("schema");
-        if !schema.is_empty() && schema != expected {
+        if let Some(schema) = self.maybe_text("schema").filter(|schema| schema != expected) {
             self.complain(format!("schema is \"{schema}\", but this version reads \"{expected}\""));
         }
     }
