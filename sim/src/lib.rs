@@ -2,16 +2,25 @@
 //!
 //! * [`Truth`]: what the simulated drivetrain really is: a model, changed parameters, concealed physics.
 //! * [`Plant`]: its equations of motion, solved by an error-controlled stiff solver.
+//! * [`Setup`]: a whole bench, with [`Drive`] and sensors.
+//! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
 //!
 //! # Conventions
 //!
 //! SI everywhere, units in names, times in seconds. Sensors are sampled at one instant, without skew between channels. The
 //! same seed gives the same numbers on every run. Nothing here prints or panics.
 
+mod bench;
+mod drive;
 mod error;
 mod plant;
+mod sensors;
 mod truth;
+mod virtual_board;
 
+pub use bench::{NO_TACHOMETER, Setup, calibration_for};
+pub use drive::{Answer, Drive};
 pub use error::SimError;
 pub use plant::{Effort, Plant, Trajectory};
 pub use truth::{Concealed, Override, Truth};
+pub use virtual_board::VirtualBoard;

@@ -1,0 +1,57 @@
+//! From what a place really does to the counts that a converter reads.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use socam_core::scaling::Converter;
+use socam_recording::CalibratedChannel;
+
+/// Standard deviations of the default bench's sensors, SI.
+const KNOWN_NOISE: [(&str, f64); 5] = [
+    ("motor_speed", 0.02),
+    ("output_speed", 0.01),
+    ("torque_in", 2e-3),
+    ("torque_out", 1e-2),
+    ("motor_current", 5e-3),
+];
+
+/// Of any other sensor, as a part of its full scale.
+const OTHER_NOISE: f64 = 1e-4;
+
+/// One sensor with its amplifier and converter input.
+#[derive(Debug)]
+pub(crate) struct Sensor {
+    calibration: socam_core::scaling::Sensor,
+    converter: Converter,
+    noise: Option<Normal<f64>>,
+    random: ChaCha8Rng,
+}
+
+impl Sensor {
+    /// The sensor of a channel. Every channel draws from a stream of its own, so that another channel more changes no noise.
+    pub(crate) fn new(
+        channel: &CalibratedChannel,
+        converter: Converter,
+        seed: u64,
+        stream: u64,
+        noisy: bool,
+    ) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(stream);
+        let std = noise_std(channel, &converter);
+        let noise = Normal::new(0.0, std).ok().filter(|_| noisy);
+        Self { calibration: channel.sensor, converter, noise, random }
+    }
+
+    /// The count for a true value, SI.
+    pub(crate) fn count(&mut self, value: f64) -> i16 {
+        let noise = self.noise.map_or(0.0, |noise| noise.sample(&mut self.random));
+        self.converter.count(self.calibration.volts(value + noise))
+    }
+}
+
+/// Standard deviation of a sensor's noise before its converter, SI.
+pub(crate) fn noise_std(channel: &CalibratedChannel, converter: &Converter) -> f64 {
+    let known = KNOWN_NOISE.iter().find(|(name, _)| *name == channel.channel.name);
+    known.map_or(OTHER_NOISE * converter.full_scale_v / channel.sensor.volts_per_unit.abs(), |(_, std)| *std)
+}

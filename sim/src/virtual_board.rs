@@ -1,0 +1,159 @@
+//! A board in software: the same core and the same link as on the real one, on a simulated bench and a simulated clock.
+
+use socam_core::{Board, ConverterSilent, Ports, Ring, State};
+use socam_recording::Calibration;
+use socam_wire::{BATCH_SAMPLES, BoardLink, Identity, MAX_FRAME, Text};
+
+use crate::SimError;
+use crate::bench::{Bench, Setup};
+use crate::plant::Effort;
+
+/// Samples between sampling and sending, as on the real board.
+const RING_SAMPLES: usize = 1024;
+
+/// Frames wait for a whole batch, but no longer than this.
+const LATEST_SEND_US: u64 = 20_000;
+
+/// How often the board says how it is doing.
+const STATUS_EVERY_US: u64 = 200_000;
+
+/// A board with its bench. It owns no clock and no wire: [`advance`](Self::advance) lets its time pass, bytes go in and come
+/// out.
+pub struct VirtualBoard<'b> {
+    board: Board<'b, Wiring<'b>, RING_SAMPLES>,
+    link: BoardLink<'b, RING_SAMPLES>,
+    next_tick_us: u64,
+    sent_us: u64,
+    status_us: u64,
+    told: State,
+}
+
+/// The bench at the board's connectors.
+struct Wiring<'b> {
+    bench: Bench<'b>,
+    calibration: &'b Calibration,
+    now_us: u64,
+    command_v: f64,
+    enabled: bool,
+    failure: Option<SimError>,
+}
+
+impl Ports for Wiring<'_> {
+    fn now_us(&mut self) -> u64 {
+        self.now_us
+    }
+
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+        let read = self.bench.sample(self.now_us as f64 * 1e-6, counts);
+        read.map_err(|error| {
+            self.failure.get_or_insert(error);
+            ConverterSilent
+        })
+    }
+
+    fn write(&mut self, count: i16) -> Result<(), ConverterSilent> {
+        self.command_v = self.calibration.output.volts(count);
+        self.bench.command(self.command_v, self.enabled);
+        Ok(())
+    }
+
+    fn enable(&mut self, on: bool) {
+        self.enabled = on;
+        self.bench.command(self.command_v, on);
+    }
+}
+
+impl VirtualBoard<'_> {
+    /// Builds the bench, switches the board on at time 0 and hands it to `serve`.
+    ///
+    /// # Errors
+    /// [`SimError`] where the bench cannot be built.
+    pub fn run<T>(setup: &Setup, serve: impl FnOnce(&mut VirtualBoard<'_>) -> T) -> Result<T, SimError> {
+        let plant = setup.plant()?;
+        let mut ring = Ring::<RING_SAMPLES>::new();
+        let (producer, consumer) = ring.split();
+        let wiring = Wiring {
+            bench: Bench::start(setup, &plant)?,
+            calibration: &setup.calibration,
+            now_us: 0,
+            command_v: 0.0,
+            enabled: false,
+            failure: None,
+        };
+        let identity = Identity {
+            board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
+            firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),
+        };
+        let mut board = VirtualBoard {
+            board: Board::new(wiring, producer),
+            link: BoardLink::new(identity, consumer),
+            next_tick_us: 0,
+            sent_us: 0,
+            status_us: 0,
+            told: State::Idle,
+        };
+        Ok(serve(&mut board))
+    }
+
+    /// The board's clock.
+    pub fn now_us(&mut self) -> u64 {
+        self.board.ports_mut().now_us
+    }
+
+    /// What the board is doing.
+    pub fn state(&self) -> State {
+        self.board.status().state
+    }
+
+    /// Takes bytes from the host and appends the answers to `out`.
+    pub fn receive(&mut self, mut bytes: &[u8], out: &mut Vec<u8>) {
+        let mut frame = [0; MAX_FRAME];
+        let Self { board, link, .. } = self;
+        while let Some(len) = link.receive(&mut bytes, &mut frame, |request| board.handle(request)) {
+            out.extend_from_slice(&frame[..len]);
+        }
+    }
+
+    /// Lets the board's time pass up to `until_us` and appends what it sends to `out`.
+    ///
+    /// # Errors
+    /// [`SimError::Solver`] when the simulation of the bench failed.
+    pub fn advance(&mut self, until_us: u64, out: &mut Vec<u8>) -> Result<(), SimError> {
+        while self.next_tick_us <= until_us {
+            self.board.ports_mut().now_us = self.next_tick_us;
+            self.board.tick();
+            self.next_tick_us += u64::from(self.board.config().sample_period_us);
+            self.send(out);
+        }
+        let wiring = self.board.ports_mut();
+        wiring.now_us = wiring.now_us.max(until_us);
+        wiring.failure.take().map_or(Ok(()), Err)
+    }
+
+    /// What the simulation cost so far.
+    pub fn effort(&mut self) -> Effort {
+        self.board.ports_mut().bench.effort()
+    }
+
+    /// Sends full batches at once, the rest when it has waited long enough, and the status when it is due.
+    fn send(&mut self, out: &mut Vec<u8>) {
+        let mut frame = [0; MAX_FRAME];
+        let now_us = self.now_us();
+        let channels = self.board.config().channel_count;
+        let status = self.board.status();
+        let changed = status.state != self.told;
+        let waited = now_us - self.sent_us >= LATEST_SEND_US;
+        let at_least = if waited || changed { 1 } else { BATCH_SAMPLES };
+        while let Some(len) = self.link.samples(channels, at_least, &mut frame) {
+            out.extend_from_slice(&frame[..len]);
+            self.sent_us = now_us;
+        }
+        if (changed || now_us - self.status_us >= STATUS_EVERY_US)
+            && let Some(len) = self.link.status(status, &mut frame)
+        {
+            out.extend_from_slice(&frame[..len]);
+            self.told = status.state;
+            self.status_us = now_us;
+        }
+    }
+}
