@@ -6,7 +6,7 @@
 //!   `timeout_us` (microsecond), `frequency_uhz` (microhertz). `_micro` is a millionth of the unit that the value's
 //!   owner states: volt or rad/s for a [`Profile`], the channel's SI unit (rad/s, N m, ...) for a [`Channel`].
 //! - What [`Board::tick`] runs is integer arithmetic only: the board has no floating-point unit, and integers make board
-//!   and host agree bit for bit. Floating point appears in [`scaling`] alone, which runs when a bench is configured.
+//!   and host agree bit for bit. Floating point ([`scaling`]) appears only where a bench is configured.
 //! - Nothing here panics, allocates or blocks; arithmetic wraps or saturates on purpose, never by accident.
 //!
 //! # Main types

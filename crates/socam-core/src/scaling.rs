@@ -1,6 +1,6 @@
 //! Counts, volts and SI: the one place where they are converted, and where the default bench's constants stand.
 //!
-//! Floating point is used here and only here: a [`Calibration`] is turned into integer [`Scale`]s before a board sees it.
+//! Floating point ends here: what a board works with at a tick is the integer [`Scale`] and its like.
 
 use core::f64::consts::TAU;
 
