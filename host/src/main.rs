@@ -4,7 +4,9 @@
 
 mod cli;
 mod commands;
+mod model_file;
 mod output;
+mod table;
 
 use std::process::ExitCode;
 

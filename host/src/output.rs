@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 use serde::Serialize;
-use socam_recording::{Dataset, RecordingError};
+use socam_recording::{Dataset, OutputFile, RecordingError};
 
 /// Arguments that no command can work with; ends with exit code 2.
 #[derive(Debug)]
@@ -103,4 +103,12 @@ fn sentence(error: &anyhow::Error) -> String {
 fn painted(text: &str, colour: &str) -> String {
     let plain = std::env::var_os("NO_COLOR").is_some() || !io::stderr().is_terminal();
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
+}
+
+/// Writes a whole file or nothing: beside its place first, then renamed.
+pub(crate) fn write_file(path: &std::path::Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(bytes)?;
+    file.commit()?;
+    Ok(())
 }

@@ -9,14 +9,30 @@ struct Section {
     a: [f64; 2],
 }
 
-/// Butterworth low-pass of even `order` with the -3 dB frequency `cutoff` as a fraction of the Nyquist frequency,
-/// by the bilinear transform with prewarping.
-fn butterworth(order: usize, cutoff: f64) -> Vec<Section> {
+/// Low-pass prototypes.
+#[derive(Debug, Clone, Copy)]
+enum Prototype {
+    /// Flat, -3 dB at the cutoff.
+    Butterworth,
+    /// Chebyshev of the first kind with this ripple in dB up to the cutoff.
+    Chebyshev(f64),
+}
+
+/// Low-pass of even `order`, `cutoff` as a fraction of the Nyquist frequency, unit gain at zero frequency, by the
+/// bilinear transform with prewarping.
+fn sections(prototype: Prototype, order: usize, cutoff: f64) -> Vec<Section> {
     let warped = (std::f64::consts::FRAC_PI_2 * cutoff).tan();
+    let (real, imaginary) = match prototype {
+        Prototype::Butterworth => (1.0, 1.0),
+        Prototype::Chebyshev(ripple_db) => {
+            let mu = (1.0 / (10.0_f64.powf(ripple_db / 10.0) - 1.0).sqrt()).asinh() / order as f64;
+            (mu.sinh(), mu.cosh())
+        }
+    };
     (0..order / 2)
         .map(|k| {
             let angle = std::f64::consts::PI * (2 * k + 1 + order) as f64 / (2 * order) as f64;
-            let pole = Complex::from_polar(warped, angle);
+            let pole = Complex::new(real * angle.cos(), imaginary * angle.sin()) * warped;
             // (1 + s) over (1 - s) maps the pole; the pair gives a real section with unit gain at zero frequency.
             let z = (Complex::new(1.0, 0.0) + pole) / (Complex::new(1.0, 0.0) - pole);
             let a = [-2.0 * z.re, z.norm_sqr()];
@@ -43,9 +59,14 @@ impl Section {
     }
 }
 
-/// Low-pass forwards and backwards: no phase, twice the order. Ends are extended by point reflection.
+/// Butterworth low-pass forwards and backwards: no phase, twice the order, -6 dB at `cutoff` (a fraction of the
+/// Nyquist frequency).
 pub(crate) fn low_pass(signal: &[f64], order: usize, cutoff: f64) -> Vec<f64> {
-    let sections = butterworth(order, cutoff);
+    both_ways(signal, &sections(Prototype::Butterworth, order, cutoff), order, cutoff)
+}
+
+/// Filters forwards and backwards. Ends are extended by point reflection.
+fn both_ways(signal: &[f64], sections: &[Section], order: usize, cutoff: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (signal.first(), signal.last()) else { return Vec::new() };
     let pad = (3 * (order + 1)).max((6.0 / cutoff) as usize).min(signal.len() - 1);
     let head = (1..=pad).rev().map(|k| 2.0 * first - signal[k]);
@@ -69,9 +90,12 @@ pub(crate) fn derivative(signal: &[f64], step_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Every `factor`-th sample after a low-pass at 0.8 of the new Nyquist frequency.
+/// Every `factor`-th sample after a low-pass at 0.8 of the new Nyquist frequency (Chebyshev of order 8 with 0.05 dB
+/// of ripple, both ways), as is customary since MATLAB's `decimate`.
 pub(crate) fn decimate(signal: &[f64], factor: usize) -> Vec<f64> {
-    low_pass(signal, 8, 0.8 / factor as f64).into_iter().step_by(factor).collect()
+    let cutoff = 0.8 / factor as f64;
+    let filtered = both_ways(signal, &sections(Prototype::Chebyshev(0.05), 8, cutoff), 8, cutoff);
+    filtered.into_iter().step_by(factor).collect()
 }
 
 #[cfg(test)]

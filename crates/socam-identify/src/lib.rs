@@ -31,4 +31,4 @@ pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
 pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
-pub use solver::output_error;
+pub use solver::{evaluate, output_error};

@@ -14,7 +14,7 @@ use crate::{
     IdentifyError,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
-    report::{self, End, Identification},
+    report::{self, End, Fit, Identification},
     triangle,
 };
 
@@ -24,6 +24,8 @@ const TOLERANCE: f64 = 1e-9;
 const COARSE_TOLERANCE: f64 = 1e-4;
 /// Noise levels are settled when they change by less than this fraction.
 const NOISE_SETTLED: f64 = 0.01;
+/// Steps of the start states when only they are fitted.
+const MOST_START_STEPS: usize = 20;
 /// Samples per recording, and recordings, on which starts compete.
 const RACE_ROWS: u64 = 4000;
 const RACE_STRETCHES: usize = 4;
@@ -49,6 +51,34 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     let start = best_start(problem, &mut races)?;
     let descent = settle_noise(problem, start)?;
     report::identification(problem, descent, &races, clock)
+}
+
+/// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
+/// input; only what is local to a recording (start state, offsets) is fitted to it.
+///
+/// # Errors
+/// When a recording cannot be read, or the prediction overflows.
+pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyError> {
+    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
+    let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
+    let weights = first_weights(problem, &point)?;
+    let results = pass::run(problem, &point, &weights)?.ok_or_else(diverged)?;
+    let cost = total_cost(problem, &point, &weights, &results);
+    let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::Converged };
+    let still = vec![0.0; problem.free.len()];
+    // One step is exact for a linear model; a law that bends the motion needs a few.
+    for _ in 0..MOST_START_STEPS {
+        let trial = moved(problem, &at, &still);
+        let Some(results) = pass::run(problem, &trial, &at.weights)? else { break };
+        let cost = total_cost(problem, &trial, &at.weights, &results);
+        if cost >= at.cost * (1.0 - TOLERANCE) {
+            break;
+        }
+        (at.point, at.results, at.cost) = (trial, results, cost);
+    }
+    let channels = at.channels();
+    let noise: Vec<f64> = channels.iter().map(ChannelSums::rms).collect();
+    Ok(report::fit(problem.model, &channels, &noise))
 }
 
 /// A descent and where it ended.

@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
-    Servo, Shaft, Spring,
+    Servo, Shaft, Spring, Update,
     effects::{self, ActsAt, Kind},
     units,
 };
@@ -190,6 +190,31 @@ pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
     .model(raw)
 }
 
+/// The text with updated parameters, values in the file's own units.
+pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
+    let fault = |message: String| ModelError::File { line: 1, message };
+    let mut document: toml_edit::DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
+    for update in updates {
+        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else { continue };
+        // A law's own default stands in no file.
+        let Some(entry) = document["parameters"].get_mut(&update.name).and_then(toml_edit::Item::as_table_like_mut) else {
+            continue;
+        };
+        entry.insert("value", toml_edit::value(update.value / parameter.file_factor));
+        match update.ci95 {
+            Some(ends) => {
+                let ends: toml_edit::Array = ends.iter().map(|end| end / parameter.file_factor).collect();
+                entry.insert("ci95", toml_edit::value(ends));
+            }
+            None => {
+                entry.remove("ci95");
+            }
+        }
+        entry.insert("source", toml_edit::value(&update.source));
+    }
+    Ok(document.to_string())
+}
+
 fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
@@ -243,6 +268,7 @@ impl Reader<'_> {
             }
         }
         Ok(Model {
+            text: self.text.into(),
             name: raw.name,
             description: raw.description,
             motion: raw.motion,

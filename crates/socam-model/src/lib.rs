@@ -29,5 +29,5 @@ pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
 pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
-    Shaft, Spring,
+    Shaft, Spring, Update,
 };

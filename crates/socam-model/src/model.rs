@@ -52,6 +52,19 @@ pub struct Parameter {
     pub prior: Option<Prior>,
 }
 
+/// A new value for a parameter in a model file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Update {
+    /// Parameter name.
+    pub name: String,
+    /// Value, SI.
+    pub value: f64,
+    /// 95 % interval, SI, where there is one.
+    pub ci95: Option<[f64; 2]>,
+    /// Where the value comes from.
+    pub source: String,
+}
+
 /// A point of the drivetrain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
@@ -194,6 +207,8 @@ pub struct Channel {
 /// A checked model, in SI.
 #[derive(Debug, Clone)]
 pub struct Model {
+    /// The file's text.
+    pub text: String,
     /// Short name.
     pub name: String,
     /// One line about it.
@@ -236,6 +251,11 @@ impl Model {
     pub fn builtin(name: &str) -> Option<Self> {
         let (_, text) = BUILTIN.iter().find(|(candidate, _)| *candidate == name)?;
         Self::parse(text).ok()
+    }
+
+    /// The file's text with some parameters' values replaced; comments, order and all else stay.
+    pub fn text_with(&self, updates: &[Update]) -> Result<String, ModelError> {
+        file::write(&self.text, &self.parameters, updates)
     }
 
     /// Parameter values of the file, SI.

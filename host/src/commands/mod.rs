@@ -1,6 +1,7 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
 mod export;
+mod identify;
 mod import;
 mod info;
 
@@ -48,4 +49,5 @@ commands! {
     Info => info,
     Import => import,
     Export => export,
+    Identify => identify,
 }

@@ -1,0 +1,222 @@
+//! `identify`: recordings and a model in, parameters with intervals out.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use socam_identify::{Fit, Identification, Intersample, Noise, Options, Problem, StartState};
+use socam_model::{Model, Update};
+use socam_recording::Dataset;
+
+use super::Outcome;
+use crate::output::{self, WrongArguments};
+use crate::{model_file, table};
+
+/// Identify stiffness, damping and friction from recordings
+///
+/// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. A
+/// parameter that the recordings do not determine gets no number: the note says why, and combinations that are
+/// determined are given instead.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host identify RUN1.mcap RUN2.mcap
+  socam-host identify RUN.mcap --fix k3=52485 --write-model bench.toml
+  socam-host identify train.csv --model emps --method inverse-dynamics --validate test.csv")]
+pub(crate) struct Args {
+    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    model: String,
+    /// How to estimate
+    #[arg(long, value_enum, default_value = "output-error")]
+    method: Method,
+    /// Hold a parameter, at its value in the model or at the given one (SI); may be repeated
+    #[arg(long, value_name = "NAME[=VALUE]")]
+    fix: Vec<String>,
+    /// Start a parameter's search from this value (SI); may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Recordings to predict with the result, not used in the fit; may be repeated
+    #[arg(long, value_name = "RUN")]
+    validate: Vec<String>,
+    /// Where each recording starts from
+    #[arg(long, value_enum, default_value = "free")]
+    start: Start,
+    /// How the input moves between samples [default: band-limited for a measured speed, linear for the rest]
+    #[arg(long, value_enum)]
+    between: Option<Between>,
+    /// Known standard deviation of a channel's noise (SI); may be repeated, then for every output channel
+    #[arg(long, value_name = "CHANNEL=STD")]
+    noise: Vec<String>,
+    /// Number of different start values that compete
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    starts: u16,
+    /// Seed of those start values
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write the model with the identified values to this file
+    #[arg(long, value_name = "FILE")]
+    write_model: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// The model runs free from the measured input; residuals of its outputs are made least
+    OutputError,
+    /// The measured force of a one-coordinate axis is regressed on its measured motion
+    InverseDynamics,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Start {
+    /// An unknown state, estimated
+    Free,
+    /// Equilibrium at the first input sample
+    Equilibrium,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Between {
+    /// In straight lines
+    Linear,
+    /// As a band-limited signal does
+    BandLimited,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let mut model = model_file::load(&args.model)?;
+    model_file::set(&mut model, &args.set, false)?;
+    model_file::set(&mut model, &args.fix, true)?;
+    let options = options(&args, &model)?;
+    let datasets = open_all(&args.runs)?;
+    let held_out = open_all(&args.validate)?;
+    let result = match args.method {
+        Method::OutputError => socam_identify::output_error(&Problem::new(&model, &datasets, options.clone())?)?,
+        Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
+    };
+    let validation = validate(&args, &model, &held_out, &result, &options)?;
+    if let Some(path) = &args.write_model {
+        write_model(path, &model, &result)?;
+    }
+    if args.json {
+        print_json(&result, &validation)?;
+    } else {
+        result.warnings.iter().for_each(output::warn);
+        output::print(&report(&result, &validation))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// How well recordings that were not fitted are predicted.
+struct Validation {
+    recording: String,
+    fit: Fit,
+    force_error_percent: Option<f64>,
+}
+
+fn open_all(runs: &[String]) -> anyhow::Result<Vec<Dataset>> {
+    runs.iter().map(|run| output::open(run)).collect()
+}
+
+fn options(args: &Args, model: &Model) -> anyhow::Result<Options> {
+    let start_state = match args.start {
+        Start::Free => StartState::Free,
+        Start::Equilibrium => StartState::Equilibrium,
+    };
+    let intersample = args.between.map(|between| match between {
+        Between::Linear => Intersample::Linear,
+        Between::BandLimited => Intersample::BandLimited,
+    });
+    let noise = noise(&args.noise, model)?;
+    Ok(Options { noise, start_state, intersample, starts: args.starts.into(), seed: args.seed, ..Options::default() })
+}
+
+fn noise(given: &[String], model: &Model) -> anyhow::Result<Noise> {
+    if given.is_empty() {
+        return Ok(Noise::Estimated);
+    }
+    let names: Vec<_> = model.outputs().map(|channel| channel.name.as_str()).collect();
+    let mut levels = vec![None; names.len()];
+    for text in given {
+        let wrong = || WrongArguments(format!("--noise {text}: expected CHANNEL=STD with one of {} and a positive number", names.join(", ")));
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let index = names.iter().position(|known| *known == name).ok_or_else(wrong)?;
+        levels[index] = value.parse().ok().filter(|std: &f64| *std > 0.0 && std.is_finite());
+        levels[index].ok_or_else(wrong)?;
+    }
+    let levels: Option<Vec<f64>> = levels.into_iter().collect();
+    levels.map(Noise::Given).ok_or_else(|| WrongArguments(format!("--noise is needed for every output channel: {}", names.join(", "))).into())
+}
+
+fn validate(args: &Args, model: &Model, datasets: &[Dataset], result: &Identification, options: &Options) -> anyhow::Result<Vec<Validation>> {
+    datasets
+        .iter()
+        .map(|dataset| {
+            let recording = dataset.name().to_owned();
+            let problem = Problem::new(model, std::slice::from_ref(dataset), options.clone())?;
+            let fit = socam_identify::evaluate(&problem, &result.point)?;
+            let force_error_percent = match args.method {
+                Method::OutputError => None,
+                Method::InverseDynamics => Some(socam_identify::force_error_percent(model, &result.point, dataset)?),
+            };
+            Ok(Validation { recording, fit, force_error_percent })
+        })
+        .collect()
+}
+
+fn write_model(path: &PathBuf, model: &Model, result: &Identification) -> anyhow::Result<()> {
+    let recordings = result.recordings.join(", ");
+    let updates: Vec<Update> = result
+        .parameters
+        .iter()
+        .zip(&result.point)
+        .filter(|(parameter, _)| parameter.source != socam_identify::Source::Fixed)
+        .map(|(parameter, value)| Update {
+            name: parameter.name.clone(),
+            value: *value,
+            ci95: parameter.ci95[0].zip(parameter.ci95[1]).map(|(low, high)| [low, high]).filter(|_| parameter.identifiable),
+            source: if parameter.identifiable {
+                format!("identified ({}) from {recordings}", result.method)
+            } else {
+                format!("not determined by {recordings}; part of the fit only")
+            },
+        })
+        .collect();
+    let text = model.text_with(&updates)?;
+    output::write_file(path, text.as_bytes()).with_context(|| format!("cannot write the model to `{}`", path.display()))
+}
+
+fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Result<()> {
+    let mut document = serde_json::to_value(result)?;
+    document["validation"] = validation
+        .iter()
+        .map(|v| serde_json::json!({"recording": v.recording, "fit": v.fit, "force_error_percent": v.force_error_percent}))
+        .collect();
+    output::print_json(&document)
+}
+
+/// The result as tables.
+fn report(result: &Identification, validation: &[Validation]) -> String {
+    let mut text = format!(
+        "{} by {}: {} after {} iterations, {:.2} CPU s\n\n",
+        result.model,
+        result.method,
+        table::end(result.end),
+        result.iterations,
+        result.cpu_s
+    );
+    text.push_str(&table::parameters(result));
+    text.push_str(&table::combinations(result));
+    text.push_str(&table::nuisance(result));
+    text.push_str(&table::fit("Fit (free run)", &result.fit));
+    for held_out in validation {
+        text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
+        if let Some(error) = held_out.force_error_percent {
+            text.push_str(&format!("  inverse dynamics: force error {error:.3} % of its norm\n"));
+        }
+    }
+    text
+}

@@ -1,0 +1,52 @@
+//! `--model`: an embedded model's name or a model file.
+
+use std::path::Path;
+
+use anyhow::Context;
+use socam_model::{BUILTIN, Model};
+
+use crate::output::WrongArguments;
+
+/// Help of every `--model`.
+pub(crate) const HELP: &str = "Model file (TOML), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
+
+/// Loads the model that `--model` names.
+pub(crate) fn load(name: &str) -> anyhow::Result<Model> {
+    if let Some((_, text)) = BUILTIN.iter().find(|(builtin, _)| *builtin == name) {
+        return Ok(Model::parse(text)?);
+    }
+    let path = Path::new(name);
+    if !path.exists() {
+        let names: Vec<_> = BUILTIN.iter().map(|(name, _)| *name).collect();
+        let message = format!("there is no model file `{name}`, and embedded models are {}", names.join(", "));
+        return Err(WrongArguments(message).into());
+    }
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the model file `{name}`"))?;
+    Model::parse(&text).with_context(|| format!("the model file `{name}` cannot be used"))
+}
+
+/// Applies `NAME=VALUE` (SI) settings.
+pub(crate) fn set(model: &mut Model, settings: &[String], fix: bool) -> anyhow::Result<()> {
+    for setting in settings {
+        let wrong = |why: String| WrongArguments(format!("`{setting}`: {why}"));
+        let (name, value) = match setting.split_once('=') {
+            Some((name, value)) => (name.trim(), Some(value.trim())),
+            None => (setting.trim(), None),
+        };
+        let Some(index) = model.parameter(name) else {
+            let names: Vec<_> = model.parameters.iter().map(|p| p.name.as_str()).collect();
+            return Err(wrong(format!("the model {} has no parameter {name}; it has {}", model.name, names.join(", "))).into());
+        };
+        let parameter = &mut model.parameters[index];
+        if let Some(text) = value {
+            let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
+            let Some(number) = number else {
+                return Err(wrong(format!("expected a number in {} after the equals sign", parameter.unit)).into());
+            };
+            parameter.value = number;
+        }
+        parameter.fixed |= fix;
+    }
+    model.equations(&model.values())?;
+    Ok(())
+}

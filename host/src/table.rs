@@ -1,0 +1,107 @@
+//! Results as tables for people.
+
+use socam_identify::{ChannelFit, End, Fit, Identification, ParameterEstimate, Source};
+
+/// Columns aligned: text left, numbers right.
+pub(crate) fn align(rows: &[Vec<String>], right: &[bool]) -> String {
+    let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..right.len()).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::from(" ");
+        for ((cell, width), right) in row.iter().zip(&widths).zip(right) {
+            line.push(' ');
+            line.push_str(&if *right { format!("{cell:>width$} ") } else { format!("{cell:<width$} ") });
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// A number to five significant digits.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-4..1e6).contains(&size) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4 - size.log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+pub(crate) fn interval(ends: [Option<f64>; 2]) -> String {
+    match ends {
+        [None, None] => String::new(),
+        [low, high] => {
+            let end = |value: Option<f64>| value.map_or_else(|| "...".into(), number);
+            format!("[{}, {}]", end(low), end(high))
+        }
+    }
+}
+
+pub(crate) fn end(end: End) -> &'static str {
+    match end {
+        End::Converged => "converged",
+        End::AtBound => "converged, with a parameter at its bound",
+        End::Stalled => "stalled",
+        End::IterationLimit => "stopped at the iteration limit",
+    }
+}
+
+fn estimate_row(parameter: &ParameterEstimate) -> Vec<String> {
+    let note = if parameter.source == Source::Fixed { "fixed".into() } else { parameter.note.clone() };
+    let note = if parameter.source == Source::Prior { format!("mostly from its prior {note}") } else { note };
+    vec![
+        parameter.name.clone(),
+        parameter.value.map_or_else(|| "-".into(), number),
+        parameter.unit.clone(),
+        interval(parameter.ci95),
+        note,
+    ]
+}
+
+pub(crate) fn parameters(result: &Identification) -> String {
+    let head = ["parameter", "estimate", "unit", "95 % interval", ""].map(String::from).to_vec();
+    let rows: Vec<_> = std::iter::once(head).chain(result.parameters.iter().map(estimate_row)).collect();
+    align(&rows, &[false, true, false, false, false])
+}
+
+pub(crate) fn combinations(result: &Identification) -> String {
+    if result.combinations.is_empty() {
+        return String::new();
+    }
+    let head = ["combination", "estimate", "unit", "95 % interval", "is"].map(String::from).to_vec();
+    let rows = result.combinations.iter().map(|combination| {
+        vec![
+            combination.name.clone(),
+            combination.value.map_or_else(|| "-".into(), number),
+            combination.unit.clone(),
+            if combination.value.is_some() { interval(combination.ci95) } else { "not determined".into() },
+            combination.expression.clone(),
+        ]
+    });
+    let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
+    format!("\n{}", align(&rows, &[false, true, false, false, false]))
+}
+
+pub(crate) fn nuisance(result: &Identification) -> String {
+    if result.nuisance.is_empty() {
+        return String::new();
+    }
+    let head = ["sensor offset", "estimate", "unit", "95 % interval", ""].map(String::from).to_vec();
+    let rows: Vec<_> = std::iter::once(head).chain(result.nuisance.iter().map(estimate_row)).collect();
+    format!("\n{}", align(&rows, &[false, true, false, false, false]))
+}
+
+pub(crate) fn fit(title: &str, fit: &Fit) -> String {
+    let head = ["channel", "residual rms", "of its std", "of its norm"].map(String::from).to_vec();
+    let row = |(name, fit): &(String, ChannelFit)| {
+        let percent = |value: f64| format!("{value:.4} %");
+        vec![name.clone(), number(fit.rms), percent(fit.nrmse_percent), percent(fit.relative_error_percent)]
+    };
+    let rows: Vec<_> = std::iter::once(head).chain(fit.channels.iter().map(row)).collect();
+    format!("\n{title}\n{}", align(&rows, &[false, true, true, true]))
+}
