@@ -8,6 +8,7 @@
 //! sentence that names the file, the place and the remedy. Nothing here prints.
 
 mod calibration_file;
+pub mod check;
 mod convert;
 mod csv_read;
 mod dataset;

@@ -1,5 +1,6 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
+mod check;
 mod export;
 mod identify;
 mod import;
@@ -47,6 +48,7 @@ macro_rules! commands {
 
 commands! {
     Info => info,
+    Check => check,
     Import => import,
     Export => export,
     Identify => identify,

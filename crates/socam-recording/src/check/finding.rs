@@ -1,0 +1,163 @@
+//! What a check can find, in numbers and in words.
+
+use serde::Serialize;
+
+use crate::Unit;
+
+/// How much a finding stands in the way of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// A fit is possible, and weaker for it.
+    Weakens,
+    /// A fit would mean nothing.
+    Prevents,
+}
+
+/// Something found in a recording. Values of channels are in the channel's unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "each field is explained by the sentence its variant makes")]
+pub enum Finding {
+    /// Too few rows for any dynamics.
+    TooShort { rows: u64, needed: u64 },
+    /// Rows are missing between others.
+    Gaps { count: u64, total_s: f64, longest_s: f64 },
+    /// Samples were lost while recording.
+    LostSamples { samples: u64 },
+    /// The recording was cut off.
+    CutOff { missing: String },
+    /// A part of the log was damaged.
+    Damaged { byte: u64, bytes: u64 },
+    /// Steps of time differ from each other.
+    UnevenSteps { sample_time_s: f64, jitter_s: f64 },
+    /// A channel lacks values.
+    MissingValues { channel: String, missing: u64, rows: u64 },
+    /// A channel has one value only.
+    Constant { channel: String, unit: Unit, value: f64, is_input: bool },
+    /// The input hardly moves.
+    StandsStill { channel: String, unit: Unit, mean: f64, std: f64, snr_db: Option<f64> },
+    /// No channel is known to be the input.
+    InputUnknown,
+    /// A channel is mostly noise.
+    Buried { channel: String, snr_db: f64, is_input: bool },
+    /// The input moves at too few frequencies.
+    FewLines { channel: String, lines: usize, band_hz: [f64; 2] },
+    /// A channel stays at its extreme while the truth goes on.
+    Saturated { channel: String, unit: Unit, limit: f64, rows: u64, longest_run_rows: u64 },
+    /// A line at the mains frequency or its harmonics.
+    MainsHum { channel: String, unit: Unit, frequency_hz: f64, amplitude: f64, harmonics: Vec<u32> },
+    /// Two speeds do not keep their ratio.
+    RatioBroken { fast: String, slow: String, expected: f64, measured: f64, deviation_percent: f64 },
+}
+
+impl Finding {
+    /// How much it stands in the way.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self {
+            // A small motion that stands well above the noise still says something.
+            Self::StandsStill { snr_db: Some(snr_db), .. } if *snr_db >= super::LOWEST_SNR_DB => {
+                Severity::Weakens
+            }
+            Self::TooShort { .. }
+            | Self::StandsStill { .. }
+            | Self::Constant { is_input: true, .. }
+            | Self::Buried { is_input: true, .. } => Severity::Prevents,
+            Self::MainsHum { .. } | Self::CutOff { .. } | Self::InputUnknown => Severity::Note,
+            _ => Severity::Weakens,
+        }
+    }
+
+    /// What was found, as a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        match self {
+            Self::TooShort { rows, needed } => {
+                format!("only {rows} rows; dynamics need at least {needed}")
+            }
+            Self::Gaps { count, total_s, longest_s } => {
+                format!("{count} gaps, {total_s:.4} s in all, the longest {longest_s:.4} s")
+            }
+            Self::LostSamples { samples } => {
+                format!("{samples} samples were lost while recording")
+            }
+            Self::CutOff { missing } => format!("the recording is cut off: missing is {missing}"),
+            Self::Damaged { byte, bytes } => {
+                format!("{bytes} damaged bytes at byte {byte} are left out")
+            }
+            Self::UnevenSteps { sample_time_s, jitter_s } => format!(
+                "steps of time vary by up to {:.1} % of the sample time ({sample_time_s:.4e} s)",
+                100.0 * jitter_s / sample_time_s
+            ),
+            Self::MissingValues { channel, missing, rows } => {
+                format!("`{channel}` has no value in {missing} of {rows} rows")
+            }
+            Self::Constant { channel, unit, value, .. } => {
+                format!("`{channel}` is {value} {unit} throughout")
+            }
+            Self::StandsStill { channel, unit, mean, std, .. } => format!(
+                "the input `{channel}` stands at {mean:.4} {unit} and varies by {std:.2e} {unit} only"
+            ),
+            Self::InputUnknown => {
+                "no channel is known to be the input, so its excitation is not judged".into()
+            }
+            Self::Buried { channel, snr_db, .. } => {
+                format!("`{channel}` is mostly noise (signal to noise {snr_db:.1} dB)")
+            }
+            Self::FewLines { channel, lines, band_hz: [from, to] } => format!(
+                "the input `{channel}` moves at {lines} frequencies only ({from:.2} to {to:.2} Hz): that determines at most {} parameters per output",
+                2 * lines
+            ),
+            Self::Saturated { channel, unit, limit, rows, longest_run_rows } => format!(
+                "`{channel}` sticks at {limit} {unit} in {rows} rows, up to {longest_run_rows} in a row: it is saturated"
+            ),
+            Self::MainsHum { channel, unit, frequency_hz, amplitude, harmonics } => format!(
+                "`{channel}` carries what looks like mains hum: {amplitude:.2e} {unit} at {frequency_hz:.1} Hz (harmonics {})",
+                harmonics.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+            ),
+            Self::RatioBroken { fast, slow, expected, measured, deviation_percent } => format!(
+                "`{fast}` over `{slow}` is {measured:.4} on average where the gear says {expected} ({deviation_percent:+.2} %)"
+            ),
+        }
+    }
+
+    /// What to record, or do, instead.
+    #[must_use]
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            Self::TooShort { .. } => "record at least ten seconds",
+            Self::Gaps { .. } | Self::LostSamples { .. } => {
+                "lower the rate or shorten the link, and record again; fits go on from gap to gap, each with its own start"
+            }
+            Self::CutOff { .. } => "what is there can be used; record again if it is too short",
+            Self::Damaged { .. } => "check the disk and copy the log again from its source",
+            Self::UnevenSteps { .. } => "record with the board's timer, or resample to even steps",
+            Self::MissingValues { .. } => "check the sensor's cable, or leave the channel out",
+            Self::Constant { is_input: true, .. } | Self::StandsStill { .. } => {
+                "drive it: record the `multisine` profile (or `prbs`, `chirp`)"
+            }
+            Self::Constant { .. } => "check the sensor's cable and supply, or leave the channel out",
+            Self::InputUnknown => "name it (`--input CHANNEL`)",
+            Self::Buried { is_input: true, .. } => "raise the profile's amplitude",
+            Self::Buried { .. } => {
+                "raise the profile's amplitude, average more periods, or leave the channel out"
+            }
+            Self::FewLines { .. } => {
+                "record `multisine`, `prbs` or `chirp`; add `reversals` where friction or backlash matter"
+            }
+            Self::Saturated { .. } => {
+                "lower the amplitude or the sensor's gain, or cut these parts out with RUN@FROM..TO"
+            }
+            Self::MainsHum { .. } => {
+                "shield and earth the sensor, twist its leads, or record with the drive's supply off to compare"
+            }
+            Self::RatioBroken { .. } => {
+                "calibrate both tachometers (`calibrate`); if they are right, something slips"
+            }
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Whether a recording can carry a fit, said before any fit: excitation, saturation, gaps, hum, speeds that break the ratio.
+//!
+//! One pass over the data. Findings are values with their numbers; what to record instead is part of each.
+
+mod excitation;
+mod finding;
+mod ratio;
+mod runs;
+mod spectrum;
+
+use serde::Serialize;
+
+use crate::dataset::{Block, Dataset, Warning};
+use crate::error::Result;
+use crate::{Channel, Unit};
+use excitation::TurningPoints;
+pub use finding::{Finding, Severity};
+use ratio::RatioFit;
+use runs::ExtremeRuns;
+use spectrum::{Spectrum, Welch};
+
+/// Rows below which no dynamic model can be fitted.
+const FEWEST_ROWS: u64 = 200;
+
+/// Values of one channel that may be missing before it is said, as a share of all rows.
+const MISSING_SHARE: f64 = 0.001;
+
+/// Deviation of single steps from the sample time that is said, as a share of it. Prediction assumes even steps; a
+/// deviation of a tenth shifts a sample by a tenth of a step.
+const JITTER_SHARE: f64 = 0.1;
+
+/// Signal to noise below which a channel says little, dB.
+pub(crate) const LOWEST_SNR_DB: f64 = 10.0;
+
+/// Spread of the input, as a share of its mean, below which it counts as standing still.
+const SMALLEST_SPREAD: f64 = 0.005;
+
+/// Fewest spectral lines that determine a drivetrain with a handful of parameters: each line gives two equations per
+/// output.
+const FEWEST_LINES: usize = 3;
+
+/// What to check against. The model decides the names; without one, these are the default bench's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckOptions {
+    /// The channel that drives the model; `motor_speed`, else `command`, when `None`.
+    pub input: Option<String>,
+    /// A fixed ratio between two speeds; checked when both channels are there.
+    pub ratio: Option<FixedRatio>,
+}
+
+/// Two speeds that a gear ties together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FixedRatio {
+    /// The channel before the reducer.
+    pub fast: String,
+    /// The channel after it.
+    pub slow: String,
+    /// Speed of `fast` over speed of `slow`.
+    pub ratio: f64,
+    /// Relative deviation of the average that is let pass, such as 0.01.
+    pub tolerance: f64,
+}
+
+impl Default for CheckOptions {
+    fn default() -> Self {
+        Self {
+            input: None,
+            ratio: Some(FixedRatio {
+                fast: "motor_speed".into(),
+                slow: "output_speed".into(),
+                ratio: 8.0,
+                tolerance: 0.01,
+            }),
+        }
+    }
+}
+
+/// Whether a recording is fit for use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing stands in the way.
+    Fit,
+    /// A fit is possible; the findings say where it will be weak.
+    FitWithReservations,
+    /// A fit would mean nothing.
+    Unfit,
+}
+
+/// What a check came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// The recording's name.
+    pub recording: String,
+    /// The verdict: the worst of the findings.
+    pub verdict: Verdict,
+    /// The channel taken as the input; `None` when none was named and none has a usual name.
+    pub input: Option<String>,
+    /// Excitation of each channel, in the dataset's order.
+    pub channels: Vec<ChannelCheck>,
+    /// What was found, worst first.
+    pub findings: Vec<Finding>,
+}
+
+/// How one channel moves. Noise ratio, band and lines of an angle or a position are those of its rate of change: a shaft that
+/// turns makes a ramp, whose spectrum says nothing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelCheck {
+    /// The channel's name.
+    pub name: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// Half of peak to peak, in the unit.
+    pub amplitude: f64,
+    /// Estimated standard deviation of its noise (white, from the top quarter of the spectrum), in the unit; `None` for an angle
+    /// or a position.
+    pub noise_std: Option<f64>,
+    /// Signal to noise, dB.
+    pub snr_db: Option<f64>,
+    /// Lowest and highest frequency with power above the noise, Hz.
+    pub band_hz: Option<[f64; 2]>,
+    /// Distinct spectral lines (or their number's worth of continuous band) above the noise.
+    pub lines: Option<usize>,
+    /// Jumps of more than 2 % of peak to peak within one sample.
+    pub steps: u64,
+    /// Changes of direction larger than a tenth of peak to peak.
+    pub turning_points: u64,
+    /// Changes of sign, with a tenth of peak to peak as hysteresis.
+    pub sign_changes: u64,
+}
+
+/// Checks a recording.
+///
+/// # Errors
+/// When a channel named in the options does not exist (ratio channels may be absent), or the file cannot be read again.
+pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
+    let input = input_channel(data, options)?;
+    let mut pass = Pass::new(data, options);
+    for block in data.blocks()? {
+        pass.take(&block?);
+    }
+    let mut findings = about_the_rows(data);
+    let mut channels = Vec::new();
+    for (index, probe) in pass.probes.into_iter().enumerate() {
+        let (channel, mut found) = probe.finish(data, index, Some(index) == input);
+        channels.push(channel);
+        findings.append(&mut found);
+    }
+    findings.extend(pass.ratio.and_then(RatioFit::finish));
+    if input.is_none() {
+        findings.push(Finding::InputUnknown);
+    }
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
+    let verdict = match findings.first().map(Finding::severity) {
+        Some(Severity::Prevents) => Verdict::Unfit,
+        Some(Severity::Weakens) => Verdict::FitWithReservations,
+        Some(Severity::Note) | None => Verdict::Fit,
+    };
+    Ok(Check {
+        recording: data.name().into(),
+        verdict,
+        input: input.map(|index| data.channels()[index].name.clone()),
+        channels,
+        findings,
+    })
+}
+
+fn input_channel(data: &Dataset, options: &CheckOptions) -> Result<Option<usize>> {
+    if let Some(name) = &options.input {
+        return data.channel_index(name).map(Some);
+    }
+    let usual = ["motor_speed", "command"];
+    Ok(usual.iter().find_map(|name| data.channel_index(name).ok()))
+}
+
+/// Findings that need no values: length, gaps, losses, uneven steps.
+fn about_the_rows(data: &Dataset) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if data.rows() < FEWEST_ROWS {
+        findings.push(Finding::TooShort { rows: data.rows(), needed: FEWEST_ROWS });
+    }
+    let gaps_s = data.segments().windows(2).map(|pair| pair[1].start_s - pair[0].end_s);
+    let (count, total_s, longest_s) =
+        gaps_s.fold((0, 0.0, 0.0_f64), |(n, sum, longest), gap_s| (n + 1, sum + gap_s, longest.max(gap_s)));
+    if count > 0 {
+        findings.push(Finding::Gaps { count, total_s, longest_s });
+    }
+    if data.lost_samples() > 0 {
+        findings.push(Finding::LostSamples { samples: data.lost_samples() });
+    }
+    for warning in data.warnings() {
+        match warning {
+            Warning::CutOff { missing } => findings.push(Finding::CutOff { missing: missing.clone() }),
+            Warning::Damaged { byte, bytes } => {
+                findings.push(Finding::Damaged { byte: *byte, bytes: *bytes })
+            }
+            _ => {}
+        }
+    }
+    let jitter_s = data.segments().iter().map(|s| s.jitter_s).fold(0.0, f64::max);
+    if jitter_s > JITTER_SHARE * data.sample_time_s() {
+        findings.push(Finding::UnevenSteps { sample_time_s: data.sample_time_s(), jitter_s });
+    }
+    findings
+}
+
+/// Everything gathered while the blocks pass by.
+struct Pass {
+    probes: Vec<Probe>,
+    ratio: Option<RatioFit>,
+}
+
+impl Pass {
+    fn new(data: &Dataset, options: &CheckOptions) -> Self {
+        let longest = data.segments().iter().map(|s| s.rows).max().unwrap_or(0);
+        let probes = data
+            .statistics()
+            .iter()
+            .zip(data.channels())
+            .map(|(statistics, channel)| {
+                let min = statistics.min.unwrap_or(0.0);
+                let max = statistics.max.unwrap_or(0.0);
+                Probe {
+                    welch: Welch::new(longest, data.sample_time_s()),
+                    runs: ExtremeRuns::new(min, max),
+                    turning: TurningPoints::new(min, max),
+                    segment: 0,
+                    rate: matches!(channel.unit, Unit::Rad | Unit::M)
+                        .then(|| Rate { previous: None, sample_time_s: data.sample_time_s() }),
+                }
+            })
+            .collect();
+        let ratio = options.ratio.as_ref().and_then(|fixed| {
+            let fast = data.channel_index(&fixed.fast).ok()?;
+            let slow = data.channel_index(&fixed.slow).ok()?;
+            Some(RatioFit::new(fixed.clone(), fast, slow))
+        });
+        Self { probes, ratio }
+    }
+
+    fn take(&mut self, block: &Block) {
+        for (probe, column) in self.probes.iter_mut().zip(&block.columns) {
+            if probe.segment != block.segment {
+                probe.segment = block.segment;
+                probe.interrupt();
+            }
+            for value in column.values() {
+                probe.take(*value);
+            }
+        }
+        if let Some(ratio) = &mut self.ratio {
+            ratio.take(block);
+        }
+    }
+}
+
+/// What is gathered about one channel.
+struct Probe {
+    welch: Welch,
+    runs: ExtremeRuns,
+    turning: TurningPoints,
+    segment: usize,
+    /// Turns an angle or a position into its rate for the spectrum.
+    rate: Option<Rate>,
+}
+
+struct Rate {
+    previous: Option<f64>,
+    sample_time_s: f64,
+}
+
+impl Probe {
+    fn interrupt(&mut self) {
+        self.welch.interrupt();
+        if let Some(rate) = &mut self.rate {
+            rate.previous = None;
+        }
+    }
+
+    fn take(&mut self, value: f64) {
+        if value.is_nan() {
+            self.interrupt();
+            return;
+        }
+        match &mut self.rate {
+            None => self.welch.push(value),
+            Some(rate) => {
+                if let Some(previous) = rate.previous.replace(value) {
+                    self.welch.push((value - previous) / rate.sample_time_s);
+                }
+            }
+        }
+        self.runs.push(value);
+        self.turning.push(value);
+    }
+
+    fn finish(self, data: &Dataset, index: usize, is_input: bool) -> (ChannelCheck, Vec<Finding>) {
+        let channel = &data.channels()[index];
+        let statistics = &data.statistics()[index];
+        let (min, max) = (statistics.min.unwrap_or(0.0), statistics.max.unwrap_or(0.0));
+        let spectrum = self.welch.finish();
+        let counts = self.turning.finish();
+        let check = ChannelCheck {
+            name: channel.name.clone(),
+            unit: channel.unit,
+            amplitude: (max - min) / 2.0,
+            noise_std: spectrum.as_ref().filter(|_| self.rate.is_none()).map(Spectrum::noise_std),
+            snr_db: spectrum.as_ref().and_then(Spectrum::snr_db),
+            band_hz: spectrum.as_ref().and_then(Spectrum::band_hz),
+            lines: spectrum.as_ref().map(Spectrum::lines),
+            steps: counts.steps,
+            turning_points: counts.turning_points,
+            sign_changes: counts.sign_changes,
+        };
+        let mut findings = Vec::new();
+        if statistics.missing as f64 > MISSING_SHARE * data.rows() as f64 {
+            findings.push(Finding::MissingValues {
+                channel: channel.name.clone(),
+                missing: statistics.missing,
+                rows: data.rows(),
+            });
+        }
+        if min == max {
+            findings.push(Finding::Constant {
+                channel: channel.name.clone(),
+                unit: channel.unit,
+                value: min,
+                is_input,
+            });
+            return (check, findings);
+        }
+        findings.extend(self.runs.finish(channel));
+        findings.extend(excitation_of(channel, &check, statistics, is_input));
+        if let Some(spectrum) = spectrum.filter(|_| self.rate.is_none()) {
+            findings.extend(spectrum.hum(channel));
+        }
+        (check, findings)
+    }
+}
+
+/// Whether a channel moves enough to say anything.
+fn excitation_of(
+    channel: &Channel,
+    check: &ChannelCheck,
+    statistics: &crate::Statistics,
+    is_input: bool,
+) -> Option<Finding> {
+    let mean = statistics.mean.unwrap_or(0.0);
+    let std = statistics.std.unwrap_or(0.0);
+    let name = channel.name.clone();
+    if is_input && std < SMALLEST_SPREAD * mean.abs() {
+        let snr_db = check.snr_db;
+        return Some(Finding::StandsStill { channel: name, unit: channel.unit, mean, std, snr_db });
+    }
+    match (check.snr_db, check.lines, check.band_hz) {
+        // Taking the rate of an angle makes much of its noise: there it is no measure.
+        (Some(snr_db), ..) if snr_db < LOWEST_SNR_DB && check.noise_std.is_some() => {
+            Some(Finding::Buried { channel: name, snr_db, is_input })
+        }
+        (_, Some(lines), Some(band_hz)) if is_input && lines < FEWEST_LINES => {
+            Some(Finding::FewLines { channel: name, lines, band_hz })
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,127 @@
+//! Each finding is made by a recording that has the fault, and by none that has not.
+
+use std::f64::consts::TAU;
+
+use socam_recording::check::{Check, CheckOptions, Finding, Verdict, check};
+use socam_recording::{Channel, Dataset, Unit};
+
+const RATE_HZ: f64 = 1000.0;
+
+/// Noise with unit spread, the same on every run.
+fn noise(index: usize, seed: u64) -> f64 {
+    let uniform = |salt: u64| {
+        let mut x = (index as u64 * 16 + salt + seed * 1013).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x ^= x >> 29;
+        x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x ^= x >> 32;
+        (x >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    (0..12).map(uniform).sum::<f64>() - 6.0
+}
+
+/// A multisine around a steady speed.
+fn multisine(t: f64) -> f64 {
+    let line = |k: u32| (TAU * f64::from(k) * 0.7 * t + f64::from(k * k)).sin();
+    100.0 + (1..=40).map(line).sum::<f64>()
+}
+
+fn checked(input: impl Fn(f64) -> f64, change: impl Fn(&mut [Vec<f64>])) -> Check {
+    let time_s: Vec<f64> = (0..20_000).map(|i| i as f64 / RATE_HZ).collect();
+    let motor: Vec<f64> = time_s.iter().enumerate().map(|(i, t)| input(*t) + 0.02 * noise(i, 1)).collect();
+    let output: Vec<f64> =
+        time_s.iter().enumerate().map(|(i, t)| input(*t - 0.01) / 8.0 + 0.005 * noise(i, 2)).collect();
+    let mut columns = vec![motor, output];
+    change(&mut columns);
+    let channels =
+        vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("output_speed", Unit::RadPerS)];
+    let data = Dataset::from_columns("run", channels, time_s, columns).unwrap();
+    check(&data, &CheckOptions::default()).unwrap()
+}
+
+#[test]
+fn a_good_recording_is_fit() {
+    let check = checked(multisine, |_| {});
+    assert_eq!(check.findings, []);
+    assert_eq!(check.verdict, Verdict::Fit);
+    let motor = &check.channels[0];
+    let [from, to] = motor.band_hz.unwrap();
+    assert!(from < 1.0 && (27.0..31.0).contains(&to), "{from} to {to}");
+    assert!((0.015..0.025).contains(&motor.noise_std.unwrap()));
+    assert!(motor.lines.unwrap() >= 20, "{:?}", motor.lines);
+    assert_eq!(motor.steps, 0);
+}
+
+#[test]
+fn a_sine_determines_little_and_a_steady_speed_nothing() {
+    let sine = checked(|t| 100.0 + 20.0 * (TAU * 3.0 * t).sin(), |_| {});
+    let found = &sine.findings[0];
+    assert!(matches!(found, Finding::FewLines { lines: 1, .. }), "{found:?}");
+    assert!((115..125).contains(&sine.channels[0].turning_points));
+    let steady = checked(|_| 100.0, |_| {});
+    assert_eq!(steady.verdict, Verdict::Unfit);
+    assert!(steady.findings.iter().any(|f| matches!(f, Finding::StandsStill { .. })));
+}
+
+#[test]
+fn saturation_is_told_from_a_staircase() {
+    let clipped = checked(multisine, |columns| {
+        columns[1].iter_mut().for_each(|v| *v = v.min(13.0));
+    });
+    let saturated = clipped.findings.iter().find_map(|f| match f {
+        Finding::Saturated { channel, limit, .. } => Some((channel.as_str(), *limit)),
+        _ => None,
+    });
+    assert_eq!(saturated, Some(("output_speed", 13.0)));
+    let staircase = |columns: &mut [Vec<f64>]| {
+        for (i, value) in columns[0].iter_mut().enumerate() {
+            *value = [10.0, 20.0, 35.0, 15.0][i / 1000 % 4];
+        }
+    };
+    let stairs = checked(multisine, staircase);
+    assert!(!stairs.findings.iter().any(|f| matches!(f, Finding::Saturated { .. })));
+    assert_eq!(stairs.channels[0].steps, 19);
+}
+
+#[test]
+fn hum_is_named_with_its_amplitude() {
+    let check = checked(multisine, |columns| {
+        for (i, value) in columns[1].iter_mut().enumerate() {
+            let t = i as f64 / RATE_HZ;
+            *value += 0.05 * (TAU * 50.0 * t).sin() + 0.02 * (TAU * 150.0 * t).sin();
+        }
+    });
+    let [Finding::MainsHum { channel, frequency_hz, amplitude, harmonics, .. }] = &check.findings[..] else {
+        panic!("{:?}", check.findings);
+    };
+    assert_eq!((channel.as_str(), *frequency_hz), ("output_speed", 50.0));
+    assert!((amplitude - 0.05).abs() < 0.005, "{amplitude}");
+    assert_eq!(harmonics, &[1, 3]);
+    assert_eq!(check.verdict, Verdict::Fit);
+}
+
+#[test]
+fn a_wrong_ratio_is_measured() {
+    let check = checked(multisine, |columns| {
+        columns[1].iter_mut().for_each(|v| *v *= 0.97);
+    });
+    let [Finding::RatioBroken { measured, .. }] = check.findings[..] else {
+        panic!("{:?}", check.findings);
+    };
+    assert!((measured - 8.0 / 0.97).abs() < 0.02, "{measured}");
+}
+
+#[test]
+fn short_empty_and_noisy_channels_are_said() {
+    let check = checked(multisine, |columns| {
+        for (i, value) in columns[1].iter_mut().enumerate() {
+            *value = if i % 100 == 0 { f64::NAN } else { noise(i, 5) };
+        }
+    });
+    let kinds = |f: fn(&Finding) -> bool| check.findings.iter().any(f);
+    assert!(kinds(|f| matches!(f, Finding::MissingValues { missing: 200, .. })));
+    let channels = vec![Channel::new("u", Unit::V)];
+    let few = Dataset::from_columns("run", channels, vec![0.0, 1.0, 5.0], vec![vec![1.0; 3]]);
+    let check = socam_recording::check::check(&few.unwrap(), &CheckOptions::default()).unwrap();
+    assert_eq!(check.verdict, Verdict::Unfit);
+    assert!(check.findings.iter().all(|f| !f.sentence().is_empty() && !f.remedy().is_empty()));
+}
