@@ -23,9 +23,6 @@ const CHUNK_AGE: Duration = Duration::from_millis(500);
 /// How often the file is synced to the disk.
 const SYNC_EVERY: Duration = Duration::from_secs(10);
 
-/// Bytes of messages that may wait for the disk: some 30 s of 10 kHz x 6 channels.
-const QUEUE_BYTES: usize = 32 << 20;
-
 /// A running recording. Dropping it finishes the file as [`Recorder::finish`] does, but cannot report.
 #[derive(Debug)]
 pub struct Recorder {
@@ -94,7 +91,7 @@ impl Shared {
 
 impl Queue {
     fn push(&mut self, waiting: (Topic, i64, Option<u64>), encode: impl FnOnce(&mut Vec<u8>)) -> bool {
-        if self.failed || self.bytes.len() >= QUEUE_BYTES {
+        if self.failed || self.bytes.len() >= Recorder::QUEUE_BYTES {
             return false;
         }
         encode(&mut self.bytes);
@@ -105,6 +102,9 @@ impl Queue {
 }
 
 impl Recorder {
+    /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
+    pub const QUEUE_BYTES: usize = 32 << 20;
+
     /// Creates the file, writes everything known beforehand, and starts the writer's thread.
     ///
     /// # Errors
@@ -177,6 +177,12 @@ impl Recorder {
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.counts.lost()
+    }
+
+    /// Bytes of messages that wait for the disk; samples are dropped when they reach [`Recorder::QUEUE_BYTES`].
+    #[must_use]
+    pub fn queued_bytes(&self) -> usize {
+        self.shared.queue().bytes.len()
     }
 
     /// Whether writing has failed; [`Recorder::finish`] says why. What was written before can still be read.
