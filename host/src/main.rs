@@ -4,6 +4,7 @@
 
 mod cli;
 mod commands;
+mod device;
 mod model_file;
 mod output;
 mod table;

@@ -8,21 +8,26 @@ use socam_model::{BUILTIN, Model};
 use crate::output::WrongArguments;
 
 /// Help of every `--model`.
-pub(crate) const HELP: &str = "Model file (TOML), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
+pub(crate) const HELP: &str =
+    "Model file (TOML), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
 
 /// Loads the model that `--model` names.
 pub(crate) fn load(name: &str) -> anyhow::Result<Model> {
+    Model::parse(&text(name)?).with_context(|| format!("the model file `{name}` cannot be used"))
+}
+
+/// The text of the model that `--model` names, as a recording keeps it.
+pub(crate) fn text(name: &str) -> anyhow::Result<String> {
     if let Some((_, text)) = BUILTIN.iter().find(|(builtin, _)| *builtin == name) {
-        return Ok(Model::parse(text)?);
+        return Ok((*text).to_owned());
     }
-    let path = Path::new(name);
-    if !path.exists() {
+    if !Path::new(name).exists() {
         let names: Vec<_> = BUILTIN.iter().map(|(name, _)| *name).collect();
-        let message = format!("there is no model file `{name}`, and embedded models are {}", names.join(", "));
+        let message =
+            format!("there is no model file `{name}`, and embedded models are {}", names.join(", "));
         return Err(WrongArguments(message).into());
     }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the model file `{name}`"))?;
-    Model::parse(&text).with_context(|| format!("the model file `{name}` cannot be used"))
+    std::fs::read_to_string(name).with_context(|| format!("cannot read the model file `{name}`"))
 }
 
 /// Applies `NAME=VALUE` (SI) settings.
@@ -35,13 +40,20 @@ pub(crate) fn set(model: &mut Model, settings: &[String], fix: bool) -> anyhow::
         };
         let Some(index) = model.parameter(name) else {
             let names: Vec<_> = model.parameters.iter().map(|p| p.name.as_str()).collect();
-            return Err(wrong(format!("the model {} has no parameter {name}; it has {}", model.name, names.join(", "))).into());
+            return Err(wrong(format!(
+                "the model {} has no parameter {name}; it has {}",
+                model.name,
+                names.join(", ")
+            ))
+            .into());
         };
         let parameter = &mut model.parameters[index];
         if let Some(text) = value {
             let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
             let Some(number) = number else {
-                return Err(wrong(format!("expected a number in {} after the equals sign", parameter.unit)).into());
+                return Err(
+                    wrong(format!("expected a number in {} after the equals sign", parameter.unit)).into()
+                );
             };
             parameter.value = number;
         }

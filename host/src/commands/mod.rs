@@ -5,6 +5,8 @@ mod export;
 mod identify;
 mod import;
 mod info;
+mod record;
+mod virtual_board;
 
 use std::process::ExitCode;
 
@@ -52,4 +54,6 @@ commands! {
     Import => import,
     Export => export,
     Identify => identify,
+    Record => record,
+    VirtualBoard => virtual_board,
 }

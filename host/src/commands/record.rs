@@ -1,0 +1,299 @@
+//! `record`: a profile on a bench, into a recording.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+use socam_recording::{Attachment, Calibration, ProfileFile};
+
+use super::Outcome;
+use crate::device::run::{self, End, Plan, Report};
+use crate::device::virtual_bench::BenchArgs;
+use crate::device::{self, Device, Interrupt, Pace};
+use crate::model_file;
+use crate::output::{self, WrongArguments};
+
+/// Run a profile on the bench and record it
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Log to write (.mcap)
+    #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
+    output: Option<PathBuf>,
+    /// Board: sim (a virtual one), serial:PATH or tcp:HOST:PORT
+    #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
+    device: Option<Device>,
+    #[command(flatten)]
+    course: CourseArgs,
+    /// Calibration of the bench; the default bench's when not given
+    #[arg(long, value_name = "C.toml")]
+    calibration: Option<PathBuf>,
+    /// Note that travels with the recording
+    #[arg(long, value_name = "TEXT")]
+    note: Option<String>,
+    /// Replace a recording of that name
+    #[arg(long)]
+    force: bool,
+    /// Say which profiles are built in, and what for
+    #[arg(long)]
+    list_profiles: bool,
+    /// Let the virtual board's time pass as on the wall, not as fast as it can
+    #[arg(long)]
+    realtime: bool,
+    #[command(flatten)]
+    bench: BenchArgs,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// What to command, for how long, how often sampled
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct CourseArgs {
+    /// Profile: a file or one of the built-in ones
+    #[arg(long, value_name = "FILE|NAME")]
+    pub(crate) profile: Option<String>,
+    /// How long it takes until the command is back at 0, as in 10s, 1.5min or 500ms; the profile's own duration when not given
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
+    pub(crate) duration: Option<f64>,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_hyphen_values = true)]
+    pub(crate) rate: f64,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    if args.list_profiles {
+        output::print(&profiles()?)?;
+        return Ok(Outcome::Done);
+    }
+    let (Some(path), Some(device)) = (&args.output, &args.device) else {
+        return Err(WrongArguments("record needs --output and --device".into()).into());
+    };
+    check_output(path, args.force)?;
+    let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
+    if *device != Device::Sim && args.bench.describes_a_bench() {
+        return Err(WrongArguments(format!(
+            "--set, --hide and --no-noise change a virtual bench, not {device}"
+        ))
+        .into());
+    }
+    let mut plan = plan(&args.course, path.clone())?;
+    plan.replace = args.force;
+    plan.start_unix_ns = now_unix_ns();
+    let setup = (*device == Device::Sim).then(|| args.bench.setup(calibration.clone())).transpose()?;
+    plan.calibration =
+        setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration).unwrap_or_default();
+    plan.metadata.insert("device".into(), device.to_string());
+    plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
+    plan.attachments.extend(attachment("model.toml", model_file::text(&args.bench.model)?));
+    match &args.calibration {
+        Some(path) => plan.attachments.extend(attachment("calibration.toml", std::fs::read_to_string(path)?)),
+        None if plan.calibration == Calibration::default() => {
+            plan.attachments.extend(attachment("calibration.toml", Calibration::default_text()));
+        }
+        None => {}
+    }
+    let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
+    let rate_hz = args.course.rate;
+    let interrupt = Interrupt::listen();
+    let mut session = device::open(device, setup.map(|setup| (setup, pace)))?;
+    let report = run::record(&mut session, plan, &interrupt)?;
+    tell(path, &report, rate_hz, args.json)?;
+    outcome(path, &report)
+}
+
+/// The profile for a board, with its text; everything else is filled in by the caller.
+pub(crate) fn plan(course: &CourseArgs, path: PathBuf) -> anyhow::Result<Plan> {
+    let Some(name) = &course.profile else {
+        return Err(WrongArguments(
+            "--profile is missing; `record --list-profiles` names the built-in ones".into(),
+        )
+        .into());
+    };
+    let period_us = period_us(course.rate)?;
+    let mut file = ProfileFile::open(name)?;
+    if let Some(duration_s) = course.duration {
+        if duration_s <= 2.0 * file.ramp_s {
+            return Err(WrongArguments(format!(
+                "--duration {duration_s} s is too short for the profile `{name}`, which fades in and out for {} s each",
+                file.ramp_s
+            ))
+            .into());
+        }
+        // The profile fades out after its own duration.
+        file.duration_s = duration_s - file.ramp_s;
+    }
+    Ok(Plan {
+        profile: file.profile(period_us)?,
+        calibration: Calibration::default(),
+        period_us,
+        path,
+        replace: true,
+        metadata: [("profile".to_owned(), name.clone())].into(),
+        attachments: attachment("profile.toml", file.to_toml()).to_vec(),
+        start_unix_ns: 0,
+    })
+}
+
+pub(crate) fn attachment(name: &str, text: impl Into<String>) -> [Attachment; 1] {
+    [Attachment { name: name.into(), media_type: "application/toml".into(), data: text.into().into_bytes() }]
+}
+
+fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
+    let period_us = 1e6 / rate_hz;
+    if !(50.0..=1e6).contains(&period_us) {
+        return Err(
+            WrongArguments(format!("--rate is {rate_hz} Hz; a board samples at 1 to 20000 Hz")).into()
+        );
+    }
+    if (period_us - period_us.round()).abs() > 1e-9 * period_us {
+        return Err(WrongArguments(format!(
+            "--rate is {rate_hz} Hz; a board samples every whole number of microseconds, as in 1000, 2000, 5000 or 10000 Hz"
+        ))
+        .into());
+    }
+    Ok(period_us.round() as u32)
+}
+
+/// Times as people type them.
+fn seconds(text: &str) -> Result<f64, String> {
+    let end = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let factor = match unit {
+        "" | "s" => 1.0,
+        "ms" => 1e-3,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(format!("`{unit}` is no unit of time; expected s, ms, min or h")),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * factor),
+        Ok(value) => Err(format!("{value} is no duration; it must be greater than 0")),
+        Err(_) => Err("expected a time, as in 10s, 1.5min or 500ms".into()),
+    }
+}
+
+/// What can be known of the output before anything moves.
+fn check_output(path: &std::path::Path, replace: bool) -> anyhow::Result<()> {
+    if path.extension().is_none_or(|extension| extension != "mcap") {
+        let path = path.display();
+        return Err(WrongArguments(format!(
+            "`{path}`: a recording is written as .mcap; `export` makes other formats of it"
+        ))
+        .into());
+    }
+    if path.exists() && !replace {
+        anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", path.display());
+    }
+    Ok(())
+}
+
+fn now_unix_ns() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn profiles() -> anyhow::Result<String> {
+    let mut text = String::new();
+    for name in ProfileFile::built_in_names() {
+        let purpose = ProfileFile::open(name)?.purpose.unwrap_or_default();
+        writeln!(text, "{name:10} {purpose}")?;
+    }
+    Ok(text)
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    recording: String,
+    samples: u64,
+    lost: u64,
+    missed: u64,
+    overflowed: u64,
+    refused: u64,
+    bytes: u64,
+    duration_s: f64,
+    rate_hz: f64,
+    end: &'static str,
+    reason: Option<&'a str>,
+}
+
+/// Says what was recorded.
+pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: bool) -> anyhow::Result<()> {
+    let summary = &report.summary;
+    let (end, reason) = match &report.end {
+        End::Finished => ("finished", None),
+        End::Stopped => ("stopped", None),
+        End::Fault(reason) => ("fault", Some(reason.as_str())),
+        End::Broken(reason) => ("link broken", Some(reason.as_str())),
+    };
+    if json {
+        return output::print_json(&Document {
+            schema: "socam.run/1",
+            recording: path.display().to_string(),
+            samples: summary.written,
+            lost: summary.lost,
+            missed: summary.missed,
+            overflowed: summary.overflowed,
+            refused: summary.refused,
+            bytes: summary.bytes,
+            duration_s: report.duration_s,
+            rate_hz,
+            end,
+            reason,
+        });
+    }
+    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    output::print(&format!(
+        "{}: {} samples over {:.3} s at {rate_hz} Hz, {lost}{}\n",
+        path.display(),
+        summary.written,
+        report.duration_s,
+        if report.end == End::Stopped { ", stopped by the operator" } else { "" },
+    ))
+}
+
+/// What a run's end means for the exit code.
+pub(crate) fn outcome(path: &std::path::Path, report: &Report) -> anyhow::Result<Outcome> {
+    match &report.end {
+        End::Fault(reason) => {
+            anyhow::bail!(
+                "the board ended the run: {reason} (what was recorded until then is in {})",
+                path.display()
+            )
+        }
+        End::Broken(reason) => {
+            anyhow::bail!("{reason} (what was recorded until then is in {})", path.display())
+        }
+        End::Finished | End::Stopped if report.summary.lost > 0 => Ok(Outcome::LostSamples),
+        End::Finished | End::Stopped => Ok(Outcome::Done),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read() {
+        for (text, expected) in
+            [("10s", 10.0), ("10", 10.0), ("1.5min", 90.0), ("500ms", 0.5), ("1e-1s", f64::NAN)]
+        {
+            match seconds(text) {
+                Ok(value) => assert!((value - expected).abs() < 1e-12, "{text}"),
+                Err(_) => assert!(expected.is_nan(), "{text}"),
+            }
+        }
+        for text in ["-1s", "0s", "ten", "5 years", "", "nan", "inf"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn rates_are_whole_microseconds() {
+        assert_eq!(period_us(10_000.0).unwrap(), 100);
+        for rate in [0.0, -1.0, 3000.0, 30_000.0, f64::NAN] {
+            assert!(period_us(rate).is_err(), "{rate}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! `virtual-board`: the virtual bench behind TCP, for another process or another machine.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use socam_recording::Calibration;
+use socam_sim::{SimError, VirtualBoard};
+
+use super::Outcome;
+use crate::device::virtual_bench::BenchArgs;
+use crate::device::{Interrupt, Pace};
+use crate::output;
+
+/// Serve a virtual board on a simulated bench over TCP
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Where to listen; port 0 takes a free one and says which
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:4711")]
+    listen: String,
+    /// Let the board's time pass as fast as the machine allows, but never further ahead than the host keeps up
+    #[arg(long)]
+    fast: bool,
+    /// Let the board's time pass as on the wall (the default)
+    #[arg(long, conflicts_with = "fast")]
+    realtime: bool,
+    /// Calibration of the bench's sensors; such as suit the model when not given
+    #[arg(long, value_name = "C.toml")]
+    calibration: Option<std::path::PathBuf>,
+    /// End with the first host that hangs up
+    #[arg(long)]
+    once: bool,
+    #[command(flatten)]
+    bench: BenchArgs,
+}
+
+/// Board time per turn.
+const TURN: Duration = Duration::from_millis(5);
+
+/// In fast mode the board's time waits for the host when it has not been heard for so long: well before its watchdog bites.
+const FAST_LEAD_US: u64 = 200_000;
+
+/// A host that takes nothing for so long is gone.
+const TAKES_WITHIN: Duration = Duration::from_secs(2);
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
+    let setup = args.bench.setup(calibration)?;
+    let listener =
+        TcpListener::bind(&args.listen).with_context(|| format!("cannot listen at {}", args.listen))?;
+    listener.set_nonblocking(true)?;
+    let interrupt = Interrupt::listen();
+    output::print(&format!("listening on {}\n", listener.local_addr()?))?;
+    let pace = if args.fast { Pace::Fast } else { Pace::RealTime };
+    let served = VirtualBoard::run(&setup, |board| {
+        let mut server =
+            Server { board, pace, host: None, heard_us: 0, outgoing: Vec::new(), from: Instant::now() };
+        server.serve(&listener, args.once, &interrupt)
+    });
+    served??;
+    Ok(Outcome::Done)
+}
+
+struct Server<'s, 'b> {
+    board: &'s mut VirtualBoard<'b>,
+    pace: Pace,
+    host: Option<TcpStream>,
+    /// When the host was last heard, in the board's time.
+    heard_us: u64,
+    outgoing: Vec<u8>,
+    /// The board's time 0 on the wall.
+    from: Instant,
+}
+
+impl Server<'_, '_> {
+    fn serve(&mut self, listener: &TcpListener, once: bool, interrupt: &Interrupt) -> anyhow::Result<()> {
+        while interrupt.count() == 0 {
+            if self.host.is_none() {
+                self.accept(listener)?;
+            }
+            let had_host = self.host.is_some();
+            self.hear();
+            self.advance()?;
+            self.answer();
+            if once && had_host && self.host.is_none() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, listener: &TcpListener) -> anyhow::Result<()> {
+        match listener.accept() {
+            Ok((stream, address)) => {
+                output::say(format_args!("host {address} connected"));
+                stream.set_nonblocking(false)?;
+                stream.set_nodelay(true)?;
+                stream.set_read_timeout(Some(if self.pace == Pace::Fast {
+                    Duration::from_millis(1)
+                } else {
+                    TURN
+                }))?;
+                stream.set_write_timeout(Some(TAKES_WITHIN))?;
+                self.host = Some(stream);
+                self.heard_us = self.board.now_us();
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(TURN),
+            Err(error) => return Err(error).context("cannot accept a host"),
+        }
+        Ok(())
+    }
+
+    fn hear(&mut self) {
+        let Some(stream) = &mut self.host else { return };
+        let mut bytes = [0; 4096];
+        match stream.read(&mut bytes) {
+            Ok(0) => self.hang_up("hung up"),
+            Ok(count) => {
+                self.board.receive(&bytes[..count], &mut self.outgoing);
+                self.heard_us = self.board.now_us();
+            }
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+            Err(error) => self.hang_up(&error.to_string()),
+        }
+    }
+
+    fn advance(&mut self) -> Result<(), SimError> {
+        let now_us = self.board.now_us();
+        let until_us = match self.pace {
+            Pace::RealTime => u64::try_from(self.from.elapsed().as_micros()).unwrap_or(u64::MAX),
+            Pace::Fast
+                if self.host.is_none()
+                    || now_us < self.heard_us + FAST_LEAD_US
+                    || !self.board.state().is_live() =>
+            {
+                now_us + 4 * TURN.as_micros() as u64
+            }
+            Pace::Fast => now_us,
+        };
+        self.board.advance(until_us, &mut self.outgoing)
+    }
+
+    fn answer(&mut self) {
+        if let Some(stream) = &mut self.host
+            && let Err(error) = stream.write_all(&self.outgoing)
+        {
+            self.hang_up(&error.to_string());
+        }
+        self.outgoing.clear();
+    }
+
+    fn hang_up(&mut self, why: &str) {
+        output::say(format_args!("host left: {why}"));
+        self.host = None;
+    }
+}

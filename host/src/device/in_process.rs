@@ -1,0 +1,106 @@
+//! A virtual board in this process, behind the same bytes as a real one.
+//!
+//! Board and host take turns: each read lets the board's clock go on a little. So a run is the same every time, no sample
+//! waits for a slow host, and simulated time passes as fast as the machine allows, or in step with the clock on the wall.
+
+use std::io::{self, Read, Write};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::anyhow;
+use socam_sim::{Setup, SimError, VirtualBoard};
+
+/// Board time per turn.
+const TURN_US: u64 = 20_000;
+
+/// How fast a virtual board's time passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pace {
+    /// As fast as it can.
+    Fast,
+    /// As on the wall.
+    RealTime,
+}
+
+/// The host's end.
+pub(crate) struct InProcess {
+    to_board: Sender<Vec<u8>>,
+    from_board: Receiver<Result<Vec<u8>, SimError>>,
+    outgoing: Vec<u8>,
+    incoming: Vec<u8>,
+    read: usize,
+}
+
+impl InProcess {
+    /// Builds the bench and switches its board on.
+    pub(crate) fn start(setup: Setup, pace: Pace) -> anyhow::Result<Self> {
+        let (to_board, requests) = channel::<Vec<u8>>();
+        let (answers, from_board) = channel();
+        thread::Builder::new().name("virtual board".into()).spawn(move || {
+            let served = VirtualBoard::run(&setup, |board| serve(board, pace, &requests, &answers));
+            if let Err(error) = served {
+                // The host is told with its first read; when it is gone there is nobody to tell.
+                let _ = answers.send(Err(error));
+            }
+        })?;
+        Ok(Self { to_board, from_board, outgoing: Vec::new(), incoming: Vec::new(), read: 0 })
+    }
+}
+
+/// Answers turn by turn until the host is gone.
+fn serve(
+    board: &mut VirtualBoard<'_>,
+    pace: Pace,
+    requests: &Receiver<Vec<u8>>,
+    answers: &Sender<Result<Vec<u8>, SimError>>,
+) {
+    let switched_on = Instant::now();
+    while let Ok(request) = requests.recv() {
+        let mut bytes = Vec::new();
+        board.receive(&request, &mut bytes);
+        let until_us = board.now_us() + TURN_US;
+        let answer = board.advance(until_us, &mut bytes).map(|()| bytes);
+        if pace == Pace::RealTime {
+            let due = switched_on + Duration::from_micros(until_us);
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+        }
+        let failed = answer.is_err();
+        if answers.send(answer).is_err() || failed {
+            return;
+        }
+    }
+}
+
+impl Read for InProcess {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.read == self.incoming.len() {
+            let gone = |_| io::Error::other("the virtual board is gone");
+            self.to_board
+                .send(std::mem::take(&mut self.outgoing))
+                .map_err(|_| io::Error::other("the virtual board is gone"))?;
+            let answer = self.from_board.recv().map_err(gone)?;
+            self.incoming = answer.map_err(|error| io::Error::other(anyhow!(error)))?;
+            self.read = 0;
+        }
+        let waiting = &self.incoming[self.read..];
+        if waiting.is_empty() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        let count = waiting.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&waiting[..count]);
+        self.read += count;
+        Ok(count)
+    }
+}
+
+impl Write for InProcess {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.outgoing.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

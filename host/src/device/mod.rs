@@ -1,0 +1,131 @@
+//! The host's side of the link to a board: in this process, over TCP, over a serial line.
+//!
+//! All three are a [`Stream`] of bytes; a [`Session`] turns it into a conversation, and a [`Run`](run::Run) of a profile into a
+//! recording.
+
+mod in_process;
+mod interrupt;
+pub(crate) mod run;
+pub(crate) mod session;
+pub(crate) mod virtual_bench;
+
+use std::io::{Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::str::FromStr;
+use std::time::Duration;
+
+use anyhow::{Context, anyhow};
+use socam_sim::Setup;
+
+pub(crate) use in_process::{InProcess, Pace};
+pub(crate) use interrupt::Interrupt;
+pub(crate) use session::Session;
+
+/// Bytes both ways. `read` returns within [`PATIENCE`]; an error of kind `TimedOut` or `WouldBlock` means "nothing yet", and
+/// 0 bytes that the other end is gone.
+pub(crate) trait Stream: Read + Write {}
+
+impl<T: Read + Write> Stream for T {}
+
+/// How long a read may wait.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// How long a connection may take.
+const CONNECT_WITHIN: Duration = Duration::from_secs(3);
+
+/// Where a board is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Device {
+    /// A virtual board in this process.
+    Sim,
+    /// A serial line, USB included.
+    Serial(String),
+    /// A board behind TCP: `HOST:PORT`.
+    Tcp(String),
+}
+
+impl FromStr for Device {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "sim" => Ok(Self::Sim),
+            Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
+            Some(("tcp", address)) if address.contains(':') => Ok(Self::Tcp(address.into())),
+            _ => Err("expected sim, serial:PATH or tcp:HOST:PORT".into()),
+        }
+    }
+}
+
+impl std::fmt::Display for Device {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Sim => f.write_str("sim"),
+            Self::Serial(path) => write!(f, "serial:{path}"),
+            Self::Tcp(address) => write!(f, "tcp:{address}"),
+        }
+    }
+}
+
+/// Opens the link and asks the board who it is. `bench` is what the virtual board of [`Device::Sim`] stands on.
+pub(crate) fn open(device: &Device, bench: Option<(Setup, Pace)>) -> anyhow::Result<Session> {
+    let stream: Box<dyn Stream> = match (device, bench) {
+        (Device::Sim, Some((setup, pace))) => Box::new(InProcess::start(setup, pace)?),
+        (Device::Sim, None) => return Err(anyhow!("a virtual board needs a bench")),
+        (Device::Serial(path), _) => Box::new(open_serial(path)?),
+        (Device::Tcp(address), _) => Box::new(open_tcp(address)?),
+    };
+    Session::open(stream, device.to_string())
+}
+
+fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
+    // USB CDC ignores the rate; a real UART needs one that carries the stream.
+    let mut port = serialport::new(path, 921_600)
+        .timeout(PATIENCE)
+        .open()
+        .with_context(|| format!("cannot open the serial line {path}"))?;
+    // Many USB stacks send nothing before the host raises this line.
+    port.write_data_terminal_ready(true).ok();
+    Ok(port)
+}
+
+fn open_tcp(address: &str) -> anyhow::Result<TcpStream> {
+    let places = address.to_socket_addrs().with_context(|| format!("cannot find tcp:{address}"))?;
+    let mut refusal = anyhow!("tcp:{address} has no address");
+    for place in places {
+        match TcpStream::connect_timeout(&place, CONNECT_WITHIN) {
+            Ok(stream) => {
+                stream.set_read_timeout(Some(PATIENCE))?;
+                stream.set_write_timeout(Some(CONNECT_WITHIN))?;
+                stream.set_nodelay(true)?;
+                return Ok(stream);
+            }
+            Err(error) => {
+                let reason = match error.kind() {
+                    std::io::ErrorKind::ConnectionRefused => "nothing listens there".to_owned(),
+                    std::io::ErrorKind::TimedOut => "no answer".to_owned(),
+                    _ => error.to_string(),
+                };
+                refusal = anyhow!(
+                    "cannot connect to tcp:{address}: {reason}; is the board (or `virtual-board`) running?"
+                );
+            }
+        }
+    }
+    Err(refusal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn devices_are_read() {
+        assert_eq!("sim".parse(), Ok(Device::Sim));
+        assert_eq!("serial:/dev/ttyACM0".parse(), Ok(Device::Serial("/dev/ttyACM0".into())));
+        assert_eq!("tcp:127.0.0.1:4000".parse(), Ok(Device::Tcp("127.0.0.1:4000".into())));
+        for text in ["", "sim:", "serial:", "tcp:4000", "usb:1", "SIM"] {
+            assert!(text.parse::<Device>().is_err(), "{text}");
+        }
+    }
+}

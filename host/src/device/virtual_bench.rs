@@ -1,0 +1,48 @@
+//! The virtual bench as the command line describes it.
+
+use socam_recording::Calibration;
+use socam_sim::{Concealed, Override, Setup, Truth, calibration_for};
+
+use crate::model_file;
+use crate::output::WrongArguments;
+
+/// What the virtual bench really is
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct BenchArgs {
+    #[arg(long, value_name = "M.toml", default_value = "speed-o-cam", help = model_file::HELP)]
+    pub(crate) model: String,
+    /// Let a parameter of the virtual bench differ from the model's: NAME=VALUE in SI
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<Override>,
+    /// Conceal physics in the virtual bench that the model does not name: EFFECT@PLACE:name=value,.. in SI
+    #[arg(long, value_name = "EFFECT@PLACE:name=value,..")]
+    pub(crate) hide: Vec<Concealed>,
+    /// Draws the sensors' noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Take all noise from the sensors
+    #[arg(long)]
+    pub(crate) no_noise: bool,
+}
+
+impl BenchArgs {
+    /// The drivetrain as it really is.
+    pub(crate) fn truth(&self) -> anyhow::Result<Truth> {
+        let model = model_file::load(&self.model)?;
+        Truth::new(&model, &self.set, &self.hide).map_err(|error| WrongArguments(error.to_string()).into())
+    }
+
+    /// The whole bench. Its sensors are those of `calibration`, or such as suit the model.
+    pub(crate) fn setup(&self, calibration: Option<Calibration>) -> anyhow::Result<Setup> {
+        let truth = self.truth()?;
+        let calibration = calibration.unwrap_or_else(|| calibration_for(&truth.model));
+        let mut setup = Setup::new(truth, calibration, self.seed);
+        setup.noisy = !self.no_noise;
+        Ok(setup)
+    }
+
+    /// Whether anything but the model was given: that makes sense for a virtual bench only.
+    pub(crate) fn describes_a_bench(&self) -> bool {
+        !self.set.is_empty() || !self.hide.is_empty() || self.no_noise
+    }
+}
