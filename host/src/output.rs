@@ -1,6 +1,7 @@
 //! What every command says, and how: results on stdout, talk on stderr, an error as one sentence.
 
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use serde::Serialize;
@@ -64,6 +65,18 @@ pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
         warn(format_args!("`{run}`: {warning}"));
     }
     Ok(data)
+}
+
+/// One output file takes one recording.
+pub(crate) fn single_output(runs: &[String], output: Option<&Path>) -> Result<(), WrongArguments> {
+    match output {
+        Some(output) if runs.len() > 1 => Err(WrongArguments(format!(
+            "{} recordings for one output `{}`; leave -o out to write each beside its recording",
+            runs.len(),
+            output.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Says why a command failed, in one sentence, and with which code to exit.

@@ -9,13 +9,13 @@ use socam_recording::{Format, Selection, export_csv, write_csv};
 use super::Outcome;
 use crate::output::{self, WrongArguments};
 
-/// Turn a recording into a .csv table
+/// Turn recordings into .csv tables
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Recording (.mcap, .csv or .m), or a part of it: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN")]
-    run: String,
-    /// File to write, `-` for stdout; beside RUN with the extension .csv when not given
+    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    /// File to write, for a single RUN, `-` for stdout; beside RUN with the extension .csv when not given
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Format to write
@@ -33,25 +33,31 @@ enum Target {
     Mat,
 }
 
-/// Writes the table. What a log has lost is lost in the table too, and said by the outcome.
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let extension = args.output.as_deref().and_then(Path::extension);
     if args.format != Target::Csv || extension.is_some_and(|e| e == "parquet" || e == "mat") {
-        return Err(WrongArguments(
-            "export writes .csv only; Parquet and .mat are not there yet (both read .csv)".into(),
-        )
-        .into());
+        let problem = "export writes .csv only; Parquet and .mat are not there yet (both read .csv)";
+        return Err(WrongArguments(problem.into()).into());
     }
-    let selection = Selection::parse(&args.run)?;
-    let data = output::open(&args.run)?;
-    let target = match args.output {
-        Some(target) => target,
+    output::single_output(&args.runs, args.output.as_deref())?;
+    let mut outcome = Outcome::Done;
+    for run in &args.runs {
+        if export(run, args.output.as_deref())? == Outcome::LostSamples {
+            outcome = Outcome::LostSamples;
+        }
+    }
+    Ok(outcome)
+}
+
+/// Writes one table. What a log has lost is lost in the table too, and said by the outcome.
+fn export(run: &str, output: Option<&Path>) -> anyhow::Result<Outcome> {
+    let selection = Selection::parse(run)?;
+    let data = output::open(run)?;
+    let target = match output {
+        Some(target) => target.to_owned(),
         None if data.format() == Format::Csv => {
-            return Err(WrongArguments(format!(
-                "`{}` is a .csv already; name the file to write with -o",
-                args.run
-            ))
-            .into());
+            let problem = format!("`{run}` is a .csv already; name the file to write with -o");
+            return Err(WrongArguments(problem).into());
         }
         None => selection.path.with_extension("csv"),
     };

@@ -9,13 +9,13 @@ use socam_recording::{Dataset, Format, LegacyLog, Selection, import_mcap};
 use super::Outcome;
 use crate::output;
 
-/// Turn a .csv or legacy .m recording into an MCAP log
+/// Turn .csv or legacy .m recordings into MCAP logs
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Recording (.csv or .m), or a part of it: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN")]
-    run: String,
-    /// Log to write; beside RUN with the extension .mcap when not given
+    /// Recordings (.csv or .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    /// Log to write, for a single RUN; beside RUN with the extension .mcap when not given
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Note that travels with the log
@@ -24,14 +24,20 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let selection = Selection::parse(&args.run)?;
-    let data = output::open(&args.run)?;
-    let target = args.output.unwrap_or_else(|| selection.path.with_extension("mcap"));
+    output::single_output(&args.runs, args.output.as_deref())?;
+    for run in &args.runs {
+        import(run, &args)?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn import(run: &str, args: &Args) -> anyhow::Result<()> {
+    let selection = Selection::parse(run)?;
+    let data = output::open(run)?;
+    let target = args.output.clone().unwrap_or_else(|| selection.path.with_extension("mcap"));
     let mut metadata = settings(&data, &selection)?;
     metadata.insert("host".into(), env!("CARGO_PKG_VERSION").into());
-    if let Some(note) = args.note {
-        metadata.insert("note".into(), note);
-    }
+    metadata.extend(args.note.clone().map(|note| ("note".to_owned(), note)));
     import_mcap(&data, modified_unix_ns(&selection), metadata, &target)?;
     output::say(format_args!(
         "{} samples of {} channels written to {}",
@@ -39,7 +45,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         data.channels().len(),
         target.display()
     ));
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// The run's settings that the thesis' program noted in its log.
