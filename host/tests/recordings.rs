@@ -1,0 +1,90 @@
+//! The commands about recordings, as processes: exit codes, stdout for results only, no partial files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn socam(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_socam-host")).args(arguments).output().expect("it starts")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+fn write_run(folder: &Path) -> String {
+    let path = folder.join("run.csv");
+    let mut content = String::from("t_s,motor_speed_rad_s,output_speed_rad_s,note\n");
+    for i in 0..20_000 {
+        let t = f64::from(i) / 1000.0;
+        let speed = 100.0 + (7.0 * t).sin() + (19.0 * t).sin() + (40.0 * t).sin();
+        content += &format!("{t},{speed},{},x\n", speed / 8.0);
+    }
+    std::fs::write(&path, content).expect("a file");
+    text(&path).to_owned()
+}
+
+/// One sentence on stderr, nothing on stdout, this exit code.
+fn refused(arguments: &[&str], code: i32, expected: &str) {
+    let output = socam(arguments);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
+    let errors = stderr.lines().filter(|line| !line.starts_with("warning:"));
+    assert_eq!(errors.count(), 1, "{arguments:?}: {stderr}");
+}
+
+#[test]
+fn json_is_one_document_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = write_run(folder.path());
+    for command in ["info", "check"] {
+        let output = socam(&[command, "--json", &run, &format!("{run}@1..2")]);
+        assert_eq!(output.status.code(), Some(0));
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(document["schema"], format!("socam.{command}/1"));
+        assert_eq!(document["recordings"].as_array().map(Vec::len), Some(2));
+    }
+}
+
+#[test]
+fn a_recording_goes_to_mcap_and_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = write_run(folder.path());
+    assert_eq!(socam(&["import", &run]).status.code(), Some(0));
+    let log = folder.path().join("run.mcap");
+    let back = folder.path().join("back.csv");
+    assert_eq!(socam(&["export", text(&log), "-o", text(&back)]).status.code(), Some(0));
+    let read = |path: &str| -> Vec<Vec<f64>> {
+        let content = std::fs::read_to_string(path).expect("a table");
+        let row = |line: &str| line.split(',').take(3).map(|cell| cell.parse().expect("a number")).collect();
+        content.lines().skip(1).map(row).collect()
+    };
+    assert_eq!(read(&run), read(text(&back)));
+    // A log that lost its end is exported as far as it goes, and the exit code says so.
+    let bytes = std::fs::read(&log).expect("the log");
+    std::fs::write(&log, &bytes[..bytes.len() / 2]).expect("a cut log");
+    assert_eq!(socam(&["info", text(&log)]).status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&socam(&["info", text(&log)]).stdout).contains("cut off"));
+}
+
+#[test]
+fn bad_input_gets_one_sentence_and_leaves_no_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = write_run(folder.path());
+    let empty = folder.path().join("empty.mcap");
+    std::fs::write(&empty, "").expect("a file");
+    refused(&["info", text(folder.path())], 1, "is a directory");
+    refused(&["info", text(&empty)], 1, "is empty");
+    refused(&["check", "absent.csv"], 1, "no such file");
+    refused(&["info", &format!("{run}@3..1")], 2, "FROM must be before TO");
+    refused(&["check", "--input", "nothing", &run], 1, "no channel `nothing`");
+    refused(&["export", &run], 2, "name the file to write with -o");
+    refused(&["export", &run, "-o", "x.parquet"], 2, "not there yet");
+    refused(&["import", &run, &run, "-o", "x.mcap"], 2, "for one output");
+    if Path::new("/dev/full").exists() {
+        refused(&["export", &run, "-o", "/dev/full"], 1, "disk is full");
+        refused(&["import", &run, "-o", "/dev/full"], 1, "disk is full");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 2);
+}
