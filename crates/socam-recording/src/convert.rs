@@ -98,8 +98,9 @@ pub fn import_mcap(
     let mut log = LogWriter::begin(target, file.handle()?, &header)?;
     let mut rows = RowEncoder::default();
     for block in data.blocks()? {
-        rows.write(&mut log, &block?)?;
+        // Before the block, not after: the last rows share their chunk with the closing event.
         log.flush()?;
+        rows.write(&mut log, &block?)?;
     }
     let end = Event {
         device_time_ns: nanoseconds(data.end_s()),

@@ -413,9 +413,9 @@ struct Decoder {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     topics: Vec<String>,
     channels: Vec<Channel>,
-    /// The MCAP channel of samples, and for each protobuf field number from 0 its column in the table.
+    /// The MCAP channel of samples, and its fields' numbers with their columns in the table, by number.
     sample_channel: Option<u16>,
-    columns: Vec<Option<usize>>,
+    columns: Vec<(u32, usize)>,
     status_channel: Option<u16>,
     event_channel: Option<u16>,
     previous_s: Option<f64>,
@@ -507,13 +507,10 @@ impl Decoder {
             all = wanted.iter().filter_map(|&i| all.get(i).cloned()).collect();
         }
         for (index, (number, channel)) in all.into_iter().enumerate() {
-            let number = number as usize;
-            if self.columns.len() <= number {
-                self.columns.resize(number + 1, None);
-            }
-            self.columns[number] = Some(index);
+            self.columns.push((number, index));
             self.channels.push(channel);
         }
+        self.columns.sort_unstable();
     }
 
     fn message(&mut self, body: &[u8], table: &mut Table) -> Option<()> {
@@ -543,10 +540,10 @@ impl Decoder {
             (SEQUENCE, Field::Varint(value)) => sequence = Some(value),
             (EXACT_TIME_S, Field::Double(value)) => exact_s = Some(value),
             (number, Field::Double(value)) => {
-                if let Some(Some(column)) = columns.get(number as usize)
+                if let Ok(found) = columns.binary_search_by_key(&number, |column| column.0)
                     && value.is_finite()
                 {
-                    table.columns[*column][row] = value;
+                    table.columns[columns[found].1][row] = value;
                 }
             }
             _ => {}
@@ -560,7 +557,7 @@ impl Decoder {
         }
         self.previous_s = Some(time_s);
         if let (Some(expected), Some(sequence)) = (self.next_sequence, sequence) {
-            self.lost += sequence.saturating_sub(expected);
+            self.lost = self.lost.saturating_add(sequence.saturating_sub(expected));
         }
         self.next_sequence = sequence.map(|sequence| sequence.wrapping_add(1));
         Some(())

@@ -147,7 +147,7 @@ impl Recorder {
             if let Some(expected) = self.expected_sequence {
                 self.counts.missed += row.sequence.saturating_sub(expected);
             }
-            self.expected_sequence = Some(row.sequence + 1);
+            self.expected_sequence = Some(row.sequence.saturating_add(1));
             let waiting = (Topic::Sample, row.device_time_ns, Some(row.sequence));
             if queue.push(waiting, |out| encode_sample(row, None, out)) {
                 taken += 1;
