@@ -3,7 +3,7 @@
 use socam_model::ModelError;
 
 /// A simulation that cannot begin or go on, in one sentence.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
     /// The model refuses its parameters or has no unique motion.
@@ -17,6 +17,9 @@ pub enum SimError {
         /// The solver's words.
         reason: String,
     },
+    /// The recording that drives the simulation cannot be read.
+    #[error(transparent)]
+    Recording(#[from] socam_recording::RecordingError),
     /// Something that was asked for in words does not exist or cannot be understood.
     #[error("`{text}`: {problem}")]
     Argument {

@@ -3,6 +3,7 @@
 //! * [`Truth`]: what the simulated drivetrain really is: a model, changed parameters, concealed physics.
 //! * [`Plant`]: its equations of motion, solved by an error-controlled stiff solver.
 //! * [`Setup`]: a whole bench, with [`Drive`] and sensors.
+//! * [`Replay`]: a model driven by what was recorded, next to what was measured.
 //! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
 //!
 //! # Conventions
@@ -14,6 +15,7 @@ mod bench;
 mod drive;
 mod error;
 mod plant;
+mod replay;
 mod sensors;
 mod truth;
 mod virtual_board;
@@ -22,5 +24,6 @@ pub use bench::{NO_TACHOMETER, Setup, calibration_for};
 pub use drive::{Answer, Drive};
 pub use error::SimError;
 pub use plant::{Effort, Plant, Trajectory};
+pub use replay::{Between, Disturbance, OutputError, Replay, Replayed, Start};
 pub use truth::{Concealed, Override, Truth};
 pub use virtual_board::VirtualBoard;

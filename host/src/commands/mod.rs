@@ -1,11 +1,13 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
 mod check;
+mod demo;
 mod export;
 mod identify;
 mod import;
 mod info;
 mod record;
+mod simulate;
 mod virtual_board;
 
 use std::process::ExitCode;
@@ -54,6 +56,8 @@ commands! {
     Import => import,
     Export => export,
     Identify => identify,
+    Demo => demo,
     Record => record,
+    Simulate => simulate,
     VirtualBoard => virtual_board,
 }

@@ -98,6 +98,7 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
         end: None,
         is_over: false,
         state: State::Armed,
+        before: None,
         values: Vec::new(),
         counts: Vec::new(),
         progress: progress(plan.profile.duration_us),
@@ -191,6 +192,8 @@ struct Run<'s> {
     /// The course's last sample has been taken; of a fault the reason may still be to come.
     is_over: bool,
     state: State,
+    /// The first status of the run.
+    before: Option<BoardStatus>,
     values: Vec<f64>,
     counts: Vec<i32>,
     progress: ProgressBar,
@@ -324,12 +327,15 @@ impl Run<'_> {
 
     fn take_status(&mut self, status: &BoardStatus) {
         let board = &status.board;
+        // What happened before this run is not its fault; the board counts since it was switched on.
+        let before = self.before.get_or_insert(*status);
         self.recorder.status(&Status {
-            device_time_ns: self.now_ns(),
+            device_time_ns: self.last_tick as i64 * i64::from(self.period_us) * 1000,
             state: board.state.to_string(),
-            overruns: board.overruns.into(),
-            lost: u64::from(board.dropped) + self.recorder.lost(),
-            link_errors: u64::from(status.link.total()) + u64::from(self.session.link_counts().total()),
+            overruns: board.overruns.saturating_sub(before.board.overruns).into(),
+            lost: u64::from(board.dropped.saturating_sub(before.board.dropped)) + self.recorder.lost(),
+            link_errors: u64::from(status.link.total().saturating_sub(before.link.total()))
+                + u64::from(self.session.link_counts().total()),
         });
         if let Some(fault) = board.fault {
             // Samples are sent before the status, so those that led to the fault are here.

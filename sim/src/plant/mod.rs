@@ -31,6 +31,8 @@ type Solver<'p> = Sdirk<'p, Motion, NalgebraLU<f64>, Matrix>;
 /// Equations of motion, ready to be solved; at rest at time 0.
 pub struct Plant {
     problem: OdeSolverProblem<Motion>,
+    /// Which states are speeds; the others are angles.
+    speeds: Vec<bool>,
 }
 
 /// What a simulation cost.
@@ -44,6 +46,19 @@ pub struct Effort {
     pub iterations: usize,
     /// Factorisations of the iteration matrix.
     pub factorisations: usize,
+}
+
+impl std::ops::Add for Effort {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            steps: self.steps + other.steps,
+            refused_steps: self.refused_steps + other.refused_steps,
+            iterations: self.iterations + other.iterations,
+            factorisations: self.factorisations + other.factorisations,
+        }
+    }
 }
 
 impl Plant {
@@ -64,8 +79,9 @@ impl Plant {
             Kind::Rotation => ROTATION_TOLERANCES,
             Kind::Translation => TRANSLATION_TOLERANCES,
         };
-        let is_speed = |name: &String| name.starts_with("speed of");
-        let absolute = equations.state_names.iter().map(|name| if is_speed(name) { speed } else { angle });
+        let speeds: Vec<bool> =
+            equations.state_names.iter().map(|name| name.starts_with("speed of")).collect();
+        let absolute = speeds.iter().map(|is_speed| if *is_speed { speed } else { angle });
         let mut problem = OdeBuilder::<Matrix>::new()
             .rtol(RELATIVE_TOLERANCE)
             .atol(absolute.collect::<Vec<f64>>())
@@ -74,7 +90,17 @@ impl Plant {
             .map_err(|error| failed(0.0, &error))?;
         // diffsol counts these over the whole run, not per step: a friction law that turns a thousand times is no failure.
         problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
-        Ok(Self { problem })
+        Ok(Self { problem, speeds })
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.speeds.len()
+    }
+
+    /// Which states are speeds; the others are angles or positions.
+    pub(crate) fn speeds(&self) -> &[bool] {
+        &self.speeds
     }
 
     /// From rest, at time 0, with all inputs 0.
@@ -82,13 +108,22 @@ impl Plant {
     /// # Errors
     /// [`SimError::Solver`] where the solver refuses the problem.
     pub fn start(&self) -> Result<Trajectory<'_>, SimError> {
+        self.start_at(&vec![0.0; self.states()])
+    }
+
+    /// From given states, at time 0, with all inputs 0.
+    ///
+    /// # Errors
+    /// [`SimError::Solver`] where the solver refuses the problem.
+    pub fn start_at(&self, states: &[f64]) -> Result<Trajectory<'_>, SimError> {
         let motion = &self.problem.eqn;
         motion.reset();
-        let solver = self
+        let mut solver = self
             .problem
             .rk_state(&Tableau::esdirk34())
             .and_then(|state: RkState<_, Matrix>| self.problem.esdirk34_solver(state))
             .map_err(|error| failed(0.0, &error))?;
+        solver.state_mut().y.batch_as_mut_slice(0).copy_from_slice(states);
         Ok(Trajectory { motion, solver, step_s: FIRST_STEP_S })
     }
 }
@@ -105,6 +140,11 @@ impl Trajectory<'_> {
     /// Simulated time, s.
     pub fn time_s(&self) -> f64 {
         self.solver.state().t
+    }
+
+    /// From now on the inputs are these; no time passes.
+    pub fn set_input(&mut self, input: &[f64]) {
+        self.motion.hold(self.time_s(), input);
     }
 
     /// Goes on to `to_s` with the inputs held at `input` from now on.

@@ -134,7 +134,7 @@ impl Motion {
         let passed_s = from_s - now.start_s;
         for ((value, slope), end) in now.value.iter_mut().zip(&mut now.slope_per_s).zip(input) {
             *value += *slope * passed_s;
-            *slope = (end - *value) / (to_s - from_s);
+            *slope = if to_s > from_s { (end - *value) / (to_s - from_s) } else { 0.0 };
         }
         now.start_s = from_s;
     }

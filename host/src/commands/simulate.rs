@@ -1,0 +1,227 @@
+//! `simulate`: the bench without a bench, or a model driven by what was recorded.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde::Serialize;
+use socam_recording::{Dataset, export_csv, import_mcap};
+use socam_sim::{Between, Disturbance, OutputError, Replay, Replayed, Start};
+
+use super::Outcome;
+use super::record::{self, CourseArgs, attachment};
+use crate::device::run::{self, Plan, Report};
+use crate::device::virtual_bench::BenchArgs;
+use crate::device::{self, Device, Interrupt, Pace};
+use crate::output::{self, WrongArguments};
+use crate::{model_file, table};
+
+/// Simulate the bench on a profile, or drive a model by the inputs of a recording and compare
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("course").args(["profile", "input"]).required(true)))]
+pub(crate) struct Args {
+    /// Recording to write (.mcap or .csv)
+    #[arg(short, long, value_name = "RUN", required_unless_present = "input")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    course: CourseArgs,
+    /// Recording whose inputs drive the model, or a part of it: RUN@FROM..TO in seconds
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["duration", "rate", "no_noise"])]
+    input: Option<String>,
+    /// A column of that recording that acts beside the model's inputs: a torque or force on a node, or volts on a servo's drive
+    #[arg(long, value_name = "COLUMN@PLACE", requires = "input")]
+    disturb: Vec<Disturbance>,
+    /// What an input does between two samples
+    #[arg(long, value_enum, default_value_t = Hold::Line, requires = "input")]
+    between: Hold,
+    /// Start at rest; otherwise in the smallest states that meet the first 50 samples
+    #[arg(long, requires = "input")]
+    from_rest: bool,
+    #[command(flatten)]
+    bench: BenchArgs,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Hold {
+    /// Straight on to the next sample (first-order hold)
+    Line,
+    /// Stays until the next sample (zero-order hold)
+    Step,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let kind = args.output.as_deref().map(Kind::of).transpose()?;
+    match (&args.input, &args.output, kind) {
+        (Some(input), _, kind) => compare(&args, input, kind),
+        (None, Some(path), Some(kind)) => simulate(&args, path, kind),
+        _ => Err(WrongArguments("simulate needs --output".into()).into()),
+    }
+}
+
+/// What is written, by the file's extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Mcap,
+    Csv,
+}
+
+impl Kind {
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("mcap") => Ok(Self::Mcap),
+            Some("csv") => Ok(Self::Csv),
+            _ => {
+                Err(WrongArguments(format!("`{}`: a simulation is written as .mcap or .csv", path.display()))
+                    .into())
+            }
+        }
+    }
+}
+
+/// The virtual bench, recorded beside the file's place and put there once it is whole.
+fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let report = simulate_into(&args.course, &args.bench, &part);
+    let placed = report.and_then(|report| {
+        record::outcome(&part, &report)?;
+        match kind {
+            Kind::Mcap => {
+                std::fs::rename(&part, path).with_context(|| format!("cannot write `{}`", path.display()))?
+            }
+            Kind::Csv => {
+                export_csv(&Dataset::open_selection(&socam_recording::Selection::whole(&part))?, path)?
+            }
+        }
+        Ok(report)
+    });
+    let _ = std::fs::remove_file(&part);
+    let report = placed?;
+    record::tell(path, &report, args.course.rate, args.json)?;
+    record::outcome(path, &report)
+}
+
+/// Runs a profile on the virtual bench as fast as it can. The same arguments give the same file.
+pub(crate) fn simulate_into(course: &CourseArgs, bench: &BenchArgs, path: &Path) -> anyhow::Result<Report> {
+    let setup = bench.setup(None)?;
+    let metadata = [("device", "simulation".to_owned()), ("seed", bench.seed.to_string())];
+    let mut plan = record::plan(course, path.to_owned())?;
+    plan.calibration = setup.calibration.clone();
+    plan.metadata.extend(metadata.map(|(name, value)| (name.to_owned(), value)));
+    plan.attachments.extend(attachment("model.toml", model_file::text(&bench.model)?));
+    let plan = Plan { replace: true, ..plan };
+    let mut session = device::open(&Device::Sim, Some((setup, Pace::Fast)))?;
+    run::record(&mut session, plan, &Interrupt::listen())
+}
+
+/// The model driven by a recording.
+fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outcome> {
+    let data = output::open(input)?;
+    let replay = Replay {
+        truth: args.bench.truth()?,
+        disturbances: args.disturb.clone(),
+        between: match args.between {
+            Hold::Line => Between::Line,
+            Hold::Step => Between::Step,
+        },
+        start: if args.from_rest { Start::Rest } else { Start::Fitted },
+    };
+    let replayed = replay.run(&data)?;
+    if let (Some(path), Some(kind)) = (&args.output, kind) {
+        write(&replayed, path, kind)?;
+    }
+    let comparison = Comparison {
+        schema: "socam.comparison/1",
+        model: replay.truth.model.name.clone(),
+        input: input.to_owned(),
+        output: args.output.as_ref().map(|path| path.display().to_string()),
+        between: match args.between {
+            Hold::Line => "line",
+            Hold::Step => "step",
+        },
+        start: if args.from_rest { "rest" } else { "fitted" },
+        rows: replayed.time_s.len(),
+        channels: replayed.errors.iter().map(ChannelError::from).collect(),
+    };
+    if args.json {
+        output::print_json(&comparison)?;
+    } else {
+        output::print(&comparison.to_text())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn write(replayed: &Replayed, path: &Path, kind: Kind) -> anyhow::Result<()> {
+    let name = path.display().to_string();
+    let (columns, values) = (replayed.columns.clone(), replayed.values.clone());
+    let simulated = Dataset::from_columns(name, columns, replayed.time_s.clone(), values)?;
+    match kind {
+        Kind::Csv => export_csv(&simulated, path)?,
+        Kind::Mcap => {
+            let metadata = [("device".to_owned(), "simulation".to_owned())].into();
+            import_mcap(&simulated, 0, metadata, path).map(|_| ())?;
+        }
+    }
+    Ok(())
+}
+
+/// The names are part of the JSON document.
+#[derive(Serialize)]
+struct Comparison {
+    schema: &'static str,
+    model: String,
+    input: String,
+    output: Option<String>,
+    between: &'static str,
+    start: &'static str,
+    rows: usize,
+    channels: Vec<ChannelError>,
+}
+
+#[derive(Serialize)]
+struct ChannelError {
+    channel: String,
+    unit: &'static str,
+    samples: usize,
+    rms: f64,
+    max: f64,
+    relative_percent: f64,
+}
+
+impl From<&OutputError> for ChannelError {
+    fn from(error: &OutputError) -> Self {
+        Self {
+            channel: error.channel.clone(),
+            unit: error.unit,
+            samples: error.samples,
+            rms: error.rms,
+            max: error.max,
+            relative_percent: error.relative_percent,
+        }
+    }
+}
+
+impl Comparison {
+    fn to_text(&self) -> String {
+        let course = if self.between == "line" {
+            "straight from sample to sample"
+        } else {
+            "held from sample to sample"
+        };
+        let mut text = format!("{} driven by {} ({} rows, {course})\n", self.model, self.input, self.rows);
+        if self.channels.is_empty() {
+            text.push_str("  it holds none of the model's outputs to compare with\n");
+            return text;
+        }
+        let mut rows =
+            vec![["channel", "unit", "error rms", "error max", "relative %"].map(str::to_owned).to_vec()];
+        rows.extend(self.channels.iter().map(|error| {
+            let numbers = [error.rms, error.max, error.relative_percent].map(table::number);
+            [vec![error.channel.clone(), error.unit.into()], numbers.to_vec()].concat()
+        }));
+        text + &table::align(&rows, &[false, false, true, true, true])
+    }
+}
