@@ -69,13 +69,14 @@ impl std::fmt::Display for Device {
 
 /// Opens the link and asks the board who it is. `bench` is what the virtual board of [`Device::Sim`] stands on.
 pub(crate) fn open(device: &Device, bench: Option<(Setup, Pace)>) -> anyhow::Result<Session> {
+    let is_patient = matches!(bench, Some((_, Pace::Fast)));
     let stream: Box<dyn Stream> = match (device, bench) {
         (Device::Sim, Some((setup, pace))) => Box::new(InProcess::start(setup, pace)?),
         (Device::Sim, None) => return Err(anyhow!("a virtual board needs a bench")),
         (Device::Serial(path), _) => Box::new(open_serial(path)?),
         (Device::Tcp(address), _) => Box::new(open_tcp(address)?),
     };
-    Session::open(stream, device.to_string())
+    Session::open(stream, device.to_string(), is_patient)
 }
 
 fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {

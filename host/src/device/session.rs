@@ -33,6 +33,8 @@ pub(crate) enum Heard {
 pub(crate) struct Session {
     stream: Box<dyn Stream>,
     device: String,
+    /// The other end's time passes only while we listen.
+    is_patient: bool,
     encoder: Encoder,
     decoder: Decoder<ToHost>,
     identity: Identity,
@@ -44,8 +46,12 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// Asks the board who it is. `device` names it in errors.
-    pub(crate) fn open(mut stream: Box<dyn Stream>, device: String) -> anyhow::Result<Self> {
+    /// Asks the board who it is. `device` names it in errors; `is_patient`: its time passes only while we listen.
+    pub(crate) fn open(
+        mut stream: Box<dyn Stream>,
+        device: String,
+        is_patient: bool,
+    ) -> anyhow::Result<Self> {
         let mut encoder = Encoder::new();
         let mut decoder = Decoder::new();
         let mut buffer = vec![0; 1 << 16];
@@ -66,6 +72,7 @@ impl Session {
                         let mut session = Self {
                             stream,
                             device,
+                            is_patient,
                             encoder,
                             decoder,
                             identity,
@@ -99,6 +106,11 @@ impl Session {
     /// Who the board is.
     pub(crate) fn identity(&self) -> &Identity {
         &self.identity
+    }
+
+    /// Whether the board's time passes only while we listen.
+    pub(crate) fn is_patient(&self) -> bool {
+        self.is_patient
     }
 
     /// What went wrong with frames from the board.

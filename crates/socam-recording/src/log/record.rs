@@ -185,6 +185,12 @@ impl Recorder {
         self.shared.queue().bytes.len()
     }
 
+    /// Whether half of the queue is still free. A source that can wait, as a simulation can, waits until it is.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.shared.queue().bytes.len() < Self::QUEUE_BYTES / 2
+    }
+
     /// Whether writing has failed; [`Recorder::finish`] says why. What was written before can still be read.
     #[must_use]
     pub fn has_failed(&self) -> bool {
