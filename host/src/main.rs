@@ -11,11 +11,12 @@ mod table;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
-    let cli = cli::Cli::parse();
-    match cli.command.run() {
+    let command = match cli::read() {
+        Ok(command) => command,
+        Err(code) => return code,
+    };
+    match command.run() {
         Ok(outcome) => outcome.into(),
         Err(error) => output::report(&error),
     }

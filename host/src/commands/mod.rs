@@ -1,6 +1,7 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
 mod check;
+mod completions;
 mod demo;
 mod export;
 mod identify;
@@ -60,4 +61,5 @@ commands! {
     Record => record,
     Simulate => simulate,
     VirtualBoard => virtual_board,
+    Completions => completions,
 }
