@@ -1,1 +1,27 @@
-//! End-to-end tests.
+//! What the end-to-end tests share: the program as a process, and recordings that none of its crates has made.
+
+pub mod bench;
+mod process;
+
+pub use process::{Ran, program, run, socam_host};
+
+use std::path::PathBuf;
+
+/// A file of the public data sets, when `SOCAM_DATA` names their folder; says that the test is skipped when not.
+///
+/// # Panics
+/// When the folder is named but lacks the file.
+pub fn data_set(file: &str) -> Option<PathBuf> {
+    let Some(folder) = std::env::var_os("SOCAM_DATA") else {
+        skip(&format!("SOCAM_DATA names no folder with {file}"));
+        return None;
+    };
+    let path = PathBuf::from(folder).join(file);
+    assert!(path.exists(), "SOCAM_DATA has no {}", path.display());
+    Some(path)
+}
+
+/// Says that a test does not run here and why; `tests/run` counts these lines, so a test calls it once.
+pub fn skip(why: &str) {
+    eprintln!("skipped: {why}");
+}

@@ -1,0 +1,104 @@
+//! `socam-host` as a process.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+/// The program of this workspace, up to date and of the same profile as the test.
+///
+/// Cargo hands a binary's path only to tests of its own package, so this one asks cargo for it: when the whole workspace is under
+/// test it is built already, and cargo only looks.
+///
+/// # Panics
+/// When it does not build.
+pub fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let test = std::env::current_exe().expect("this test's path");
+        let folder = test.ancestors().nth(2).expect("target/PROFILE/deps/TEST");
+        let profile = match folder.file_name().and_then(OsStr::to_str) {
+            Some("debug") | None => "dev",
+            Some(profile) => profile,
+        };
+        // The whole workspace, because cargo chooses the features of shared libraries by what is built together.
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--quiet", "--workspace", "--profile", profile])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .stdin(Stdio::null())
+            .output()
+            .expect("cargo starts");
+        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+        folder.join(format!("socam-host{}", std::env::consts::EXE_SUFFIX))
+    })
+}
+
+/// The program, without standard input and colours.
+#[must_use]
+pub fn socam_host() -> Command {
+    let mut command = Command::new(program());
+    command.stdin(Stdio::null()).env("NO_COLOR", "1").env("RUST_BACKTRACE", "0");
+    command
+}
+
+/// How the program ended and what it said.
+#[derive(Debug)]
+pub struct Ran {
+    /// Exit code; `None` when a signal ended it.
+    pub code: Option<i32>,
+    /// Results.
+    pub stdout: String,
+    /// Talk.
+    pub stderr: String,
+}
+
+impl From<Output> for Ran {
+    fn from(output: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).expect("text");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+}
+
+/// Runs the program to its end.
+///
+/// # Panics
+/// When it does not start.
+pub fn run<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Ran {
+    socam_host().args(arguments).output().expect("socam-host starts").into()
+}
+
+impl Ran {
+    /// What it printed, having ended well.
+    ///
+    /// # Panics
+    /// When it did not.
+    #[must_use]
+    pub fn done(self) -> String {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+        self.stdout
+    }
+
+    /// The JSON document that it printed.
+    ///
+    /// # Panics
+    /// When there is anything else, or more than one.
+    #[must_use]
+    pub fn json(self) -> serde_json::Value {
+        let text = self.done();
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("not one JSON document ({error}): {text}"))
+    }
+
+    /// The one sentence in which it refused: on stderr, in one line, and nothing on stdout.
+    ///
+    /// # Panics
+    /// When it did not refuse, crashed, or said anything else.
+    #[must_use]
+    pub fn refusal(&self, code: i32) -> &str {
+        assert_eq!(self.code, Some(code), "{self:?}");
+        assert_eq!(self.stdout, "", "{self:?}");
+        let sentence = self.stderr.strip_prefix("error: ").and_then(|rest| rest.strip_suffix('\n'));
+        let sentence = sentence.unwrap_or_else(|| panic!("{self:?}"));
+        assert!(!sentence.contains('\n') && !sentence.contains(". "), "more than one sentence: {sentence}");
+        sentence
+    }
+}
