@@ -4,7 +4,9 @@ use socam_identify::{ChannelFit, End, Fit, Identification, ParameterEstimate, So
 
 /// Columns aligned: text left, numbers right.
 pub(crate) fn align(rows: &[Vec<String>], right: &[bool]) -> String {
-    let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..right.len()).map(width).collect();
     let mut text = String::new();
     for row in rows {

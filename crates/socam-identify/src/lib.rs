@@ -25,6 +25,9 @@ mod start;
 mod stepper;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};

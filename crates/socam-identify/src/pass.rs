@@ -34,6 +34,16 @@ pub(crate) struct StretchResult {
     pub(crate) scores: Vec<Vec<f64>>,
 }
 
+impl StretchResult {
+    /// Whether the data show a local unknown at all: a start term may be unobservable, decay within a sample, or
+    /// repeat another. Such a one stays where it is.
+    pub(crate) fn shows_local(&self, index: usize) -> bool {
+        let pivot = self.factor[(index, index)].abs();
+        // Moving it by a whole unit must change the residuals by more than rounding does.
+        pivot > 1e-6 && pivot > 1e-8 * self.factor.as_ref().col(index).norm_l2()
+    }
+}
+
 /// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
 pub(crate) const SCORE_BLOCK_S: f64 = 0.5;
 

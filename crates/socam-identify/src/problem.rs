@@ -14,8 +14,8 @@ pub enum Intersample {
     /// Straight lines. Right for a signal that was generated so; on a sampled motion it acts as a low-pass that
     /// biases dampings (by several per cent for content up to a sixth of the sampling rate).
     Linear,
-    /// A band-limited motion: the samples are sharpened by 1 - (second difference)/12 before straight lines are
-    /// drawn, which makes the hold exact to fourth order in frequency.
+    /// A band-limited motion: the samples are sharpened by second, fourth and sixth differences before straight
+    /// lines are drawn, which makes the hold exact to eighth order in frequency.
     BandLimited,
 }
 
@@ -76,7 +76,7 @@ impl Default for Options {
             intersample: None,
             starts: 6,
             seed: 1,
-            max_iterations: 60,
+            max_iterations: 150,
             constraints: Vec::new(),
         }
     }

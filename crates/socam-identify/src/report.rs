@@ -311,7 +311,7 @@ fn followers(result: &StretchResult, free: usize) -> Mat<f64> {
     let count = result.locals;
     let mut follow = Mat::zeros(count, free);
     for i in (0..count).rev() {
-        if r[(i, i)].abs() <= 1e-8 * r.col(i).norm_l2().max(1e-300) {
+        if !result.shows_local(i) {
             continue;
         }
         for j in 0..free {

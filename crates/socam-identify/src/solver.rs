@@ -2,7 +2,7 @@
 
 use clarabel::{
     algebra::CscMatrix,
-    solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus},
+    solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT},
 };
 use faer::{Mat, MatRef, linalg::solvers::SolveLstsqCore};
 use rand_chacha::{
@@ -18,10 +18,16 @@ use crate::{
     triangle,
 };
 
-/// A descent ends when the next step would lower the cost by less than this fraction.
-const TOLERANCE: f64 = 1e-9;
+/// A descent ends when an undamped step promises to lower the cost (a sum of squares in noise units) by less than
+/// this: then no parameter is further than a tenth of its standard deviation from the minimum.
+const TOLERANCE: f64 = 0.01;
+/// Damping is relative to each parameter's own curvature. A valley along which the cost changes 1e12 times less than
+/// across it must still be walked.
+const LEAST_DAMPING: f64 = 1e-14;
+/// Least factor on the damping after a step that went as promised.
+const LARGEST_RELIEF: f64 = 0.03;
 /// While noise levels or the best start are still being sought.
-const COARSE_TOLERANCE: f64 = 1e-4;
+const COARSE_TOLERANCE: f64 = 10.0;
 /// Noise levels are settled when they change by less than this fraction.
 const NOISE_SETTLED: f64 = 0.01;
 /// Steps of the start states when only they are fitted.
@@ -71,7 +77,7 @@ pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyEr
         let trial = moved(problem, &at, &still);
         let Some(results) = pass::run(problem, &trial, &at.weights)? else { break };
         let cost = total_cost(problem, &trial, &at.weights, &results);
-        if cost >= at.cost * (1.0 - TOLERANCE) {
+        if cost >= at.cost * (1.0 - 1e-9) {
             break;
         }
         (at.point, at.results, at.cost) = (trial, results, cost);
@@ -293,20 +299,20 @@ fn descend(
     let mut factor = global_factor(problem, &at.point, &at.weights, &at.results);
     while at.iterations < max_iterations {
         at.iterations += 1;
-        let Some(step) = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping) else {
+        let promise = |damping: f64| {
+            let step = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping)?;
+            let predicted = at.cost - predicted_cost(factor.as_ref(), &step);
+            Some((step, predicted))
+        };
+        // Damping shortens steps along a valley to nothing; only an undamped step that gains nothing is the end.
+        if promise(LEAST_DAMPING).is_some_and(|(_, predicted)| predicted <= tolerance) {
+            at.end = End::Converged;
+            break;
+        }
+        let Some((step, predicted)) = promise(damping) else {
             at.end = End::Stalled;
             break;
         };
-        let predicted = at.cost - predicted_cost(factor.as_ref(), &step);
-        if predicted <= tolerance * at.cost {
-            // Damping shortens the step; only an undamped one that gains nothing is the end.
-            if damping < 1e-2 || step.iter().all(|s| s.abs() < 1e-9) {
-                at.end = End::Converged;
-                break;
-            }
-            damping *= 0.1;
-            continue;
-        }
         let trial = moved(problem, &at, &step);
         let gained = match pass::run(problem, &trial, &at.weights)? {
             Some(results) => {
@@ -317,7 +323,7 @@ fn descend(
         };
         if let Some((results, cost)) = gained {
             let ratio = (at.cost - cost) / predicted;
-            damping = (damping * (1.0 - (2.0 * ratio - 1.0).powi(3)).max(0.1)).max(1e-12);
+            damping = (damping * (1.0 - (2.0 * ratio - 1.0).powi(3)).max(LARGEST_RELIEF)).max(LEAST_DAMPING);
             growth = 2.0;
             (at.point, at.results, at.cost) = (trial, results, cost);
             factor = global_factor(problem, &at.point, &at.weights, &at.results);
@@ -349,8 +355,8 @@ fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
     let mut point = at.point.clone();
     for (j, index) in problem.free.iter().enumerate() {
         let bounds = problem.model.parameters[*index].bounds;
-        point.values[*index] =
-            (point.values[*index] + step[j] * at.weights.scales[j]).clamp(bounds.0, bounds.1);
+        let moved = curve(problem, *index).along(point.values[*index], step[j] * at.weights.scales[j]);
+        point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     for (locals, result) in point.locals.iter_mut().zip(&at.results) {
         let r = result.factor.as_ref();
@@ -360,13 +366,46 @@ fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
             let known: f64 = (i + 1..count).map(|j| r[(i, j)] * change[j]).sum::<f64>()
                 + step.iter().enumerate().map(|(j, s)| r[(i, count + j)] * s).sum::<f64>()
                 + r[(i, count + step.len())];
-            let column = r.col(i).norm_l2();
-            // A start term that the data do not show (it decays within a sample) stays where it is.
-            change[i] = if r[(i, i)].abs() > 1e-8 * column.max(1e-300) { -known / r[(i, i)] } else { 0.0 };
+            change[i] = if result.shows_local(i) { -known / r[(i, i)] } else { 0.0 };
         }
         locals.iter_mut().zip(change).for_each(|(local, change)| *local += change);
     }
     point
+}
+
+/// The coordinate in which a parameter's steps are straight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Curve {
+    /// The parameter itself.
+    Straight,
+    /// Its inverse: compliances in series add, so what two stiffnesses in a row leave undetermined is a straight line
+    /// in compliances and a hyperbola in stiffnesses, along which straight steps creep.
+    Inverse,
+}
+
+fn curve(problem: &Problem<'_>, index: usize) -> Curve {
+    let stiffness = problem.model.springs.iter().any(|spring| spring.stiffness == index);
+    let tied =
+        problem.options.constraints.iter().any(|c| c.terms.iter().any(|(parameter, _)| *parameter == index));
+    if stiffness && !tied { Curve::Inverse } else { Curve::Straight }
+}
+
+impl Curve {
+    /// Where `value` goes when its tangent step is `change`.
+    fn along(self, value: f64, change: f64) -> f64 {
+        match self {
+            Self::Straight => value + change,
+            Self::Inverse => value / (1.0 - change / value),
+        }
+    }
+
+    /// The tangent step that leads from `value` to `target`.
+    fn towards(self, value: f64, target: f64) -> f64 {
+        match self {
+            Self::Straight => target - value,
+            Self::Inverse => value - value * value / target,
+        }
+    }
 }
 
 /// Step in scaled parameters within bounds, constraints and a factor of ten for what cannot change sign.
@@ -392,7 +431,9 @@ fn constrained_step(
             } else {
                 (f64::NEG_INFINITY, f64::INFINITY)
             };
-            ((bounds.0.max(near.0) - value) / scale, (bounds.1.min(near.1) - value) / scale)
+            let curve = curve(problem, *index);
+            let limit = |target: f64| curve.towards(value, target) / scale;
+            (limit(bounds.0.max(near.0)), limit(bounds.1.min(near.1)))
         })
         .collect();
     if problem.options.constraints.is_empty() {
@@ -402,7 +443,11 @@ fn constrained_step(
             return Some(step);
         }
     }
-    quadratic_programme(problem, point, weights, factor, &norms, damping, &limits)
+    // The programme squares the condition number; a little more damping is better than no step.
+    let dampings = [0.0, 1e-12, 1e-10, 1e-8, 1e-6].map(|least| damping.max(least));
+    dampings
+        .iter()
+        .find_map(|damping| quadratic_programme(problem, point, weights, factor, &norms, *damping, &limits))
 }
 
 /// Least squares of [R; sqrt(damping) diag(norms)] step = -[r; 0] by QR.
@@ -445,7 +490,8 @@ fn quadratic_programme(
     let q: Vec<f64> = gradient.iter().map(|g| g / size).collect();
     let upper: Vec<Vec<f64>> =
         (0..free).map(|i| (0..free).map(|j| if i <= j { hessian(i, j) } else { 0.0 }).collect()).collect();
-    // a z <= b, in units where the gradient is one.
+    // a z <= b, in units where the gradient is one; equalities stand first, in a cone of their own.
+    let mut equalities: Vec<(Vec<f64>, f64)> = Vec::new();
     let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
     for (j, (low, high)) in limits.iter().enumerate() {
         for (sign, limit) in [(1.0, *high), (-1.0, -*low)] {
@@ -467,15 +513,19 @@ fn quadratic_programme(
             }
             let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
             if limit.is_finite() && length > 0.0 {
-                rows.push((row.iter().map(|r| r / length).collect(), limit / (length * size)));
+                let row = (row.iter().map(|r| r / length).collect(), limit / (length * size));
+                match (constraint.lower == constraint.upper, sign > 0.0) {
+                    (true, true) => equalities.push(row),
+                    (true, false) => {}
+                    (false, _) => rows.push(row),
+                }
             }
         }
     }
-    let dense: Vec<Vec<f64>> = rows.iter().map(|(row, _)| row.clone()).collect();
-    let right: Vec<f64> = rows.iter().map(|(_, limit)| *limit).collect();
+    let cones = [ZeroConeT(equalities.len()), NonnegativeConeT(rows.len())];
+    let (dense, right): (Vec<Vec<f64>>, Vec<f64>) = equalities.into_iter().chain(rows).unzip();
     let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
     let (p, a) = (CscMatrix::from(&upper), CscMatrix::from(&dense));
-    let cones = [NonnegativeConeT(right.len())];
     let mut solver = DefaultSolver::new(&p, &q, &a, &right, &cones, settings).ok()?;
     solver.solve();
     let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);

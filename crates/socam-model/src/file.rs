@@ -193,11 +193,16 @@ pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
 /// The text with updated parameters, values in the file's own units.
 pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
     let fault = |message: String| ModelError::File { line: 1, message };
-    let mut document: toml_edit::DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
+    let mut document: toml_edit::DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
     for update in updates {
-        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else { continue };
+        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else {
+            continue;
+        };
         // A law's own default stands in no file.
-        let Some(entry) = document["parameters"].get_mut(&update.name).and_then(toml_edit::Item::as_table_like_mut) else {
+        let Some(entry) =
+            document["parameters"].get_mut(&update.name).and_then(toml_edit::Item::as_table_like_mut)
+        else {
             continue;
         };
         entry.insert("value", toml_edit::value(update.value / parameter.file_factor));

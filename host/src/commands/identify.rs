@@ -1,6 +1,6 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use socam_identify::{Fit, Identification, Intersample, Noise, Options, Problem, StartState};
@@ -94,7 +94,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let datasets = open_all(&args.runs)?;
     let held_out = open_all(&args.validate)?;
     let result = match args.method {
-        Method::OutputError => socam_identify::output_error(&Problem::new(&model, &datasets, options.clone())?)?,
+        Method::OutputError => {
+            socam_identify::output_error(&Problem::new(&model, &datasets, options.clone())?)?
+        }
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
@@ -131,7 +133,14 @@ fn options(args: &Args, model: &Model) -> anyhow::Result<Options> {
         Between::BandLimited => Intersample::BandLimited,
     });
     let noise = noise(&args.noise, model)?;
-    Ok(Options { noise, start_state, intersample, starts: args.starts.into(), seed: args.seed, ..Options::default() })
+    Ok(Options {
+        noise,
+        start_state,
+        intersample,
+        starts: args.starts.into(),
+        seed: args.seed,
+        ..Options::default()
+    })
 }
 
 fn noise(given: &[String], model: &Model) -> anyhow::Result<Noise> {
@@ -141,17 +150,30 @@ fn noise(given: &[String], model: &Model) -> anyhow::Result<Noise> {
     let names: Vec<_> = model.outputs().map(|channel| channel.name.as_str()).collect();
     let mut levels = vec![None; names.len()];
     for text in given {
-        let wrong = || WrongArguments(format!("--noise {text}: expected CHANNEL=STD with one of {} and a positive number", names.join(", ")));
+        let wrong = || {
+            WrongArguments(format!(
+                "--noise {text}: expected CHANNEL=STD with one of {} and a positive number",
+                names.join(", ")
+            ))
+        };
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
         let index = names.iter().position(|known| *known == name).ok_or_else(wrong)?;
         levels[index] = value.parse().ok().filter(|std: &f64| *std > 0.0 && std.is_finite());
         levels[index].ok_or_else(wrong)?;
     }
     let levels: Option<Vec<f64>> = levels.into_iter().collect();
-    levels.map(Noise::Given).ok_or_else(|| WrongArguments(format!("--noise is needed for every output channel: {}", names.join(", "))).into())
+    levels.map(Noise::Given).ok_or_else(|| {
+        WrongArguments(format!("--noise is needed for every output channel: {}", names.join(", "))).into()
+    })
 }
 
-fn validate(args: &Args, model: &Model, datasets: &[Dataset], result: &Identification, options: &Options) -> anyhow::Result<Vec<Validation>> {
+fn validate(
+    args: &Args,
+    model: &Model,
+    datasets: &[Dataset],
+    result: &Identification,
+    options: &Options,
+) -> anyhow::Result<Vec<Validation>> {
     datasets
         .iter()
         .map(|dataset| {
@@ -160,14 +182,16 @@ fn validate(args: &Args, model: &Model, datasets: &[Dataset], result: &Identific
             let fit = socam_identify::evaluate(&problem, &result.point)?;
             let force_error_percent = match args.method {
                 Method::OutputError => None,
-                Method::InverseDynamics => Some(socam_identify::force_error_percent(model, &result.point, dataset)?),
+                Method::InverseDynamics => {
+                    Some(socam_identify::force_error_percent(model, &result.point, dataset)?)
+                }
             };
             Ok(Validation { recording, fit, force_error_percent })
         })
         .collect()
 }
 
-fn write_model(path: &PathBuf, model: &Model, result: &Identification) -> anyhow::Result<()> {
+fn write_model(path: &Path, model: &Model, result: &Identification) -> anyhow::Result<()> {
     let recordings = result.recordings.join(", ");
     let updates: Vec<Update> = result
         .parameters
@@ -177,7 +201,10 @@ fn write_model(path: &PathBuf, model: &Model, result: &Identification) -> anyhow
         .map(|(parameter, value)| Update {
             name: parameter.name.clone(),
             value: *value,
-            ci95: parameter.ci95[0].zip(parameter.ci95[1]).map(|(low, high)| [low, high]).filter(|_| parameter.identifiable),
+            ci95: parameter.ci95[0]
+                .zip(parameter.ci95[1])
+                .map(|(low, high)| [low, high])
+                .filter(|_| parameter.identifiable),
             source: if parameter.identifiable {
                 format!("identified ({}) from {recordings}", result.method)
             } else {
@@ -186,7 +213,8 @@ fn write_model(path: &PathBuf, model: &Model, result: &Identification) -> anyhow
         })
         .collect();
     let text = model.text_with(&updates)?;
-    output::write_file(path, text.as_bytes()).with_context(|| format!("cannot write the model to `{}`", path.display()))
+    output::write_file(path, text.as_bytes())
+        .with_context(|| format!("cannot write the model to `{}`", path.display()))
 }
 
 fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Result<()> {

@@ -12,7 +12,7 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     parameters: &[
         EffectParameter { name: "torque", kind: Kind::Torque, default: None },
-        EffectParameter { name: "transition_speed", kind: Kind::Speed, default: Some((0.05, 0.5e-3)) },
+        EffectParameter { name: "transition_speed", kind: Kind::Speed, default: Some((0.05, 2e-3)) },
     ],
     equation: "T = -T_c sign(w)",
     sentence: "Something rubs with a drag that does not grow with speed: a seal, a brake or a preloaded bearing.",
