@@ -117,16 +117,4 @@ fn open_tcp(address: &str) -> anyhow::Result<TcpStream> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn devices_are_read() {
-        assert_eq!("sim".parse(), Ok(Device::Sim));
-        assert_eq!("serial:/dev/ttyACM0".parse(), Ok(Device::Serial("/dev/ttyACM0".into())));
-        assert_eq!("tcp:127.0.0.1:4000".parse(), Ok(Device::Tcp("127.0.0.1:4000".into())));
-        for text in ["", "sim:", "serial:", "tcp:4000", "usb:1", "SIM"] {
-            assert!(text.parse::<Device>().is_err(), "{text}");
-        }
-    }
-}
+mod tests;

@@ -1,0 +1,160 @@
+use std::io::{self, Read, Write};
+
+use socam_model::Model;
+use socam_recording::{Calibration, Dataset, ProfileFile, Selection};
+use socam_sim::{Setup, Truth};
+
+use super::run::{End, Plan, Report, record};
+use super::*;
+
+fn setup(calibration: &Calibration) -> Setup {
+    let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();
+    Setup::new(truth, calibration.clone(), 7)
+}
+
+fn plan(calibration: &Calibration, path: &std::path::Path) -> Plan {
+    let mut file = ProfileFile::open("steps").unwrap();
+    file.duration_s = 2.0;
+    Plan {
+        profile: file.profile(1000).unwrap(),
+        calibration: calibration.clone(),
+        period_us: 1000,
+        path: path.into(),
+        replace: false,
+        metadata: [("note".to_owned(), "test".to_owned())].into(),
+        attachments: Vec::new(),
+        start_unix_ns: 0,
+    }
+}
+
+fn run_on(stream: Box<dyn Stream>, calibration: &Calibration) -> (anyhow::Result<Report>, Option<Dataset>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut session = Session::open(stream, "test".into(), true).unwrap();
+    let report = record(&mut session, plan(calibration, &path), &Interrupt::default());
+    let data = path.exists().then(|| Dataset::open_selection(&Selection::whole(&path)).unwrap());
+    (report, data)
+}
+
+fn in_process(calibration: &Calibration) -> Box<dyn Stream> {
+    Box::new(InProcess::start(setup(calibration), Pace::Fast).unwrap())
+}
+
+#[test]
+fn a_run_is_recorded_from_its_first_sample_to_its_last() {
+    let calibration = Calibration::default();
+    let (report, data) = run_on(in_process(&calibration), &calibration);
+    let (report, data) = (report.unwrap(), data.unwrap());
+    assert_eq!((report.end, report.summary.lost), (End::Finished, 0));
+    assert_eq!((data.start_s(), data.segments().len()), (0.0, 1));
+    let command = data.load(&["command"]).unwrap();
+    let last = command.time_s.len() - 1;
+    assert_eq!(command.columns[0].get(last), Some(0.0));
+    assert!(command.columns[0].get(last - 1).unwrap() > 0.0);
+    let log = data.contents().unwrap();
+    assert_eq!(log.metadata["note"], "test");
+    assert!(log.metadata["board"].contains("virtual bench"));
+    assert!(log.events.iter().any(|event| event.kind == "phase"));
+}
+
+#[test]
+fn a_fault_is_told_in_words_and_what_came_before_it_is_kept() {
+    let mut calibration = Calibration::default();
+    calibration.channels[0].limit = Some(50.0);
+    let (report, data) = run_on(in_process(&calibration), &calibration);
+    let (report, data) = (report.unwrap(), data.unwrap());
+    let End::Fault(reason) = report.end else { panic!("{report:?}") };
+    assert!(reason.contains("motor_speed"), "{reason}");
+    assert!(
+        data.contents().unwrap().events.iter().any(|event| event.kind == "fault" && event.text == reason)
+    );
+    let speed = data.load(&["motor_speed"]).unwrap();
+    assert!(speed.columns[0].values().last().unwrap() > &50.0);
+}
+
+#[test]
+fn a_run_that_never_began_leaves_no_file() {
+    let calibration = Calibration::default();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut session = Session::open(in_process(&calibration), "test".into(), true).unwrap();
+    let mut plan = plan(&calibration, &path);
+    plan.profile.limit_micro = 1;
+    let problem = format!("{:#}", record(&mut session, plan, &Interrupt::default()).unwrap_err());
+    assert!(problem.contains("refuses the profile"), "{problem}");
+    assert!(!path.exists());
+}
+
+/// A line that swallows some bytes once samples flow.
+struct Lossy {
+    inner: Box<dyn Stream>,
+    passed: usize,
+}
+
+impl Read for Lossy {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        let before = self.passed;
+        self.passed += count;
+        for (byte, place) in buffer[..count].iter_mut().zip(before..) {
+            if (20_000..21_000).contains(&place) {
+                *byte = 1;
+            }
+        }
+        Ok(count)
+    }
+}
+
+impl Write for Lossy {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.inner.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+#[test]
+fn damage_on_the_line_is_counted_as_lost_samples() {
+    let calibration = Calibration::default();
+    let (report, data) = run_on(Box::new(Lossy { inner: in_process(&calibration), passed: 0 }), &calibration);
+    let (report, data) = (report.unwrap(), data.unwrap());
+    assert_eq!(report.end, End::Finished);
+    assert!((30..200).contains(&report.summary.lost), "{report:?}");
+    assert_eq!(data.segments().len(), 2);
+    assert_eq!(data.lost_samples(), report.summary.lost);
+}
+
+#[test]
+fn a_link_that_breaks_keeps_what_was_recorded() {
+    struct Broken(Lossy);
+    impl Read for Broken {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            if self.0.passed > 20_000 { Ok(0) } else { self.0.read(buffer) }
+        }
+    }
+    impl Write for Broken {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.write(bytes)
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let calibration = Calibration::default();
+    let line = Broken(Lossy { inner: in_process(&calibration), passed: 0 });
+    let (report, data) = run_on(Box::new(line), &calibration);
+    assert_eq!(report.unwrap().end, End::Broken("test closed the link".into()));
+    assert!(data.unwrap().rows() > 500);
+}
+
+#[test]
+fn devices_are_read() {
+    assert_eq!("sim".parse(), Ok(Device::Sim));
+    assert_eq!("serial:/dev/ttyACM0".parse(), Ok(Device::Serial("/dev/ttyACM0".into())));
+    assert_eq!("tcp:127.0.0.1:4000".parse(), Ok(Device::Tcp("127.0.0.1:4000".into())));
+    for text in ["", "sim:", "serial:", "tcp:4000", "usb:1", "SIM"] {
+        assert!(text.parse::<Device>().is_err(), "{text}");
+    }
+}
