@@ -1,9 +1,10 @@
 //! The bench behind a board's connectors: drive, drivetrain and sensors.
 
-use socam_model::{Channel as ModelChannel, Model};
+use socam_model::{Channel as ModelChannel, Model, Quantity, Role};
 use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
 
 use crate::drive::{self, Drive};
+use crate::flaw::{Flaw, FlawedChannel};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::{SimError, Truth};
@@ -36,10 +37,41 @@ impl Setup {
         Self { truth, drive, calibration, seed, noisy: true }
     }
 
+    /// Equations of the drivetrain with its drive. Behind the model's outputs come the speeds of shafts whose angle a flawed
+    /// sensor depends on.
     pub(crate) fn plant(&self) -> Result<Plant, SimError> {
-        let Truth { model, values } = &self.truth;
-        let driven = drive::attach(&self.drive, model, &self.truth.equations()?);
+        let Truth { model, values, .. } = &self.truth;
+        let watched = self.watched_model();
+        let driven = drive::attach(&self.drive, model, &watched.equations(values)?);
         Plant::from_equations(&driven, values, model.motion)
+    }
+
+    /// The model with a tachometer on each of [`Self::watched_nodes`].
+    fn watched_model(&self) -> Model {
+        let mut model = self.truth.model.clone();
+        let tachometers = self.watched_nodes().into_iter().map(|node| ModelChannel {
+            name: format!("shaft of {node}"),
+            column: String::new(),
+            role: Role::Output,
+            quantity: Quantity::Speed,
+            at: node,
+            scale: 1.0,
+            offset: 0.0,
+            noise_std: None,
+            estimate_offset: false,
+            unit: "",
+        });
+        model.channels.extend(tachometers);
+        model
+    }
+
+    /// Nodes whose angle a sensor's ripple follows, flaw by flaw.
+    fn watched_nodes(&self) -> Vec<String> {
+        let model = &self.truth.model;
+        let ripples = self.truth.flaws.iter().filter(|(_, flaw)| matches!(flaw, Flaw::Ripple { .. }));
+        let channels =
+            ripples.filter_map(|(name, _)| model.channels.iter().find(|channel| channel.name == *name));
+        channels.map(|channel| shaft_of(model, &channel.at)).collect()
     }
 }
 
@@ -88,6 +120,12 @@ fn sensor(channel: Channel, full_scale: f64) -> CalibratedChannel {
     }
 }
 
+/// The node whose angle a place turns with: itself, or the driving end of a spring.
+fn shaft_of(model: &Model, place: &str) -> String {
+    let spring = model.springs.iter().find(|spring| spring.name == place);
+    spring.map_or_else(|| place.to_owned(), |spring| model.nodes[spring.from].name.clone())
+}
+
 /// What a sensor is attached to.
 #[derive(Debug, Clone, Copy)]
 enum Source {
@@ -103,24 +141,38 @@ enum Source {
 pub(crate) struct Bench<'p> {
     trajectory: Trajectory<'p>,
     drive: Drive,
-    sensors: Vec<(Sensor, Source)>,
+    inputs: Vec<Input>,
     outputs: Vec<f64>,
+    /// Outputs that are speeds of watched shafts, and the shafts' angles, rad.
+    shafts: Vec<(usize, f64)>,
     settles_at: f64,
+}
+
+/// One input of the board: what is measured, how it is falsified, how it is read.
+struct Input {
+    source: Source,
+    /// Each with the shaft that it follows, if it does.
+    flaws: Vec<(FlawedChannel, Option<usize>)>,
+    sensor: Sensor,
 }
 
 impl<'p> Bench<'p> {
     pub(crate) fn start(setup: &Setup, plant: &'p Plant) -> Result<Self, SimError> {
         let model = &setup.truth.model;
         let calibration = &setup.calibration;
-        let sensors = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| {
-            let sensor = Sensor::new(channel, calibration.input, setup.seed, stream, setup.noisy);
-            (sensor, source(setup, &channel.channel))
+        let first_shaft = 1 + model.outputs().count();
+        let shafts = 0..setup.watched_nodes().len();
+        let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
+            source: source(setup, &channel.channel),
+            flaws: flaws(setup, &channel.channel),
+            sensor: Sensor::new(channel, calibration.input, setup.seed, stream, setup.noisy),
         });
         Ok(Self {
             trajectory: plant.start()?,
             drive: setup.drive.clone(),
-            sensors: sensors.collect(),
-            outputs: vec![0.0; 1 + model.outputs().count()],
+            inputs: inputs.collect(),
+            outputs: vec![0.0; first_shaft + shafts.len()],
+            shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
             settles_at: 0.0,
         })
     }
@@ -132,16 +184,25 @@ impl<'p> Bench<'p> {
 
     /// Lets time pass up to `to_s`, and reads all sensors at that instant. Channels without a sensor read 0.
     pub(crate) fn sample(&mut self, to_s: f64, counts: &mut [i16]) -> Result<(), SimError> {
+        let step_s = to_s - self.trajectory.time_s();
+        let before: Vec<f64> = self.shafts.iter().map(|(row, _)| self.outputs[*row]).collect();
         self.trajectory.hold(to_s, &[self.settles_at])?;
         self.trajectory.outputs(&mut self.outputs);
+        for ((row, angle_rad), before) in self.shafts.iter_mut().zip(before) {
+            *angle_rad += 0.5 * (before + self.outputs[*row]) * step_s;
+        }
         counts.fill(0);
-        for (count, (sensor, source)) in counts.iter_mut().zip(&mut self.sensors) {
-            let value = match *source {
+        for (count, input) in counts.iter_mut().zip(&mut self.inputs) {
+            let mut value = match input.source {
                 Source::Output { row, scale, offset } => (self.outputs[row] - offset) / scale,
                 Source::Current { row, torque_per_current } => self.outputs[row] / torque_per_current,
                 Source::Nothing => 0.0,
             };
-            *count = sensor.count(value);
+            for (flaw, shaft) in &mut input.flaws {
+                let angle_rad = shaft.map_or(0.0, |shaft| self.shafts[shaft].1);
+                value = flaw.pass(value, to_s, step_s, angle_rad);
+            }
+            *count = input.sensor.count(value);
         }
         Ok(())
     }
@@ -149,6 +210,23 @@ impl<'p> Bench<'p> {
     pub(crate) fn effort(&self) -> Effort {
         self.trajectory.effort()
     }
+}
+
+/// The flaws of a board's input. Shafts are numbered in the order of [`Setup::watched_nodes`].
+fn flaws(setup: &Setup, channel: &Channel) -> Vec<(FlawedChannel, Option<usize>)> {
+    let model = &setup.truth.model;
+    let column = channel.column_name();
+    let mut shafts = 0..;
+    let numbered = setup.truth.flaws.iter().map(|(name, flaw)| {
+        let follows = matches!(flaw, Flaw::Ripple { .. });
+        (name, flaw, if follows { shafts.next() } else { None })
+    });
+    let is_here =
+        |name: &str| model.channels.iter().any(|channel| channel.name == name && channel.column == column);
+    numbered
+        .filter(|(name, ..)| is_here(name))
+        .map(|(_, flaw, shaft)| (FlawedChannel::new(*flaw), shaft))
+        .collect()
 }
 
 fn source(setup: &Setup, channel: &Channel) -> Source {

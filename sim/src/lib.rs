@@ -14,6 +14,7 @@
 mod bench;
 mod drive;
 mod error;
+mod flaw;
 mod plant;
 mod replay;
 mod sensors;

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use socam_model::{EffectUse, Equations, Model, ModelError, Parameter, effects, effects::ActsAt};
 
 use crate::SimError;
+use crate::flaw::Flaw;
 
 /// A parameter value in place of the model's: `k1=71` (SI).
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,8 @@ pub struct Truth {
     pub model: Model,
     /// Its parameter values, SI.
     pub values: Vec<f64>,
+    /// What its sensors do to the truth: channel's name and flaw, in the order given.
+    pub(crate) flaws: Vec<(String, Flaw)>,
 }
 
 impl FromStr for Override {
@@ -99,10 +102,15 @@ impl Truth {
             })?;
             model.parameters[index].value = change.value;
         }
+        let mut flaws = Vec::new();
         for hidden in concealed {
-            conceal(&mut model, hidden)?;
+            if Flaw::is_one(&hidden.effect) {
+                flaws.push((flawed_channel(&model, hidden)?, Flaw::read(hidden)?));
+            } else {
+                conceal(&mut model, hidden)?;
+            }
         }
-        let truth = Self { values: model.values(), model };
+        let truth = Self { values: model.values(), model, flaws };
         truth.equations()?;
         Ok(truth)
     }
@@ -114,6 +122,16 @@ impl Truth {
     pub fn equations(&self) -> Result<Equations, ModelError> {
         self.model.equations(&self.values)
     }
+}
+
+/// The channel whose sensor is flawed.
+fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
+    if model.channels.iter().any(|channel| channel.name == hidden.place) {
+        return Ok(hidden.place.clone());
+    }
+    let names: Vec<_> = model.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let problem = format!("there is no channel `{}`; {} has {}", hidden.place, model.name, names.join(", "));
+    Err(SimError::argument(hidden.to_string(), problem))
 }
 
 fn conceal(model: &mut Model, hidden: &Concealed) -> Result<(), SimError> {
@@ -210,6 +228,7 @@ mod tests {
         };
         for (text, expected) in [
             ("coulomb_friction", "expected EFFECT@PLACE"),
+            ("sensor_gain@load:gain=1", "there is no channel `load`; speed-o-cam has "),
             ("rust@load_bearing", "there is no effect `rust`; effects are coulomb_friction"),
             ("coulomb_friction@load:torque=1", "places for it are cam_bearing, load_bearing"),
             ("coulomb_friction@load_bearing:force=1", "has no parameter `force`"),

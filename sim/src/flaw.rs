@@ -1,0 +1,205 @@
+//! Sensors that do not tell the truth: what the catalogue's `sensor_*` effects do to a channel.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use crate::SimError;
+use crate::truth::{Concealed, Override};
+
+/// A sensor's flaw, with its parameters in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Flaw {
+    Gain { gain: f64 },
+    Offset { offset: f64 },
+    Lag { time_constant_s: f64 },
+    Delay { delay_s: f64 },
+    Saturation { limit: f64 },
+    Hum { amplitude: f64, frequency_hz: f64 },
+    Ripple { amplitude: f64, order: f64, phase_rad: f64 },
+}
+
+/// Ids, parameters' names, and how to make a flaw of their values.
+type Kind = (&'static str, &'static [&'static str], fn(&[f64]) -> Flaw);
+
+const KINDS: [Kind; 7] = [
+    ("sensor_gain", &["gain"], |p| Flaw::Gain { gain: p[0] }),
+    ("sensor_offset", &["offset"], |p| Flaw::Offset { offset: p[0] }),
+    ("sensor_lag", &["time_constant"], |p| Flaw::Lag { time_constant_s: p[0] }),
+    ("sensor_delay", &["delay"], |p| Flaw::Delay { delay_s: p[0] }),
+    ("sensor_saturation", &["limit"], |p| Flaw::Saturation { limit: p[0] }),
+    ("sensor_hum", &["amplitude", "frequency"], |p| Flaw::Hum { amplitude: p[0], frequency_hz: p[1] }),
+    ("sensor_ripple", &["amplitude", "order", "phase"], |p| Flaw::Ripple {
+        amplitude: p[0],
+        order: p[1],
+        phase_rad: p[2],
+    }),
+];
+
+/// Parameters that are 0 when not given.
+const OPTIONAL: &str = "phase";
+
+impl Flaw {
+    /// Whether an effect's id is that of a sensor's flaw.
+    pub(crate) fn is_one(effect: &str) -> bool {
+        effect.starts_with("sensor_")
+    }
+
+    pub(crate) fn read(hidden: &Concealed) -> Result<Self, SimError> {
+        let fail = |problem: String| SimError::argument(hidden.to_string(), problem);
+        let Some((id, names, make)) = KINDS.iter().find(|(id, ..)| *id == hidden.effect) else {
+            let known: Vec<_> = KINDS.iter().map(|(id, ..)| *id).collect();
+            return Err(fail(format!(
+                "there is no effect `{}`; a sensor's are {}",
+                hidden.effect,
+                known.join(", ")
+            )));
+        };
+        if let Some(unknown) = hidden.parameters.iter().find(|given| !names.contains(&given.name.as_str())) {
+            return Err(fail(format!(
+                "{id} has no parameter `{}`; it has {}",
+                unknown.name,
+                names.join(", ")
+            )));
+        }
+        let value = |name: &&str| {
+            let given = hidden.parameters.iter().find(|Override { name: given, .. }| given == name);
+            let usual = (*name == OPTIONAL).then_some(0.0);
+            given
+                .map(|given| given.value)
+                .or(usual)
+                .ok_or_else(|| fail(format!("{id} needs its parameter `{name}`")))
+        };
+        let flaw = make(&names.iter().map(value).collect::<Result<Vec<f64>, _>>()?);
+        match flaw {
+            Self::Lag { time_constant_s: s } | Self::Delay { delay_s: s } if s <= 0.0 => {
+                Err(fail(format!("{} must be greater than 0", names[0])))
+            }
+            Self::Saturation { limit } if limit <= 0.0 => Err(fail("limit must be greater than 0".into())),
+            _ => Ok(flaw),
+        }
+    }
+}
+
+/// A flaw at work.
+#[derive(Debug)]
+pub(crate) struct FlawedChannel {
+    flaw: Flaw,
+    /// Value before and after the flaw at the last sample.
+    last: Option<(f64, f64)>,
+    /// The last values before the flaw, newest last.
+    past: VecDeque<(f64, f64)>,
+}
+
+impl FlawedChannel {
+    pub(crate) fn new(flaw: Flaw) -> Self {
+        Self { flaw, last: None, past: VecDeque::new() }
+    }
+
+    /// What is read instead of `value` at `time_s`, `step_s` after the last sample, with the shaft at `angle_rad`.
+    pub(crate) fn pass(&mut self, value: f64, time_s: f64, step_s: f64, angle_rad: f64) -> f64 {
+        let read = match self.flaw {
+            Flaw::Gain { gain } => gain * value,
+            Flaw::Offset { offset } => value + offset,
+            Flaw::Saturation { limit } => value.clamp(-limit, limit),
+            Flaw::Hum { amplitude, frequency_hz } => value + amplitude * (TAU * frequency_hz * time_s).sin(),
+            Flaw::Ripple { amplitude, order, phase_rad } => {
+                value + amplitude * (order * angle_rad + phase_rad).sin()
+            }
+            Flaw::Lag { time_constant_s } => self.lag(value, step_s / time_constant_s),
+            Flaw::Delay { delay_s } => self.delay(value, time_s, delay_s),
+        };
+        self.last = Some((value, read));
+        read
+    }
+
+    /// First order, exact for a value that moves on a straight line between samples.
+    fn lag(&self, value: f64, steps: f64) -> f64 {
+        let Some((before, read)) = self.last else { return value };
+        if steps <= 0.0 {
+            return read;
+        }
+        let decay = (-steps).exp();
+        let rise = (value - before) / steps;
+        // The answer to the line: value - rise, once the start has died away.
+        (value - rise) + decay * (read - (before - rise))
+    }
+
+    /// A cubic through the four samples next to the wanted instant; standstill before the first.
+    fn delay(&mut self, value: f64, time_s: f64, delay_s: f64) -> f64 {
+        let wanted_s = time_s - delay_s;
+        self.past.push_back((time_s, value));
+        while self.past.len() > 4 && self.past[2].0 <= wanted_s {
+            self.past.pop_front();
+        }
+        let points: Vec<(f64, f64)> = self.past.iter().take(4).copied().collect();
+        if wanted_s <= points[0].0 {
+            return points[0].1;
+        }
+        let weight = |i: usize| {
+            let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+            others.map(|(_, (t, _))| (wanted_s - t) / (points[i].0 - t)).product::<f64>()
+        };
+        points.iter().enumerate().map(|(i, (_, value))| weight(i) * value).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Flaw, SimError> {
+        Flaw::read(&text.parse()?)
+    }
+
+    /// A sine of 20 Hz, sampled at 1 kHz, through the flaw; the last second.
+    fn through(flaw: Flaw) -> Vec<(f64, f64)> {
+        let mut channel = FlawedChannel::new(flaw);
+        let at = |sample: u32| f64::from(sample) * 1e-3;
+        let mut passed = (0..2000).map(|sample| {
+            let time_s = at(sample);
+            (time_s, channel.pass((TAU * 20.0 * time_s).sin(), time_s, 1e-3, 10.0 * time_s))
+        });
+        passed.by_ref().take(1000).for_each(drop);
+        passed.collect()
+    }
+
+    #[test]
+    fn each_flaw_does_what_its_name_says() {
+        let wave = |t: f64| (TAU * 20.0 * t).sin();
+        let worst = |flaw: &str, expected: &dyn Fn(f64) -> f64| {
+            let passed = through(read(flaw).unwrap());
+            passed.iter().map(|(t, value)| (value - expected(*t)).abs()).fold(0.0, f64::max)
+        };
+        assert!(worst("sensor_gain@x:gain=0.98", &|t| 0.98 * wave(t)) < 1e-12);
+        assert!(worst("sensor_offset@x:offset=-0.2", &|t| wave(t) - 0.2) < 1e-12);
+        assert!(worst("sensor_saturation@x:limit=0.5", &|t| wave(t).clamp(-0.5, 0.5)) < 1e-12);
+        assert!(
+            worst("sensor_hum@x:amplitude=0.1,frequency=50", &|t| wave(t) + 0.1 * (TAU * 50.0 * t).sin())
+                < 1e-12
+        );
+        assert!(
+            worst("sensor_ripple@x:amplitude=0.1,order=2,phase=1", &|t| wave(t)
+                + 0.1 * (20.0 * t + 1.0).sin())
+                < 1e-12
+        );
+        for delay in [0.0004, 0.0025, 0.007] {
+            assert!(worst(&format!("sensor_delay@x:delay={delay}"), &|t| wave(t - delay)) < 3e-4, "{delay}");
+        }
+        let lag = TAU * 20.0 * 0.01;
+        let lagged = |t: f64| (TAU * 20.0 * t - lag.atan()).sin() / (1.0 + lag * lag).sqrt();
+        assert!(worst("sensor_lag@x:time_constant=0.01", &lagged) < 2e-3);
+    }
+
+    #[test]
+    fn slips_are_named() {
+        for (text, expected) in [
+            ("sensor_rust@x", "a sensor's are sensor_gain"),
+            ("sensor_gain@x:gains=1", "has no parameter `gains`; it has gain"),
+            ("sensor_hum@x:amplitude=1", "needs its parameter `frequency`"),
+            ("sensor_lag@x:time_constant=0", "must be greater than 0"),
+        ] {
+            let problem = read(text).unwrap_err().to_string();
+            assert!(problem.contains(expected), "{problem}");
+        }
+    }
+}
