@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_recording::{Dataset, export_csv, import_mcap};
+use socam_recording::{Dataset, OutputFile, export_csv, import_mcap};
 use socam_sim::{Between, Disturbance, OutputError, Replay, Replayed, Start};
 
 use super::Outcome;
@@ -85,6 +85,8 @@ fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let part = path.with_file_name(name);
+    // An error about the file beside it would puzzle; this one names what was asked for.
+    drop(OutputFile::create(path)?);
     let report = simulate_into(&args.course, &args.bench, &part);
     let placed = report.and_then(|report| {
         record::outcome(&part, &report)?;
