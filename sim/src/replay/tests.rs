@@ -76,7 +76,7 @@ fn the_published_loop_meets_the_published_errors() {
     };
     let mut axis = replay("emps-loop");
     // The publication's friction jumps at standstill; the model's default rounds the jump over 2 mm/s for the estimators' sake,
-    // which costs 0.6 percentage points of the force.
+    // which costs 0.7 percentage points of the force.
     let sharp = ["guide.transition_speed=0.0005".parse().unwrap()];
     axis.truth = Truth::new(&axis.truth.model, &sharp, &[]).unwrap();
     let (position, force) = errors(&axis, "emps_train.csv");
