@@ -168,10 +168,37 @@ impl CpuClock {
     }
 }
 
-/// Covariance of the free parameters, SI, and the quantile that turns a standard deviation into an interval.
+/// Covariance W Q W' of the free parameters, SI, kept as factors: along a valley its entries cancel to ten digits and
+/// more, and a sum of products of entries would be noise.
 pub(crate) struct Uncertainty {
-    pub(crate) covariance: Mat<f64>,
+    /// W W' is the inverse information.
+    root: Mat<f64>,
+    /// Q is what coloured residuals make of it; the identity for white ones.
+    middle: Mat<f64>,
+    /// Turns a standard deviation into half of a 95 % interval.
     pub(crate) quantile: f64,
+}
+
+impl Uncertainty {
+    /// Standard deviation of sum of slope * free parameter.
+    fn std(&self, slopes: &[(usize, f64)]) -> f64 {
+        let white = self.whitened(slopes);
+        self.product(&white, &white).max(0.0).sqrt()
+    }
+
+    fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.product(&self.whitened(&[(i, 1.0)]), &self.whitened(&[(j, 1.0)]))
+    }
+
+    fn whitened(&self, slopes: &[(usize, f64)]) -> Vec<f64> {
+        let columns = 0..self.root.ncols();
+        columns.map(|k| slopes.iter().map(|(i, slope)| slope * self.root[(*i, k)]).sum()).collect()
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().enumerate().flat_map(|(i, a)| b.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
+        pairs.map(|(i, j, weight)| weight * self.middle[(i, j)]).sum()
+    }
 }
 
 pub(crate) fn identification(
@@ -257,41 +284,40 @@ fn uncertainty(
     let free = problem.free.len();
     let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
     let factor = crate::solver::global_factor(problem, point, &weights, results);
-    let inverse = inverse_information(factor.as_ref().submatrix(0, 0, free, free));
+    let root = inverse_root(factor.as_ref().submatrix(0, 0, free, free));
     let scores: Vec<Vec<f64>> = results.iter().flat_map(|result| profiled_scores(result, free)).collect();
-    let (covariance, degrees) = if scores.len() >= 5 * free.max(2) {
-        let prior = crate::solver::prior_rows(problem, point, &weights);
+    let (middle, degrees) = if scores.len() >= 5 * free.max(2) {
         let correction = scores.len() as f64 / (scores.len() - free) as f64;
-        let middle = Mat::from_fn(free, free, |i, j| {
-            let spread: f64 = scores.iter().map(|score| score[i] * score[j]).sum();
-            let known: f64 = (0..free).map(|k| prior[(k, i)] * prior[(k, j)]).sum();
-            correction * spread + known
-        });
-        (&inverse * middle * &inverse, (scores.len() - free) as f64)
+        // Scores in units in which the information is one.
+        let score = Mat::from_fn(scores.len(), free, |block, j| scores[block][j] * correction.sqrt());
+        let prior = crate::solver::prior_rows(problem, point, &weights);
+        let white = [score, prior.as_ref().subcols(0, free).to_owned()].map(|rows| rows * &root);
+        (white[0].transpose() * &white[0] + white[1].transpose() * &white[1], (scores.len() - free) as f64)
     } else {
-        (inverse, 1e6)
+        (Mat::identity(free, free), 1e6)
     };
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
-    let covariance = Mat::from_fn(free, free, |i, j| covariance[(i, j)] * scales[i] * scales[j]);
-    Uncertainty { covariance, quantile }
+    Uncertainty { root: Mat::from_fn(free, free, |i, j| root[(i, j)] * scales[i]), middle, quantile }
 }
 
-/// (R' R)⁻¹ through the singular values of R with its columns scaled to one; directions without information
-/// get an enormous variance instead of an overflow.
-pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
+/// W with W W' = (R' R)⁻¹, through the singular values of R with its columns scaled to one; directions without
+/// information get an enormous variance instead of an overflow.
+fn inverse_root(factor: MatRef<'_, f64>) -> Mat<f64> {
     let free = factor.ncols();
     let norms: Vec<f64> = (0..free).map(|j| factor.col(j).norm_l2().max(1e-150)).collect();
     let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
     let Ok(svd) = scaled.svd() else {
-        return Mat::from_fn(free, free, |i, j| if i == j { 1e300 } else { 0.0 });
+        return Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
     };
     let largest = svd.S()[0];
     let v = svd.V();
-    Mat::from_fn(free, free, |i, j| {
-        let sum: f64 =
-            (0..free).map(|k| v[(i, k)] * v[(j, k)] / svd.S()[k].max(RANK_TOLERANCE * largest).powi(2)).sum();
-        sum / (norms[i] * norms[j])
-    })
+    Mat::from_fn(free, free, |i, k| v[(i, k)] / svd.S()[k].max(RANK_TOLERANCE * largest) / norms[i])
+}
+
+/// (R' R)⁻¹, see [`inverse_root`].
+pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
+    let root = inverse_root(factor);
+    &root * root.transpose()
 }
 
 /// Scores of the free parameters after the local unknowns have followed: g - A' g_local, A = R_ll⁻¹ R_lg.
@@ -327,7 +353,6 @@ fn parameter_estimates(
     values: &[f64],
     uncertainty: &Uncertainty,
 ) -> (Vec<ParameterEstimate>, bool) {
-    let covariance = uncertainty.covariance.as_ref();
     let mut at_bound = false;
     let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
         let value = values[index];
@@ -344,7 +369,7 @@ fn parameter_estimates(
                 note: String::new(),
             };
         };
-        let std = covariance[(j, j)].max(0.0).sqrt();
+        let std = uncertainty.std(&[(j, 1.0)]);
         let half = uncertainty.quantile * std;
         let (low, high) = parameter.bounds;
         let stuck =
@@ -354,7 +379,7 @@ fn parameter_estimates(
         let narrow = half <= LARGEST_HALF_WIDTH * value.abs();
         let inside = value - half >= low && value + half <= high;
         let identifiable = narrow && inside && !stuck;
-        let determined_with = if identifiable { Vec::new() } else { entangled(problem, covariance, j) };
+        let determined_with = if identifiable { Vec::new() } else { entangled(problem, uncertainty, j) };
         let (ci, note) = if identifiable {
             ([Some(value - half), Some(value + half)], String::new())
         } else {
@@ -380,11 +405,10 @@ fn parameter_estimates(
     (estimates, at_bound)
 }
 
-fn entangled(problem: &Problem<'_>, covariance: MatRef<'_, f64>, j: usize) -> Vec<String> {
-    let others = (0..problem.free.len()).filter(|i| {
-        let correlation = covariance[(*i, j)] / (covariance[(*i, *i)] * covariance[(j, j)]).sqrt();
-        *i != j && correlation.abs() > ENTANGLED
-    });
+fn entangled(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {
+    let std = |i: usize| uncertainty.std(&[(i, 1.0)]);
+    let others =
+        (0..problem.free.len()).filter(|i| *i != j && uncertainty.covariance(*i, j).abs() > ENTANGLED * std(*i) * std(j));
     others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
 }
 
@@ -487,12 +511,7 @@ fn combination(
     if own.is_empty() {
         return None;
     }
-    let variance: f64 = own
-        .iter()
-        .flat_map(|a| own.iter().map(move |b| (a, b)))
-        .map(|((i, a), (j, b))| a * b * uncertainty.covariance[(*i, *j)])
-        .sum();
-    let std = variance.max(0.0).sqrt();
+    let std = uncertainty.std(&own);
     let half = uncertainty.quantile * std;
     let determined = half <= LARGEST_HALF_WIDTH * value.abs();
     Some(CombinationEstimate {
@@ -524,14 +543,8 @@ fn offsets(
         let own = inverse_information(result.factor.as_ref().submatrix(0, 0, result.locals, result.locals));
         for (position, output) in channels.iter().enumerate() {
             let row = result.locals - channels.len() + position;
-            let carried: f64 = (0..free)
-                .flat_map(|i| (0..free).map(move |j| (i, j)))
-                .map(|(i, j)| {
-                    follow[(row, i)] * follow[(row, j)] * uncertainty.covariance[(i, j)]
-                        / (scales[i] * scales[j])
-                })
-                .sum();
-            let std = (own[(row, row)] + carried).max(0.0).sqrt();
+            let moved: Vec<(usize, f64)> = (0..free).map(|j| (j, follow[(row, j)] / scales[j])).collect();
+            let std = own[(row, row)].sqrt().hypot(uncertainty.std(&moved));
             let value = values[row];
             all.push(ParameterEstimate {
                 name: format!(
