@@ -7,6 +7,10 @@ use socam_model::{Equations, Model, Quantity};
 /// Speed follows its command within this time (first order, 80 Hz): fast enough to excite the couplings' resonances.
 const SPEED_LAG_S: f64 = 2e-3;
 
+/// The armature's current follows the voltage within this time. Without it the speed would kink at every step of the
+/// converter, with an image of the command near the sampling frequency that no sensor of the bench resolves.
+const ARMATURE_LAG_S: f64 = 2e-3;
+
 /// A current loop: much faster than anything mechanical.
 const TORQUE_LAG_S: f64 = 0.5e-3;
 
@@ -19,13 +23,15 @@ const DROOP: f64 = 1.5;
 /// Torque per current of the default motor, N m/A: 85 V and 5.4 A at 1450 rpm (thesis, table 2.3).
 const TORQUE_PER_CURRENT: f64 = 0.55;
 
-/// A drive: the steady answer to a voltage, a first-order lag, and how it gives way under load.
+/// A drive: the steady answer to a voltage, two lags in a row, and how it gives way under load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// What the driven quantity settles at, without load.
     pub answer: Answer,
-    /// Time constant, s.
+    /// Time constant of what is driven, s.
     pub lag_s: f64,
+    /// Time constant of what drives it, s.
+    pub armature_lag_s: f64,
     /// Speed lost per torque that the driven shaft carries, (rad/s)/(N m); 0 where that torque is not measured.
     pub droop: f64,
     /// N m per A, for a channel that measures the motor's current.
@@ -53,7 +59,13 @@ impl Drive {
             Some(Quantity::Torque) => (Answer::Proportional(35.1507), TORQUE_LAG_S),
             _ => (Answer::Proportional(0.02), REFERENCE_LAG_S),
         };
-        Self { answer, lag_s, droop: DROOP, torque_per_current: TORQUE_PER_CURRENT }
+        Self {
+            answer,
+            lag_s,
+            armature_lag_s: ARMATURE_LAG_S,
+            droop: DROOP,
+            torque_per_current: TORQUE_PER_CURRENT,
+        }
     }
 
     /// What the driven quantity settles at for a voltage, SI.
@@ -73,11 +85,15 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
     let rate = 1.0 / drive.lag_s;
     let reaction = reaction_output(model).filter(|_| matches!(drive.answer, Answer::Speed(_)));
 
-    let mut state = DMatrix::zeros(states + 1, states + 1);
+    // Behind the drivetrain's states stand the driven quantity and what the armature asks of it.
+    let (driven, armature) = (states, states + 1);
+    let mut state = DMatrix::zeros(states + 2, states + 2);
     state.view_mut((0, 0), (states, states)).copy_from(&e.state);
     state.view_mut((0, states), (states, 1)).copy_from(&e.input.column(0));
-    state[(states, states)] = -rate;
-    let mut force = DMatrix::zeros(states + 1, ports);
+    state[(driven, driven)] = -rate;
+    state[(driven, armature)] = rate;
+    state[(armature, armature)] = -1.0 / drive.armature_lag_s;
+    let mut force = DMatrix::zeros(states + 2, ports);
     force.view_mut((0, 0), (states, ports)).copy_from(&e.force);
     if let Some(row) = reaction {
         let yields = -drive.droop * rate;
@@ -85,20 +101,20 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
         state[(states, states)] += yields * e.feedthrough[(row, 0)];
         force.view_mut((states, 0), (1, ports)).copy_from(&(e.force_output.row(row) * yields));
     }
-    let mut input = DMatrix::zeros(states + 1, 1);
-    input[(states, 0)] = rate;
+    let mut input = DMatrix::zeros(states + 2, 1);
+    input[(armature, 0)] = 1.0 / drive.armature_lag_s;
 
-    let mut output = DMatrix::zeros(outputs + 1, states + 1);
+    let mut output = DMatrix::zeros(outputs + 1, states + 2);
     output[(0, states)] = 1.0;
     output.view_mut((1, 0), (outputs, states)).copy_from(&e.output);
     output.view_mut((1, states), (outputs, 1)).copy_from(&e.feedthrough.column(0));
     let mut force_output = DMatrix::zeros(outputs + 1, ports);
     force_output.view_mut((1, 0), (outputs, ports)).copy_from(&e.force_output);
-    let mut port = DMatrix::zeros(ports, states + 1);
+    let mut port = DMatrix::zeros(ports, states + 2);
     port.view_mut((0, 0), (ports, states)).copy_from(&e.port);
     port.view_mut((0, states), (ports, 1)).copy_from(&e.port_input.column(0));
 
-    let drive_state = std::iter::once("speed of the drive".to_owned());
+    let drive_states = ["speed of the drive", "speed that its armature asks for"].map(str::to_owned);
     Equations {
         state,
         input,
@@ -110,7 +126,7 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
         port_input: DMatrix::zeros(ports, 1),
         port_force: e.port_force.clone(),
         ports: e.ports.clone(),
-        state_names: e.state_names.iter().cloned().chain(drive_state).collect(),
+        state_names: e.state_names.iter().cloned().chain(drive_states).collect(),
     }
 }
 

@@ -196,7 +196,8 @@ impl Uncertainty {
     }
 
     fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().enumerate().flat_map(|(i, a)| b.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
+        let pairs =
+            a.iter().enumerate().flat_map(|(i, a)| b.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
         pairs.map(|(i, j, weight)| weight * self.middle[(i, j)]).sum()
     }
 }
@@ -285,19 +286,50 @@ fn uncertainty(
     let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
     let factor = crate::solver::global_factor(problem, point, &weights, results);
     let root = inverse_root(factor.as_ref().submatrix(0, 0, free, free));
-    let scores: Vec<Vec<f64>> = results.iter().flat_map(|result| profiled_scores(result, free)).collect();
-    let (middle, degrees) = if scores.len() >= 5 * free.max(2) {
-        let correction = scores.len() as f64 / (scores.len() - free) as f64;
+    let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
+    let blocks = scores.iter().map(Vec::len).sum::<usize>();
+    let (middle, degrees) = if blocks >= 5 * free.max(2) {
+        let correction = blocks as f64 / (blocks - free) as f64;
         // Scores in units in which the information is one.
-        let score = Mat::from_fn(scores.len(), free, |block, j| scores[block][j] * correction.sqrt());
-        let prior = crate::solver::prior_rows(problem, point, &weights);
-        let white = [score, prior.as_ref().subcols(0, free).to_owned()].map(|rows| rows * &root);
-        (white[0].transpose() * &white[0] + white[1].transpose() * &white[1], (scores.len() - free) as f64)
+        let white: Vec<Mat<f64>> = scores
+            .iter()
+            .map(|stretch| {
+                Mat::from_fn(stretch.len(), free, |block, j| stretch[block][j] * correction.sqrt())
+            })
+            .map(|rows| rows * &root)
+            .collect();
+        let (spread, lag) = long_run_spread(&white, blocks);
+        let prior = crate::solver::prior_rows(problem, point, &weights).as_ref().subcols(0, free) * &root;
+        // Every block counts less where it resembles its neighbours.
+        (spread + prior.transpose() * &prior, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
     } else {
         (Mat::identity(free, free), 1e6)
     };
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
     Uncertainty { root: Mat::from_fn(free, free, |i, j| root[(i, j)] * scales[i]), middle, quantile }
+}
+
+/// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
+/// the lag that D. W. K. Andrews' rule (Econometrica 59, 1991) takes from the correlation of next neighbours: residuals
+/// of a drifting axis stay alike for seconds, those of a sensor's noise do not.
+fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
+    let lagged = |lag: usize| {
+        let free = white[0].ncols();
+        white.iter().filter(|rows| rows.nrows() > lag).fold(Mat::<f64>::zeros(free, free), |sum, rows| {
+            let count = rows.nrows() - lag;
+            sum + rows.as_ref().subrows(0, count).transpose() * rows.as_ref().subrows(lag, count)
+        })
+    };
+    let own = lagged(0);
+    let trace = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, i)]).sum::<f64>();
+    let correlation = (trace(&lagged(1)) / trace(&own)).clamp(-0.97, 0.97);
+    let alpha = 4.0 * correlation.powi(2) / (1.0 - correlation.powi(2)).powi(2);
+    let lag = ((1.1447 * (alpha * blocks as f64).cbrt()) as usize).min(blocks / 8);
+    let spread = (1..=lag).fold(own, |sum, k| {
+        let cross = lagged(k);
+        sum + (&cross + cross.transpose()) * faer::Scale(1.0 - k as f64 / (lag + 1) as f64)
+    });
+    (spread, lag)
 }
 
 /// W with W W' = (R' R)⁻¹, through the singular values of R with its columns scaled to one; directions without
@@ -407,8 +439,8 @@ fn parameter_estimates(
 
 fn entangled(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {
     let std = |i: usize| uncertainty.std(&[(i, 1.0)]);
-    let others =
-        (0..problem.free.len()).filter(|i| *i != j && uncertainty.covariance(*i, j).abs() > ENTANGLED * std(*i) * std(j));
+    let others = (0..problem.free.len())
+        .filter(|i| *i != j && uncertainty.covariance(*i, j).abs() > ENTANGLED * std(*i) * std(j));
     others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
 }
 

@@ -21,6 +21,11 @@ use crate::{
 /// A descent ends when an undamped step promises to lower the cost (a sum of squares in noise units) by less than
 /// this: then no parameter is further than a tenth of its standard deviation from the minimum.
 const TOLERANCE: f64 = 0.01;
+/// It also ends when [`SLOW_STEPS`] accepted steps together gained less than this: what still moves then is a direction
+/// that the data do not determine.
+const SLOW_GAIN: f64 = 0.2;
+/// See [`SLOW_GAIN`].
+const SLOW_STEPS: usize = 8;
 /// Damping is relative to each parameter's own curvature. A valley along which the cost changes 1e12 times less than
 /// across it must still be walked.
 const LEAST_DAMPING: f64 = 1e-14;
@@ -297,6 +302,7 @@ fn descend(
     let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::IterationLimit };
     let (mut damping, mut growth) = (1e-3_f64, 2.0);
     let mut factor = global_factor(problem, &at.point, &at.weights, &at.results);
+    let mut costs = vec![at.cost];
     while at.iterations < max_iterations {
         at.iterations += 1;
         let promise = |damping: f64| {
@@ -327,6 +333,11 @@ fn descend(
             growth = 2.0;
             (at.point, at.results, at.cost) = (trial, results, cost);
             factor = global_factor(problem, &at.point, &at.weights, &at.results);
+            costs.push(cost);
+            if costs.len() > SLOW_STEPS && costs[costs.len() - 1 - SLOW_STEPS] - cost < SLOW_GAIN {
+                at.end = End::Converged;
+                break;
+            }
         } else {
             damping *= growth;
             growth *= 2.0;
