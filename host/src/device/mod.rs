@@ -1,7 +1,6 @@
 //! The host's side of the link to a board: in this process, over TCP, over a serial line.
 //!
-//! All three are a [`Stream`] of bytes; a [`Session`] turns it into a conversation, and a [`Run`](run::Run) of a profile into a
-//! recording.
+//! All three are a [`Stream`] of bytes; a [`Session`] turns it into a conversation, and [`run::record`] a profile into a recording.
 
 mod in_process;
 mod interrupt;
