@@ -227,5 +227,8 @@ fn a_disk_that_fills_up_is_said_and_what_was_recorded_stays() {
     let sentence = ran.refusal(1);
     let rows = info(&log)["rows"].as_u64().unwrap();
     assert!(rows > 1000);
-    assert!(sentence.contains(&log) && sentence.contains(&format!("ends after {rows} samples")), "{sentence}");
+    assert!(
+        sentence.contains(&log) && sentence.contains(&format!("ends after {rows} samples")),
+        "{sentence}"
+    );
 }
