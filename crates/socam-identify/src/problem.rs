@@ -104,6 +104,8 @@ impl<'a> Problem<'a> {
         if datasets.is_empty() {
             return Err(IdentifyError::NoRecordings);
         }
+        // Blocks are small, and a factorisation that is split between threads has other digits with every number of them.
+        faer::set_global_parallelism(faer::Par::Seq);
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
         if free.is_empty() {
