@@ -11,6 +11,7 @@
 //! eliminated; memory is bounded by a block. [`solver`] joins the factors and steps, with bounds and
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
+mod combinations;
 mod error;
 mod feed;
 mod filters;
@@ -28,6 +29,7 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+pub use combinations::combination_values;
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};

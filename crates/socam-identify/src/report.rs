@@ -7,6 +7,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError,
+    combinations::{self, Combination},
     modal::offset_channels,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
@@ -459,101 +460,32 @@ fn why_not(stuck: bool, relative: f64, entangled: &[String]) -> String {
     }
 }
 
-/// Two springs in a row with nothing but a massless point between them act nearly as one: its stiffness and
-/// damping are what the rest of the drivetrain feels.
 fn combinations(
     problem: &Problem<'_>,
     values: &[f64],
     uncertainty: &Uncertainty,
 ) -> Vec<CombinationEstimate> {
-    let model = problem.model;
-    let mut found = Vec::new();
-    for (node, _) in model.nodes.iter().enumerate().filter(|(_, node)| node.inertia.is_none()) {
-        let springs: Vec<_> = model.springs.iter().filter(|s| s.from == node || s.to == Some(node)).collect();
-        let tied = model.gears.iter().any(|gear| gear.from == node || gear.to == node)
-            || model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
-            || model.bearings.iter().any(|bearing| bearing.node == node)
-            || model.effects.iter().any(|used| used.node == node);
-        let [a, b] = springs[..] else { continue };
-        if tied {
-            continue;
+    let position = |index: usize| problem.free.iter().position(|free| *free == index);
+    let estimate = |combination: Combination| {
+        let slopes = combination.slopes.iter();
+        let own: Vec<(usize, f64)> =
+            slopes.filter_map(|(index, slope)| Some((position(*index)?, *slope))).collect();
+        if own.is_empty() {
+            return None;
         }
-        let (ka, kb) = (values[a.stiffness], values[b.stiffness]);
-        let sum = ka + kb;
-        let names = (&model.parameters[a.stiffness], &model.parameters[b.stiffness]);
-        let slopes = [(a.stiffness, (kb / sum).powi(2)), (b.stiffness, (ka / sum).powi(2))];
-        found.extend(combination(
-            problem,
-            uncertainty,
-            &names.0.unit,
-            series_name("k", &names.0.name, &names.1.name),
-            format!("1/(1/{} + 1/{})", names.0.name, names.1.name),
-            ka * kb / sum,
-            &slopes,
-        ));
-        if let (Some(da), Some(db)) = (a.damping, b.damping) {
-            let (ca, cb) = (values[da], values[db]);
-            let value = (ca * kb * kb + cb * ka * ka) / (sum * sum);
-            let slopes = [
-                (da, (kb / sum).powi(2)),
-                (db, (ka / sum).powi(2)),
-                (a.stiffness, 2.0 * (cb * ka - value * sum) / (sum * sum)),
-                (b.stiffness, 2.0 * (ca * kb - value * sum) / (sum * sum)),
-            ];
-            let names = [da, db, a.stiffness, b.stiffness].map(|index| model.parameters[index].name.as_str());
-            let expression =
-                format!("({0} {3}^2 + {1} {2}^2)/({2} + {3})^2", names[0], names[1], names[2], names[3]);
-            found.extend(combination(
-                problem,
-                uncertainty,
-                &model.parameters[da].unit,
-                series_name("c", names[0], names[1]),
-                expression,
-                value,
-                &slopes,
-            ));
-        }
-    }
-    found
-}
-
-/// `k_series_12` for k1 and k2; names without a common stem are spelled out.
-fn series_name(kind: &str, a: &str, b: &str) -> String {
-    match (a.strip_prefix(kind), b.strip_prefix(kind)) {
-        (Some(a), Some(b)) if a.chars().chain(b.chars()).all(|c| c.is_ascii_digit()) => {
-            format!("{kind}_series_{a}{b}")
-        }
-        _ => format!("{kind}_series_{a}_{b}"),
-    }
-}
-
-fn combination(
-    problem: &Problem<'_>,
-    uncertainty: &Uncertainty,
-    unit: &str,
-    name: String,
-    expression: String,
-    value: f64,
-    slopes: &[(usize, f64)],
-) -> Option<CombinationEstimate> {
-    let own: Vec<(usize, f64)> = slopes
-        .iter()
-        .filter_map(|(index, slope)| Some((problem.free.iter().position(|free| free == index)?, *slope)))
-        .collect();
-    if own.is_empty() {
-        return None;
-    }
-    let std = uncertainty.std(&own);
-    let half = uncertainty.quantile * std;
-    let determined = half <= LARGEST_HALF_WIDTH * value.abs();
-    Some(CombinationEstimate {
-        name,
-        expression,
-        value: determined.then_some(value),
-        unit: unit.into(),
-        std: determined.then_some(std),
-        ci95: [value - half, value + half].map(|end| Some(end).filter(|_| determined)),
-    })
+        let (value, std) = (combination.value, uncertainty.std(&own));
+        let half = uncertainty.quantile * std;
+        let determined = half <= LARGEST_HALF_WIDTH * value.abs();
+        Some(CombinationEstimate {
+            name: combination.name,
+            expression: combination.expression,
+            value: determined.then_some(value),
+            unit: combination.unit,
+            std: determined.then_some(std),
+            ci95: [value - half, value + half].map(|end| Some(end).filter(|_| determined)),
+        })
+    };
+    combinations::all(problem.model, values).into_iter().filter_map(estimate).collect()
 }
 
 fn offsets(

@@ -191,7 +191,8 @@ fn validate(
         .collect()
 }
 
-fn write_model(path: &Path, model: &Model, result: &Identification) -> anyhow::Result<()> {
+/// Writes `model` with the identified values.
+pub(crate) fn write_model(path: &Path, model: &Model, result: &Identification) -> anyhow::Result<()> {
     let recordings = result.recordings.join(", ");
     let updates: Vec<Update> = result
         .parameters
