@@ -22,12 +22,13 @@ pub fn combination_values(model: &Model, values: &[f64]) -> Vec<(String, f64)> {
 }
 
 pub(crate) fn all(model: &Model, values: &[f64]) -> Vec<Combination> {
-    let pairs = (0..model.nodes.len()).filter_map(|node| pair(model, node));
-    pairs
-        .flat_map(|(a, b)| {
-            std::iter::once(stiffness(model, values, a, b)).chain(damping(model, values, a, b))
-        })
-        .collect()
+    let each = |(a, b)| std::iter::once(stiffness(model, values, a, b)).chain(damping(model, values, a, b));
+    pairs(model).flat_map(each).collect()
+}
+
+/// Springs that act as one.
+pub(crate) fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
+    (0..model.nodes.len()).filter_map(|node| pair(model, node))
 }
 
 /// The two springs at a massless node that nothing else touches.

@@ -21,6 +21,8 @@ pub const SCHEMA: &str = "socam.identification/1";
 const LARGEST_HALF_WIDTH: f64 = 0.5;
 /// Estimates correlated more than this cannot be told apart.
 const ENTANGLED: f64 = 0.9;
+/// 95 % quantile of chi-square with one degree of freedom: a cost difference below it may be chance.
+const CHANCE: f64 = 3.84;
 /// Singular values below this fraction of the largest are taken as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
@@ -205,18 +207,20 @@ impl Uncertainty {
 
 pub(crate) fn identification(
     problem: &Problem<'_>,
-    descent: Descent,
+    mut descent: Descent,
     races: &[Race],
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
     let weights = crate::pass::Weights { scores: true, ..descent.weights.clone() };
-    let results = match pass::run(problem, &descent.point, &weights)? {
-        Some(results) => results,
-        None => descent.results,
-    };
-    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, &results);
+    if let Some(results) = pass::run(problem, &descent.point, &weights)? {
+        descent.results = results;
+    }
+    let results = &descent.results;
+    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results);
+    let cost = 0.5 * crate::solver::data_cost(&weights, results);
+    let twins = exchangeable(problem, &descent)?;
     let cpu_s = clock.seconds();
-    let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty);
+    let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
     let end = if descent.end == End::Converged && at_bound { End::AtBound } else { descent.end };
     let mut warnings = problem.warnings.clone();
     if let Some(warning) = race_warning(races) {
@@ -236,11 +240,11 @@ pub(crate) fn identification(
         cpu_s,
         parameters,
         combinations: combinations(problem, &descent.point.values, &uncertainty),
-        nuisance: offsets(problem, &descent.point.locals, &results, &uncertainty, &weights.scales),
-        fit: fit(problem.model, &crate::solver::channel_sums(&results), &weights.noise_std),
+        nuisance: offsets(problem, &descent.point.locals, results, &uncertainty, &weights.scales),
+        fit: fit(problem.model, &crate::solver::channel_sums(results), &weights.noise_std),
         warnings,
         point: descent.point.values,
-        cost: 0.5 * descent.cost,
+        cost,
     })
 }
 
@@ -285,7 +289,7 @@ fn uncertainty(
 ) -> Uncertainty {
     let free = problem.free.len();
     let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
-    let factor = crate::solver::global_factor(problem, point, &weights, results);
+    let factor = crate::solver::information_factor(problem, point, &weights, results);
     let root = inverse_root(factor.as_ref().submatrix(0, 0, free, free));
     let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
     let blocks = scores.iter().map(Vec::len).sum::<usize>();
@@ -381,10 +385,37 @@ fn followers(result: &StretchResult, free: usize) -> Mat<f64> {
     follow
 }
 
+/// Parameters of two springs in a row that can change places without changing what the sensors see by more than chance:
+/// for each parameter that has one, its counterpart.
+fn exchangeable(problem: &Problem<'_>, descent: &Descent) -> Result<Vec<(usize, usize)>, IdentifyError> {
+    let mut found = Vec::new();
+    for (a, b) in combinations::pairs(problem.model) {
+        let mut swaps = vec![(a.stiffness, b.stiffness)];
+        swaps.extend(a.damping.zip(b.damping));
+        let free = |index: &usize| problem.free.contains(index);
+        if a.damping.is_some() != b.damping.is_some() || !swaps.iter().all(|(a, b)| free(a) && free(b)) {
+            continue;
+        }
+        let mut values = descent.point.values.clone();
+        swaps.iter().for_each(|(a, b)| values.swap(*a, *b));
+        let inside = swaps.iter().flat_map(|(a, b)| [*a, *b]).all(|index| {
+            let bounds = problem.model.parameters[index].bounds;
+            (bounds.0..=bounds.1).contains(&values[index])
+        });
+        let own = crate::solver::data_cost(&descent.weights, &descent.results);
+        let swapped = if inside { crate::solver::cost_at(problem, descent, values)? } else { None };
+        if swapped.is_some_and(|cost| cost - own < CHANCE) {
+            found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));
+        }
+    }
+    Ok(found)
+}
+
 fn parameter_estimates(
     problem: &Problem<'_>,
     values: &[f64],
     uncertainty: &Uncertainty,
+    twins: &[(usize, usize)],
 ) -> (Vec<ParameterEstimate>, bool) {
     let mut at_bound = false;
     let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
@@ -411,15 +442,23 @@ fn parameter_estimates(
         // Not finite counts as not determined.
         let narrow = half <= LARGEST_HALF_WIDTH * value.abs();
         let inside = value - half >= low && value + half <= high;
-        let identifiable = narrow && inside && !stuck;
-        let determined_with = if identifiable { Vec::new() } else { entangled(problem, uncertainty, j) };
+        // Not determined if it could as well be what its counterpart is.
+        let twin = twins.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
+        let twin = twin.filter(|other| (values[*other] - value).abs() > half);
+        let identifiable = narrow && inside && !stuck && twin.is_none();
+        let mut determined_with = if identifiable { Vec::new() } else { entangled(problem, uncertainty, j) };
+        if let Some(other) = twin.map(|other| &problem.model.parameters[other].name)
+            && !determined_with.contains(other)
+        {
+            determined_with.push(other.clone());
+        }
         let (ci, note) = if identifiable {
             ([Some(value - half), Some(value + half)], String::new())
         } else {
             let ends =
                 [Some(value - half).filter(|end| *end > low), Some(value + half).filter(|end| *end < high)];
-            let ends = ends.map(|end| end.filter(|_| narrow));
-            (ends, why_not(stuck, half / value.abs(), &determined_with))
+            let ends = ends.map(|end| end.filter(|_| narrow && twin.is_none()));
+            (ends, why_not(stuck, twin.is_some(), half / value.abs(), &determined_with))
         };
         let prior = parameter.prior.is_some_and(|prior| std > 0.7 * prior.std);
         ParameterEstimate {
@@ -445,8 +484,10 @@ fn entangled(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<
     others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
 }
 
-fn why_not(stuck: bool, relative: f64, entangled: &[String]) -> String {
-    let reason = if stuck {
+fn why_not(stuck: bool, swaps: bool, relative: f64, entangled: &[String]) -> String {
+    let reason = if swaps {
+        "two springs in a row can change places and no sensor sees it".into()
+    } else if stuck {
         "it ran to its bound".into()
     } else if relative.is_finite() && relative < 1e3 {
         format!("its 95 % interval is +-{:.0} %", 100.0 * relative)
