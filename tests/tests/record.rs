@@ -122,6 +122,21 @@ fn a_killed_recorder_leaves_all_but_the_last_second() {
 }
 
 #[test]
+fn a_cut_log_is_exported_as_far_as_it_goes_and_the_exit_code_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, table) = (path(&folder, "run.mcap"), path(&folder, "run.csv"));
+    let _ = record("sim", &log, &["--duration", "30s"]).done();
+    let bytes = std::fs::read(&log).unwrap();
+    std::fs::write(&log, &bytes[..bytes.len() / 2]).unwrap();
+    let ran = run(["export", &log, "-o", &table]);
+    assert_eq!(ran.code, Some(3), "{ran:?}");
+    assert!(ran.stderr.contains("warning") && ran.stderr.contains("cut"), "{ran:?}");
+    let rows = std::fs::read_to_string(&table).unwrap().lines().count() as u64 - 1;
+    assert_eq!(info(&log)["rows"].as_u64(), Some(rows));
+    assert!((5_000..25_000).contains(&rows), "{rows}");
+}
+
+#[test]
 fn a_recording_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let log = path(&folder, "run.mcap");
