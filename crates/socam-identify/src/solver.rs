@@ -456,7 +456,9 @@ fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mu
     for spring in &problem.model.springs {
         let Some(damping) = spring.damping else { continue };
         let straight = curve(problem, spring.stiffness) == Curve::Straight;
-        let (Some(stiffer), Some(more), false) = (change(spring.stiffness), change(damping), straight) else { continue };
+        let (Some(stiffer), Some(more), false) = (change(spring.stiffness), change(damping), straight) else {
+            continue;
+        };
         let (k, c) = (at.point.values[spring.stiffness], at.point.values[damping]);
         let moved = (c + more - 2.0 * c * stiffer / k) * (values[spring.stiffness] / k).powi(2);
         let bounds = problem.model.parameters[damping].bounds;

@@ -65,7 +65,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let data =
         paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let (fitted, held_out) = data.split_at(RUNS.len());
-    let result = socam_identify::output_error(&Problem::new(&model, fitted, Options::default())?)?;
+    let problem = Problem::new(&model, fitted, Options::default())?;
+    let result = output::waiting("identifying", || socam_identify::output_error(&problem))?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;
     let identified = args.dir.join("identified.toml");
     identify::write_model(&identified, &model, &result)?;

@@ -95,7 +95,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let held_out = open_all(&args.validate)?;
     let result = match args.method {
         Method::OutputError => {
-            socam_identify::output_error(&Problem::new(&model, &datasets, options.clone())?)?
+            let problem = Problem::new(&model, &datasets, options.clone())?;
+            output::waiting("fitting", || socam_identify::output_error(&problem))?
         }
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
