@@ -118,12 +118,9 @@ fn painted(text: &str, colour: &str) -> String {
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
 }
 
-/// Writes a whole file or nothing: beside its place first, then renamed.
-pub(crate) fn write_file(path: &std::path::Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let mut file = OutputFile::create(path)?;
-    file.write_all(bytes)?;
-    file.commit()?;
-    Ok(())
+/// A file that will be there whole or not at all.
+pub(crate) fn create(path: &std::path::Path) -> anyhow::Result<OutputFile> {
+    Ok(OutputFile::create(path)?)
 }
 
 /// Runs something that takes a while, with a sign of life on a terminal.

@@ -73,7 +73,7 @@ struct RawModel {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table like { value = 1.2, unit = \"N m/rad\" }")]
 struct RawParameter {
     value: Spanned<f64>,
     unit: Name,
@@ -89,21 +89,21 @@ struct RawParameter {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table like { value = 1.2, std = 0.1 }")]
 struct RawPrior {
     value: f64,
     std: Spanned<f64>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [[nodes]] table")]
 struct RawNode {
     name: Name,
     inertia: Option<Name>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [[springs]] table")]
 struct RawSpring {
     name: Name,
     from: Name,
@@ -113,7 +113,7 @@ struct RawSpring {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [[gears]] table")]
 struct RawGear {
     name: Name,
     from: Name,
@@ -122,7 +122,7 @@ struct RawGear {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [[shafts]] table")]
 struct RawShaft {
     name: Name,
     from: Name,
@@ -130,7 +130,7 @@ struct RawShaft {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [[bearings]] table")]
 struct RawBearing {
     name: Name,
     at: Name,
@@ -138,7 +138,7 @@ struct RawBearing {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an [[effects]] table")]
 struct RawEffect {
     effect: Name,
     at: Name,
@@ -146,7 +146,7 @@ struct RawEffect {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [servo] table")]
 struct RawServo {
     name: Name,
     at: Name,
@@ -156,7 +156,7 @@ struct RawServo {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a [channels.NAME] table")]
 struct RawChannel {
     role: Role,
     quantity: Quantity,

@@ -69,7 +69,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let result = output::waiting("identifying", || socam_identify::output_error(&problem))?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;
     let identified = args.dir.join("identified.toml");
-    identify::write_model(&identified, &model, &result)?;
+    identify::write_model(output::create(&identified)?, &model, &result)?;
     output::print(&report(&model, &result, &test, &held_out[0]))?;
     output::print(&next_steps(&args.dir, &identified))?;
     Ok(outcome)

@@ -1,11 +1,11 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
-use anyhow::Context;
 use socam_identify::{Fit, Identification, Intersample, Noise, Options, Problem, StartState};
 use socam_model::{Model, Update};
-use socam_recording::Dataset;
+use socam_recording::{Dataset, OutputFile};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
@@ -91,6 +91,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     model_file::set(&mut model, &args.set, false)?;
     model_file::set(&mut model, &args.fix, true)?;
     let options = options(&args, &model)?;
+    // Where it cannot be written is said before the fit, not after it.
+    let target = args.write_model.as_deref().map(output::create).transpose()?;
     let datasets = open_all(&args.runs)?;
     let held_out = open_all(&args.validate)?;
     let result = match args.method {
@@ -101,8 +103,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
-    if let Some(path) = &args.write_model {
-        write_model(path, &model, &result)?;
+    if let Some(target) = target {
+        write_model(target, &model, &result)?;
     }
     if args.json {
         print_json(&result, &validation)?;
@@ -193,7 +195,11 @@ fn validate(
 }
 
 /// Writes `model` with the identified values.
-pub(crate) fn write_model(path: &Path, model: &Model, result: &Identification) -> anyhow::Result<()> {
+pub(crate) fn write_model(
+    mut target: OutputFile,
+    model: &Model,
+    result: &Identification,
+) -> anyhow::Result<()> {
     let recordings = result.recordings.join(", ");
     let updates: Vec<Update> = result
         .parameters
@@ -214,9 +220,8 @@ pub(crate) fn write_model(path: &Path, model: &Model, result: &Identification) -
             },
         })
         .collect();
-    let text = model.text_with(&updates)?;
-    output::write_file(path, text.as_bytes())
-        .with_context(|| format!("cannot write the model to `{}`", path.display()))
+    target.write_all(model.text_with(&updates)?.as_bytes())?;
+    Ok(target.commit()?)
 }
 
 fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Result<()> {

@@ -248,6 +248,11 @@ fn a_wrong_file_gets_line_key_and_what_was_expected() {
         ("name = \"coupling_2\"", "name = \"coupling_1\"", &["there already"]),
         ("damping = \"c5\"", "dampening = \"c5\"", &["dampening", "expected"]),
         ("role = \"input\"", "role = \"inlet\"", &["inlet", "input"]),
+        (
+            "c5 = { value = 0.05, unit = \"N m s/rad\", bounds = [1e-5, 5], source = \"assumed\" }",
+            "c5 = \"soft\"",
+            &["line 16", "value = 1.2"],
+        ),
         ("bounds = [10, 1e4]", "bounds = [1e5, 10]", &["k3.bounds", "low < high"]),
         ("at = \"roller_pins\"", "at = \"mesh\"", &["torque_out", "mesh"]),
         ("[channels.motor_speed]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"", "", &["no input"]),
