@@ -36,6 +36,20 @@ impl Model {
         Assembly::new(self, values, wrt)?.equations()
     }
 
+    /// How many times faster the node `fast` moves than the node `slow` while no spring twists, at the file's values:
+    /// what gears, shafts and couplings fix between them on average. Negative where they turn against each other.
+    ///
+    /// `None` where nothing fixes it: a node that does not exist, no way from one to the other, or a spring to the ground.
+    pub fn rigid_ratio(&self, fast: &str, slow: &str) -> Option<f64> {
+        let values = self.values();
+        let node = |name: &str| self.nodes.iter().position(|node| node.name == name);
+        let (fast, slow) = (node(fast)?, node(slow)?);
+        let assembly = Assembly::new(self, &values, &[]).ok()?;
+        let mode = assembly.rigid_mode(assembly.group[fast])?;
+        let motion = |node: usize| mode[assembly.group[node]].value * assembly.lever[node].value;
+        Some(motion(fast) / motion(slow))
+    }
+
     fn check_values(&self, values: &[f64]) -> Result<(), ModelError> {
         let fail = |index: usize, expected| {
             Err(ModelError::Value {

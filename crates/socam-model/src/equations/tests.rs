@@ -280,3 +280,19 @@ fn a_node_that_nothing_holds_is_named() {
     let text = Model::parse(&loose).unwrap_err().to_string();
     assert!(text.contains("adrift"), "{text}");
 }
+
+#[test]
+fn what_gears_fix_between_two_places() {
+    let bench = Model::builtin("speed-o-cam").unwrap();
+    // Through two couplings, the reducer, a third coupling and a rigid shaft.
+    assert_eq!(bench.rigid_ratio("motor", "load"), Some(8.0));
+    assert_eq!(bench.rigid_ratio("load", "motor"), Some(0.125));
+    assert_eq!(bench.rigid_ratio("disk", "load"), Some(1.0));
+    assert_eq!(bench.rigid_ratio("motor", "attic"), None);
+    assert_eq!(Model::builtin("two-mass").unwrap().rigid_ratio("load", "motor"), Some(1.0));
+    // What a spring ties to the ground does not turn at all.
+    let anchor =
+        "[[springs]]\nname = \"anchor\"\nfrom = \"load\"\nto = \"ground\"\nstiffness = \"k4\"\n\n[[gears]]";
+    let anchored = Model::parse(&bench.text.replacen("[[gears]]", anchor, 1)).unwrap();
+    assert_eq!(anchored.rigid_ratio("motor", "load"), None);
+}
