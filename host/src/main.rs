@@ -5,6 +5,7 @@
 mod cli;
 mod commands;
 mod device;
+mod expectation;
 mod model_file;
 mod output;
 mod table;

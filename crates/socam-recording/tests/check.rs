@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use socam_recording::check::{Check, CheckOptions, Finding, Verdict, check};
+use socam_recording::check::{
+    Check, CheckOptions, Finding, FixedRatio, FreeParameters, Resonance, Speed, Verdict, check,
+};
 use socam_recording::{Channel, Dataset, Unit};
 
 const RATE_HZ: f64 = 1000.0;
@@ -35,7 +37,25 @@ fn checked(input: impl Fn(f64) -> f64, change: impl Fn(&mut [Vec<f64>])) -> Chec
     let channels =
         vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("output_speed", Unit::RadPerS)];
     let data = Dataset::from_columns("run", channels, time_s, columns).unwrap();
-    check(&data, &CheckOptions::default()).unwrap()
+    check(&data, &bench()).unwrap()
+}
+
+/// A reducer of 8:1 with two resonances.
+fn bench() -> CheckOptions {
+    let speed = |name: &str| Speed { channel: name.into(), scale: 1.0, offset: 0.0 };
+    let resonance = |frequency_hz, name: &str| Resonance { frequency_hz, parameters: vec![name.into()] };
+    CheckOptions {
+        input: Some("motor_speed".into()),
+        channels: vec!["motor_speed".into(), "output_speed".into()],
+        ratios: vec![FixedRatio {
+            fast: speed("motor_speed"),
+            slow: speed("output_speed"),
+            ratio: 8.0,
+            tolerance: 0.01,
+        }],
+        resonances: vec![resonance(3.0, "k1"), resonance(20.0, "k2")],
+        free: Some(FreeParameters { parameters: 4, outputs: 1 }),
+    }
 }
 
 #[test]
@@ -55,7 +75,15 @@ fn a_good_recording_is_fit() {
 fn a_sine_determines_little_and_a_steady_speed_nothing() {
     let sine = checked(|t| 100.0 + 20.0 * (TAU * 3.0 * t).sin(), |_| {});
     let found = &sine.findings[0];
-    assert!(matches!(found, Finding::FewLines { lines: 1, .. }), "{found:?}");
+    assert!(matches!(found, Finding::FewLines { lines: 1, needed: 3, .. }), "{found:?}");
+    let unexcited = sine.findings.iter().find_map(|f| match f {
+        Finding::ResonancesNotExcited { resonances, .. } => Some((resonances, f)),
+        _ => None,
+    });
+    let (resonances, finding) = unexcited.unwrap();
+    assert_eq!(resonances[..], bench().resonances[1..]);
+    assert!(finding.sentence().ends_with("the model's resonance at 20.0 Hz, on which k2 depends"));
+    assert!(finding.remedy().starts_with("record the `multisine` profile"), "{}", finding.remedy());
     assert!((115..125).contains(&sine.channels[0].turning_points));
     let steady = checked(|_| 100.0, |_| {});
     assert_eq!(steady.verdict, Verdict::Unfit);
@@ -124,4 +152,30 @@ fn short_empty_and_noisy_channels_are_said() {
     let check = socam_recording::check::check(&few.unwrap(), &CheckOptions::default()).unwrap();
     assert_eq!(check.verdict, Verdict::Unfit);
     assert!(check.findings.iter().all(|f| !f.sentence().is_empty() && !f.remedy().is_empty()));
+}
+
+#[test]
+fn a_ratio_is_only_broken_beyond_its_scatter() {
+    // A drive without steady speed: the slow shaft swings on its spring, and averages say little.
+    let check =
+        checked(|t| 20.0 * (TAU * 3.0 * t).sin(), |columns| columns[1].iter_mut().for_each(|v| *v *= 1.3));
+    assert!(!check.findings.iter().any(|f| matches!(f, Finding::RatioBroken { .. })), "{:?}", check.findings);
+}
+
+#[test]
+fn channels_that_the_model_reads_may_be_missing() {
+    let channels = vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("room", Unit::K)];
+    let time_s: Vec<f64> = (0..4000).map(|i| f64::from(i) / RATE_HZ).collect();
+    let columns = vec![time_s.iter().map(|t| multisine(*t)).collect(), vec![20.0; 4000]];
+    let data = Dataset::from_columns("run", channels, time_s, columns).unwrap();
+    let check = check(&data, &bench()).unwrap();
+    let missing = &check.findings[0];
+    assert_eq!(check.verdict, Verdict::Unfit);
+    assert_eq!(
+        missing.sentence(),
+        "the model reads `output_speed`, which the recording lacks; it has motor_speed_rad_s, room_K"
+    );
+    // The model has no interest in the room, so its constant temperature is no finding.
+    assert_eq!(check.channels.len(), 1);
+    assert_eq!(check.findings.len(), 1, "{:?}", check.findings);
 }

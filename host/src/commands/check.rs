@@ -1,33 +1,40 @@
 //! `check`: whether recordings can carry a fit, before any fit.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
+use anyhow::bail;
 use serde::Serialize;
-use socam_recording::check::{Check, CheckOptions, FixedRatio, Severity, Verdict, check};
+use socam_model::Model;
+use socam_recording::check::{ChannelCheck, Check, CheckOptions, Finding, Severity, Verdict, check};
+use socam_recording::{Channel, Dataset};
 
 use super::Outcome;
-use crate::output;
+use crate::output::{self, WrongArguments};
+use crate::{expectation, model_file, table};
 
 /// Say whether recordings are fit for use, what stands in the way, and what to record instead
+///
+/// Looks at the channels that the model reads: does the input move enough, at enough frequencies and near the model's
+/// resonances; do speeds keep the ratio that the gears fix; are sensors saturated, stuck, noisy or humming; are rows
+/// missing. What is found is a result: the exit code is 0 even when a recording is not fit for use.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host check RUN.mcap
+  socam-host check RUN.mcap@2..10                     only from 2 s to 10 s
+  socam-host check axis.csv --model emps              a servo axis, driven by a force
+  socam-host check anything.csv --input voltage       without a model")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Channel that drives the model [default: motor_speed, else command]
-    #[arg(long, value_name = "CHANNEL")]
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    model: String,
+    /// Leave the model aside: look at all channels, of which this one drives the bench
+    #[arg(long, value_name = "CHANNEL", conflicts_with = "model")]
     input: Option<String>,
-    /// Fixed ratio of the two speeds; 0 leaves it unchecked
-    #[arg(long, value_name = "RATIO", default_value_t = 8.0)]
-    ratio: f64,
-    /// Speed before the reducer
-    #[arg(long, value_name = "CHANNEL", default_value = "motor_speed")]
-    fast: String,
-    /// Speed after the reducer
-    #[arg(long, value_name = "CHANNEL", default_value = "output_speed")]
-    slow: String,
-    /// Deviation of the average ratio that is let pass, percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0)]
+    /// How far the average ratio of two speeds may be from the one that the gears fix, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, allow_hyphen_values = true)]
     ratio_tolerance: f64,
     /// Print one JSON document and nothing else
     #[arg(long)]
@@ -35,20 +42,26 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let options = CheckOptions {
-        input: args.input,
-        ratio: (args.ratio != 0.0).then_some(FixedRatio {
-            fast: args.fast,
-            slow: args.slow,
-            ratio: args.ratio,
-            tolerance: args.ratio_tolerance / 100.0,
-        }),
+    if !(0.0..=100.0).contains(&args.ratio_tolerance) {
+        let problem = format!("--ratio-tolerance is {} %; expected 0 to 100", args.ratio_tolerance);
+        return Err(WrongArguments(problem).into());
+    }
+    let model = match args.input {
+        Some(_) => None,
+        None => Some(model_file::load(&args.model)?),
     };
-    let checks = args
-        .runs
-        .iter()
-        .map(|run| Ok(check(&output::open(run)?, &options)?))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let options = match &model {
+        Some(model) => expectation::of_model(model, args.ratio_tolerance / 100.0),
+        None => CheckOptions { input: args.input.clone(), ..CheckOptions::default() },
+    };
+    let check_one = |run: &String| {
+        let data = output::open(run)?;
+        if let Some(model) = &model {
+            require_common_ground(&data, model)?;
+        }
+        Ok(check(&data, &options)?)
+    };
+    let checks = args.runs.iter().map(check_one).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
         let recordings = checks.iter().map(Described::from).collect();
         output::print_json(&Document { schema: "socam.check/1", recordings })?;
@@ -57,6 +70,23 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&texts.join("\n"))?;
     }
     Ok(Outcome::Done)
+}
+
+/// A recording with none of the model's channels is one of another bench.
+fn require_common_ground(data: &Dataset, model: &Model) -> anyhow::Result<()> {
+    if model.channels.iter().any(|channel| data.channel_index(&channel.column).is_ok()) {
+        return Ok(());
+    }
+    let read: Vec<&str> = model.channels.iter().map(|channel| channel.column.as_str()).collect();
+    let held: Vec<String> = data.channels().iter().map(Channel::column_name).collect();
+    bail!(
+        "`{}` has none of the channels that the model {} reads ({}); it has {}; name its model with --model, or its input with \
+         --input",
+        data.name(),
+        model.name,
+        read.join(", "),
+        held.join(", ")
+    )
 }
 
 #[derive(Serialize)]
@@ -77,12 +107,12 @@ struct Described<'a> {
 struct Sentence {
     severity: Severity,
     sentence: String,
-    remedy: &'static str,
+    remedy: Cow<'static, str>,
 }
 
 impl<'a> From<&'a Check> for Described<'a> {
     fn from(check: &'a Check) -> Self {
-        let sentence = |finding: &socam_recording::check::Finding| Sentence {
+        let sentence = |finding: &Finding| Sentence {
             severity: finding.severity(),
             sentence: finding.sentence(),
             remedy: finding.remedy(),
@@ -105,30 +135,36 @@ fn write_text(out: &mut String, check: &Check) -> std::fmt::Result {
         Verdict::Unfit => "not fit for use",
     };
     writeln!(out, "{}: {verdict}", check.recording)?;
-    let width = check.channels.iter().map(|c| c.name.len()).max().unwrap_or(0);
-    let width = width.max("channel".len());
-    writeln!(
-        out,
-        "  {:width$}  {:>12} {:6} {:>8} {:>20} {:>6} {:>6} {:>6} {:>6}",
-        "channel", "amplitude", "unit", "SNR dB", "band Hz", "lines", "steps", "turns", "signs"
-    )?;
-    for channel in &check.channels {
-        let dash = || "-".to_owned();
-        writeln!(
-            out,
-            "  {:width$}  {:>12.5e} {:6} {:>8} {:>20} {:>6} {:>6} {:>6} {:>6}{}",
-            channel.name,
-            channel.amplitude,
-            channel.unit.symbol(),
-            channel.snr_db.map_or_else(dash, |snr| format!("{snr:.1}")),
-            channel.band_hz.map_or_else(dash, |[from, to]| format!("{from:.2} to {to:.2}")),
+    let head = [
+        "channel",
+        "unit",
+        "amplitude",
+        "signal/noise",
+        "band",
+        "frequencies",
+        "steps",
+        "turns",
+        "sign changes",
+        "",
+    ];
+    let dash = || "-".to_owned();
+    let row = |channel: &ChannelCheck| {
+        vec![
+            channel.name.clone(),
+            channel.unit.symbol().to_owned(),
+            table::number(channel.amplitude),
+            channel.snr_db.map_or_else(dash, |snr| format!("{snr:.1} dB")),
+            channel.band_hz.map_or_else(dash, |[from, to]| format!("{from:.2} to {to:.2} Hz")),
             channel.lines.map_or_else(dash, |lines| lines.to_string()),
-            channel.steps,
-            channel.turning_points,
-            channel.sign_changes,
-            if check.input.as_ref() == Some(&channel.name) { "  input" } else { "" },
-        )?;
-    }
+            channel.steps.to_string(),
+            channel.turning_points.to_string(),
+            channel.sign_changes.to_string(),
+            if check.input.as_ref() == Some(&channel.name) { "input".to_owned() } else { String::new() },
+        ]
+    };
+    let rows: Vec<_> =
+        std::iter::once(head.map(str::to_owned).to_vec()).chain(check.channels.iter().map(row)).collect();
+    out.push_str(&table::align(&rows, &[false, false, true, true, true, true, true, true, true, false]));
     for finding in &check.findings {
         let severity = match finding.severity() {
             Severity::Prevents => "prevents a fit",

@@ -1,8 +1,17 @@
 //! What a check can find, in numbers and in words.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
+use super::Resonance;
 use crate::Unit;
+
+/// How far the built-in profiles `multisine` and `chirp` reach, Hz.
+const HIGHEST_BUILT_IN_HZ: f64 = 150.0;
+
+/// Samples per period from which a resonance is well sampled.
+const SAMPLES_PER_PERIOD: f64 = 5.0;
 
 /// How much a finding stands in the way of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -22,6 +31,8 @@ pub enum Severity {
 #[non_exhaustive]
 #[allow(missing_docs, reason = "each field is explained by the sentence its variant makes")]
 pub enum Finding {
+    /// Channels that the model reads are not there.
+    MissingChannels { channels: Vec<String>, available: Vec<String> },
     /// Too few rows for any dynamics.
     TooShort { rows: u64, needed: u64 },
     /// Rows are missing between others.
@@ -45,7 +56,9 @@ pub enum Finding {
     /// A channel is mostly noise.
     Buried { channel: String, snr_db: f64, is_input: bool },
     /// The input moves at too few frequencies.
-    FewLines { channel: String, lines: usize, band_hz: [f64; 2] },
+    FewLines { channel: String, lines: usize, needed: usize, band_hz: [f64; 2] },
+    /// The input does not move near some resonances of the model.
+    ResonancesNotExcited { channel: String, resonances: Vec<Resonance>, band_hz: [f64; 2], highest_hz: f64 },
     /// A channel stays at its extreme while the truth goes on.
     Saturated { channel: String, unit: Unit, limit: f64, rows: u64, longest_run_rows: u64 },
     /// A line at the mains frequency or its harmonics.
@@ -63,7 +76,8 @@ impl Finding {
             Self::StandsStill { snr_db: Some(snr_db), .. } if *snr_db >= super::LOWEST_SNR_DB => {
                 Severity::Weakens
             }
-            Self::TooShort { .. }
+            Self::MissingChannels { .. }
+            | Self::TooShort { .. }
             | Self::StandsStill { .. }
             | Self::Constant { is_input: true, .. }
             | Self::Buried { is_input: true, .. } => Severity::Prevents,
@@ -76,6 +90,11 @@ impl Finding {
     #[must_use]
     pub fn sentence(&self) -> String {
         match self {
+            Self::MissingChannels { channels, available } => format!(
+                "the model reads {}, which the recording lacks; it has {}",
+                listed(channels.iter().map(|name| format!("`{name}`"))),
+                available.join(", ")
+            ),
             Self::TooShort { rows, needed } => {
                 format!("only {rows} rows; dynamics need at least {needed}")
             }
@@ -108,10 +127,27 @@ impl Finding {
             Self::Buried { channel, snr_db, .. } => {
                 format!("`{channel}` is mostly noise (signal to noise {snr_db:.1} dB)")
             }
-            Self::FewLines { channel, lines, band_hz: [from, to] } => format!(
-                "the input `{channel}` moves at {lines} frequencies only ({from:.2} to {to:.2} Hz): that determines at most {} parameters per output",
-                2 * lines
+            Self::FewLines { channel, lines, needed, band_hz: [from, to] } => format!(
+                "the input `{channel}` moves at {lines} {} only ({from:.2} to {to:.2} Hz); it takes {needed} to determine the parameters",
+                if *lines == 1 { "frequency" } else { "frequencies" }
             ),
+            Self::ResonancesNotExcited { channel, resonances, band_hz: [from, to], .. } => {
+                let frequencies = resonances.iter().map(|r| format!("{:.1} Hz", r.frequency_hz));
+                let mut parameters: Vec<&str> = Vec::new();
+                for name in resonances.iter().flat_map(|resonance| &resonance.parameters) {
+                    if !parameters.contains(&name.as_str()) {
+                        parameters.push(name);
+                    }
+                }
+                format!(
+                    "the input `{channel}` moves from {from:.2} to {to:.2} Hz and does not excite the model's resonance{} at {}, \
+                     on which {} depend{}",
+                    if resonances.len() == 1 { "" } else { "s" },
+                    listed(frequencies),
+                    listed(parameters.iter().map(|name| (*name).to_owned())),
+                    if parameters.len() == 1 { "s" } else { "" },
+                )
+            }
             Self::Saturated { channel, unit, limit, rows, longest_run_rows } => format!(
                 "`{channel}` sticks at {limit} {unit} in {rows} rows, up to {longest_run_rows} in a row: it is saturated"
             ),
@@ -127,8 +163,14 @@ impl Finding {
 
     /// What to record, or do, instead.
     #[must_use]
-    pub fn remedy(&self) -> &'static str {
-        match self {
+    pub fn remedy(&self) -> Cow<'static, str> {
+        let words = match self {
+            Self::ResonancesNotExcited { resonances, highest_hz, .. } => {
+                return excite(resonances, *highest_hz).into();
+            }
+            Self::MissingChannels { .. } => {
+                "check with the model that describes this bench (`--model`), or rename the columns in the model's [channels]"
+            }
             Self::TooShort { .. } => "record at least ten seconds",
             Self::Gaps { .. } | Self::LostSamples { .. } => {
                 "lower the rate or shorten the link, and record again; fits go on from gap to gap, each with its own start"
@@ -156,8 +198,33 @@ impl Finding {
                 "shield and earth the sensor, twist its leads, or record with the drive's supply off to compare"
             }
             Self::RatioBroken { .. } => {
-                "calibrate both tachometers (`calibrate`); if they are right, something slips"
+                "calibrate both tachometers; if they are right, something slips, or the model's ratio is wrong"
             }
-        }
+        };
+        words.into()
+    }
+}
+
+/// The profile that reaches these resonances, and the rate to sample it at.
+fn excite(resonances: &[Resonance], highest_hz: f64) -> String {
+    let top_hz = resonances.iter().map(|resonance| resonance.frequency_hz).fold(0.0, f64::max);
+    let mut words = if top_hz < HIGHEST_BUILT_IN_HZ {
+        format!("record the `multisine` profile (or `chirp`), which reach {HIGHEST_BUILT_IN_HZ} Hz")
+    } else {
+        format!("record a multisine with `to_Hz` above {:.0} in a profile file of your own", 1.3 * top_hz)
+    };
+    if highest_hz < SAMPLES_PER_PERIOD / 2.0 * top_hz {
+        let rate_hz = (SAMPLES_PER_PERIOD * top_hz / 1000.0).ceil() * 1000.0;
+        words += &format!(", with at least --rate {rate_hz:.0}");
+    }
+    words
+}
+
+/// "a, b and c".
+fn listed(items: impl Iterator<Item = String>) -> String {
+    let items: Vec<String> = items.collect();
+    match items.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => items.concat(),
     }
 }

@@ -36,42 +36,80 @@ pub(crate) const LOWEST_SNR_DB: f64 = 10.0;
 const SMALLEST_SPREAD: f64 = 0.005;
 
 /// Fewest spectral lines that determine a drivetrain with a handful of parameters: each line gives two equations per
-/// output.
+/// output. A model with many parameters and few outputs needs more.
 const FEWEST_LINES: usize = 3;
 
-/// What to check against. The model decides the names; without one, these are the default bench's.
-#[derive(Debug, Clone, PartialEq)]
+/// How far from a resonance, as a factor of frequency, the input still excites it: a quarter up or down.
+const BESIDE_RESONANCE: f64 = 1.25;
+
+/// What to check against: what a model says of the channels that it reads. By default nothing is known of them.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct CheckOptions {
     /// The channel that drives the model; `motor_speed`, else `command`, when `None`.
     pub input: Option<String>,
-    /// A fixed ratio between two speeds; checked when both channels are there.
-    pub ratio: Option<FixedRatio>,
+    /// The channels that a model reads, its input among them, by name or column: these are looked at, and those that are not
+    /// there are a finding. When empty, all are looked at.
+    pub channels: Vec<String>,
+    /// Fixed ratios between two speeds; checked where both channels are there.
+    pub ratios: Vec<FixedRatio>,
+    /// Resonances of the model.
+    pub resonances: Vec<Resonance>,
+    /// How many parameters the model leaves free, over how many outputs.
+    pub free: Option<FreeParameters>,
 }
 
-/// Two speeds that a gear ties together.
+/// What the input has to determine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeParameters {
+    /// Parameters to identify.
+    pub parameters: usize,
+    /// Channels that the model predicts.
+    pub outputs: usize,
+}
+
+impl FreeParameters {
+    /// Fewest lines of the input that can determine them: each gives an amplitude and a phase per output.
+    fn lines(self) -> usize {
+        self.parameters.div_ceil(2 * self.outputs.max(1))
+    }
+}
+
+/// A resonance of the model, and what is learned by exciting it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Resonance {
+    /// Its natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// The free parameters that decide it, strongest first.
+    pub parameters: Vec<String>,
+}
+
+/// Two speeds that gears and shafts tie together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedRatio {
-    /// The channel before the reducer.
-    pub fast: String,
-    /// The channel after it.
-    pub slow: String,
+    /// The faster one.
+    pub fast: Speed,
+    /// The slower one.
+    pub slow: Speed,
     /// Speed of `fast` over speed of `slow`.
     pub ratio: f64,
     /// Relative deviation of the average that is let pass, such as 0.01.
     pub tolerance: f64,
 }
 
-impl Default for CheckOptions {
-    fn default() -> Self {
-        Self {
-            input: None,
-            ratio: Some(FixedRatio {
-                fast: "motor_speed".into(),
-                slow: "output_speed".into(),
-                ratio: 8.0,
-                tolerance: 0.01,
-            }),
-        }
+/// A channel that measures a speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Speed {
+    /// Its name or column.
+    pub channel: String,
+    /// Speed = scale * column + offset.
+    pub scale: f64,
+    /// See `scale`.
+    pub offset: f64,
+}
+
+impl Speed {
+    fn si(&self, value: f64) -> f64 {
+        self.scale * value + self.offset
     }
 }
 
@@ -96,7 +134,7 @@ pub struct Check {
     pub verdict: Verdict,
     /// The channel taken as the input; `None` when none was named and none has a usual name.
     pub input: Option<String>,
-    /// Excitation of each channel, in the dataset's order.
+    /// Excitation of each channel that was looked at, in the dataset's order.
     pub channels: Vec<ChannelCheck>,
     /// What was found, worst first.
     pub findings: Vec<Finding>,
@@ -132,22 +170,27 @@ pub struct ChannelCheck {
 /// Checks a recording.
 ///
 /// # Errors
-/// When a channel named in the options does not exist (ratio channels may be absent), or the file cannot be read again.
+/// When the input does not exist and is none of the model's channels, or the file cannot be read again.
 pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
     let input = input_channel(data, options)?;
+    let (looked_at, missing) = looked_at(data, options, input);
     let mut pass = Pass::new(data, options);
     for block in data.blocks()? {
         pass.take(&block?);
     }
     let mut findings = about_the_rows(data);
+    if !missing.is_empty() {
+        let available = data.channels().iter().map(Channel::column_name).collect();
+        findings.push(Finding::MissingChannels { channels: missing, available });
+    }
     let mut channels = Vec::new();
-    for (index, probe) in pass.probes.into_iter().enumerate() {
-        let (channel, mut found) = probe.finish(data, index, Some(index) == input);
+    for (index, probe) in pass.probes.into_iter().enumerate().filter(|(index, _)| looked_at[*index]) {
+        let (channel, mut found) = probe.finish(data, index, (Some(index) == input).then_some(options));
         channels.push(channel);
         findings.append(&mut found);
     }
-    findings.extend(pass.ratio.and_then(RatioFit::finish));
-    if input.is_none() {
+    findings.extend(pass.ratios.into_iter().filter_map(RatioFit::finish));
+    if input.is_none() && options.input.is_none() {
         findings.push(Finding::InputUnknown);
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
@@ -167,10 +210,27 @@ pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
 
 fn input_channel(data: &Dataset, options: &CheckOptions) -> Result<Option<usize>> {
     if let Some(name) = &options.input {
-        return data.channel_index(name).map(Some);
+        let index = data.channel_index(name);
+        return if options.channels.contains(name) { Ok(index.ok()) } else { index.map(Some) };
     }
     let usual = ["motor_speed", "command"];
     Ok(usual.iter().find_map(|name| data.channel_index(name).ok()))
+}
+
+/// Which of the recording's channels are looked at (the input always is), and which the recording lacks.
+fn looked_at(data: &Dataset, options: &CheckOptions, input: Option<usize>) -> (Vec<bool>, Vec<String>) {
+    let mut looked_at = vec![options.channels.is_empty(); data.channels().len()];
+    let mut missing = Vec::new();
+    for name in &options.channels {
+        match data.channel_index(name) {
+            Ok(index) => looked_at[index] = true,
+            Err(_) => missing.push(name.clone()),
+        }
+    }
+    if let Some(input) = input {
+        looked_at[input] = true;
+    }
+    (looked_at, missing)
 }
 
 /// Findings that need no values: length, gaps, losses, uneven steps.
@@ -207,7 +267,7 @@ fn about_the_rows(data: &Dataset) -> Vec<Finding> {
 /// Everything gathered while the blocks pass by.
 struct Pass {
     probes: Vec<Probe>,
-    ratio: Option<RatioFit>,
+    ratios: Vec<RatioFit>,
 }
 
 impl Pass {
@@ -230,12 +290,12 @@ impl Pass {
                 }
             })
             .collect();
-        let ratio = options.ratio.as_ref().and_then(|fixed| {
-            let fast = data.channel_index(&fixed.fast).ok()?;
-            let slow = data.channel_index(&fixed.slow).ok()?;
+        let ratios = options.ratios.iter().filter_map(|fixed| {
+            let fast = data.channel_index(&fixed.fast.channel).ok()?;
+            let slow = data.channel_index(&fixed.slow.channel).ok()?;
             Some(RatioFit::new(fixed.clone(), fast, slow))
         });
-        Self { probes, ratio }
+        Self { probes, ratios: ratios.collect() }
     }
 
     fn take(&mut self, block: &Block) {
@@ -248,7 +308,7 @@ impl Pass {
                 probe.take(*value);
             }
         }
-        if let Some(ratio) = &mut self.ratio {
+        for ratio in &mut self.ratios {
             ratio.take(block);
         }
     }
@@ -294,7 +354,13 @@ impl Probe {
         self.turning.push(value);
     }
 
-    fn finish(self, data: &Dataset, index: usize, is_input: bool) -> (ChannelCheck, Vec<Finding>) {
+    /// `input_of`: what the channel has to excite, if it is the input.
+    fn finish(
+        self,
+        data: &Dataset,
+        index: usize,
+        input_of: Option<&CheckOptions>,
+    ) -> (ChannelCheck, Vec<Finding>) {
         let channel = &data.channels()[index];
         let statistics = &data.statistics()[index];
         let (min, max) = (statistics.min.unwrap_or(0.0), statistics.max.unwrap_or(0.0));
@@ -325,12 +391,18 @@ impl Probe {
                 channel: channel.name.clone(),
                 unit: channel.unit,
                 value: min,
-                is_input,
+                is_input: input_of.is_some(),
             });
             return (check, findings);
         }
         findings.extend(self.runs.finish(channel));
-        findings.extend(excitation_of(channel, &check, statistics, is_input));
+        findings.extend(excitation_of(channel, &check, statistics, input_of));
+        let still = |finding: &Finding| finding.severity() == Severity::Prevents;
+        if let (Some(spectrum), Some(options)) = (&spectrum, input_of)
+            && !findings.iter().any(still)
+        {
+            findings.extend(not_excited(channel, &check, spectrum, &options.resonances));
+        }
         if let Some(spectrum) = spectrum.filter(|_| self.rate.is_none()) {
             findings.extend(spectrum.hum(channel));
         }
@@ -343,8 +415,11 @@ fn excitation_of(
     channel: &Channel,
     check: &ChannelCheck,
     statistics: &crate::Statistics,
-    is_input: bool,
+    input_of: Option<&CheckOptions>,
 ) -> Option<Finding> {
+    let is_input = input_of.is_some();
+    let needed =
+        input_of.and_then(|options| options.free).map_or(FEWEST_LINES, |free| free.lines().max(FEWEST_LINES));
     let mean = statistics.mean.unwrap_or(0.0);
     let std = statistics.std.unwrap_or(0.0);
     let name = channel.name.clone();
@@ -357,9 +432,30 @@ fn excitation_of(
         (Some(snr_db), ..) if snr_db < LOWEST_SNR_DB && check.noise_std.is_some() => {
             Some(Finding::Buried { channel: name, snr_db, is_input })
         }
-        (_, Some(lines), Some(band_hz)) if is_input && lines < FEWEST_LINES => {
-            Some(Finding::FewLines { channel: name, lines, band_hz })
+        (_, Some(lines), Some(band_hz)) if is_input && lines < needed => {
+            Some(Finding::FewLines { channel: name, lines, needed, band_hz })
         }
         _ => None,
     }
+}
+
+/// The resonances that the input leaves alone.
+fn not_excited(
+    channel: &Channel,
+    check: &ChannelCheck,
+    spectrum: &Spectrum,
+    resonances: &[Resonance],
+) -> Option<Finding> {
+    let band_hz = check.band_hz?;
+    let left_alone = |resonance: &&Resonance| {
+        let frequency_hz = resonance.frequency_hz;
+        !spectrum.moves_between(frequency_hz / BESIDE_RESONANCE, frequency_hz * BESIDE_RESONANCE)
+    };
+    let resonances: Vec<Resonance> = resonances.iter().filter(left_alone).cloned().collect();
+    (!resonances.is_empty()).then(|| Finding::ResonancesNotExcited {
+        channel: channel.name.clone(),
+        resonances,
+        band_hz,
+        highest_hz: spectrum.highest_hz(),
+    })
 }

@@ -4,39 +4,82 @@ use super::FixedRatio;
 use super::finding::Finding;
 use crate::dataset::Block;
 
-/// Least-squares slope of the fast speed over the slow one. Where the shaft turns one way this is the ratio of the means;
-/// where it reverses, means vanish and the slope does not.
+/// Speeds are averaged over so long before they are compared: what springs and lags do in between says nothing of the gear.
+const WINDOW_S: f64 = 1.0;
+
+/// Standard errors that a deviation must exceed to be said: chance passes three once in 370 recordings.
+const STANDARD_ERRORS: f64 = 3.0;
+
+/// Least-squares slope of the fast speed's averages over the slow one's. Where the shaft turns one way this is the ratio of the
+/// means; where it reverses, means vanish and the slope does not.
 pub(super) struct RatioFit {
     fixed: FixedRatio,
     fast: usize,
     slow: usize,
+    window: Window,
+    fast_fast: f64,
     fast_slow: f64,
     slow_slow: f64,
+    windows: u32,
+}
+
+/// The window that is being filled.
+#[derive(Default)]
+struct Window {
+    segment: usize,
+    begin_s: f64,
+    rows: u32,
+    fast: f64,
+    slow: f64,
 }
 
 impl RatioFit {
     pub(super) fn new(fixed: FixedRatio, fast: usize, slow: usize) -> Self {
-        Self { fixed, fast, slow, fast_slow: 0.0, slow_slow: 0.0 }
+        let window = Window::default();
+        Self { fixed, fast, slow, window, fast_fast: 0.0, fast_slow: 0.0, slow_slow: 0.0, windows: 0 }
     }
 
     pub(super) fn take(&mut self, block: &Block) {
         let fast = block.columns[self.fast].values();
         let slow = block.columns[self.slow].values();
-        for (fast, slow) in fast.iter().zip(slow) {
-            if !fast.is_nan() && !slow.is_nan() {
-                self.fast_slow += fast * slow;
-                self.slow_slow += slow * slow;
+        for (time_s, (fast, slow)) in block.time_s.iter().zip(fast.iter().zip(slow)) {
+            if fast.is_nan() || slow.is_nan() {
+                continue;
+            }
+            if self.window.rows == 0 || self.window.segment != block.segment {
+                self.window = Window { segment: block.segment, begin_s: *time_s, ..Window::default() };
+            }
+            self.window.rows += 1;
+            self.window.fast += self.fixed.fast.si(*fast);
+            self.window.slow += self.fixed.slow.si(*slow);
+            if *time_s - self.window.begin_s >= WINDOW_S {
+                self.close();
             }
         }
     }
 
+    fn close(&mut self) {
+        let Window { rows, fast, slow, .. } = std::mem::take(&mut self.window);
+        let (fast, slow) = (fast / f64::from(rows), slow / f64::from(rows));
+        self.fast_fast += fast * fast;
+        self.fast_slow += fast * slow;
+        self.slow_slow += slow * slow;
+        self.windows += 1;
+    }
+
+    /// A broken ratio, if it is; `None` also where less than two windows were seen.
     pub(super) fn finish(self) -> Option<Finding> {
         let measured = self.fast_slow / self.slow_slow;
         let deviation = measured / self.fixed.ratio - 1.0;
-        let broken = measured.is_finite() && deviation.abs() > self.fixed.tolerance;
+        let scatter =
+            (self.fast_fast - measured * self.fast_slow).max(0.0) / f64::from(self.windows.max(2) - 1);
+        let standard_error = (scatter / self.slow_slow).sqrt() / self.fixed.ratio.abs();
+        let broken = self.windows >= 2
+            && measured.is_finite()
+            && deviation.abs() > self.fixed.tolerance.max(STANDARD_ERRORS * standard_error);
         broken.then_some(Finding::RatioBroken {
-            fast: self.fixed.fast,
-            slow: self.fixed.slow,
+            fast: self.fixed.fast.channel,
+            slow: self.fixed.slow.channel,
             expected: self.fixed.ratio,
             measured,
             deviation_percent: 100.0 * deviation,

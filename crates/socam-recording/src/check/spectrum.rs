@@ -138,9 +138,26 @@ impl Spectrum {
         (ratio.is_finite() && ratio > 0.0).then(|| 10.0 * ratio.log10())
     }
 
+    /// Power density that counts as motion.
+    fn threshold(&self) -> f64 {
+        (OVER_NOISE * self.floor).max(UNDER_PEAK * self.peak())
+    }
+
+    /// Whether there is motion between two frequencies, Hz.
+    pub(super) fn moves_between(&self, from_hz: f64, to_hz: f64) -> bool {
+        let threshold = self.threshold();
+        let bins = (from_hz / self.step_hz).round() as usize..=(to_hz / self.step_hz).round() as usize;
+        self.moving().any(|(bin, density)| bins.contains(&bin) && density > threshold)
+    }
+
+    /// The highest frequency that the samples can show, Hz.
+    pub(super) fn highest_hz(&self) -> f64 {
+        self.step_hz * (self.density.len() - 1) as f64
+    }
+
     /// Lowest and highest frequency above the noise, Hz.
     pub(super) fn band_hz(&self) -> Option<[f64; 2]> {
-        let threshold = (OVER_NOISE * self.floor).max(UNDER_PEAK * self.peak());
+        let threshold = self.threshold();
         let mut above = self.moving().filter(|(_, density)| *density > threshold);
         let first = above.next()?.0;
         let last = above.last().map_or(first, |(bin, _)| bin);

@@ -1,0 +1,123 @@
+//! What a model expects of a recording that is to determine its parameters.
+
+use socam_model::{Channel, Mode, Model, Quantity};
+use socam_recording::check::{CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
+
+/// Damping ratio from which on a mode has no peak.
+const NO_PEAK: f64 = 0.7;
+
+/// A parameter decides a resonance when its influence is at least this share of the strongest parameter's.
+const INFLUENCE: f64 = 0.2;
+
+/// Relative step of a parameter that shows its influence.
+const STEP: f64 = 1e-4;
+
+/// Against what to check a recording for this model; averages of speeds may break their ratio by `ratio_tolerance`.
+pub(crate) fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
+    let outputs = model.outputs().count();
+    let parameters = model.parameters.iter().filter(|parameter| !parameter.fixed).count();
+    CheckOptions {
+        input: model.inputs().next().map(|channel| channel.column.clone()),
+        channels: model.inputs().chain(model.outputs()).map(|channel| channel.column.clone()).collect(),
+        ratios: ratios(model, ratio_tolerance),
+        resonances: resonances(model),
+        free: Some(FreeParameters { parameters, outputs }),
+    }
+}
+
+/// Every speed against the first one, where rigid parts and springs tie them together.
+fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
+    let mut speeds = model.inputs().chain(model.outputs()).filter(|c| c.quantity == Quantity::Speed);
+    let Some(first) = speeds.next() else {
+        return Vec::new();
+    };
+    let speed = |channel: &Channel| Speed {
+        channel: channel.column.clone(),
+        scale: channel.scale,
+        offset: channel.offset,
+    };
+    let tied = speeds.filter_map(|other| {
+        let ratio = model.rigid_ratio(&first.at, &other.at)?;
+        let (fast, slow, ratio) =
+            if ratio.abs() >= 1.0 { (first, other, ratio) } else { (other, first, 1.0 / ratio) };
+        Some(FixedRatio { fast: speed(fast), slow: speed(slow), ratio, tolerance })
+    });
+    tied.collect()
+}
+
+/// The model's resonances at its file's values that decide a free parameter, lowest first.
+fn resonances(model: &Model) -> Vec<Resonance> {
+    let modes_at = |values: &[f64]| model.equations(values).map(|equations| equations.modes());
+    let values = model.values();
+    let Ok(modes) = modes_at(&values) else {
+        return Vec::new();
+    };
+    let free = (0..values.len()).filter(|index| !model.parameters[*index].fixed && values[*index] != 0.0);
+    let shifted: Vec<(usize, Vec<Mode>)> = free
+        .filter_map(|index| {
+            let mut values = values.clone();
+            values[index] *= 1.0 + STEP;
+            Some((index, modes_at(&values).ok()?))
+        })
+        .collect();
+    let peaks = modes.iter().filter(|mode| mode.damping_ratio < NO_PEAK && mode.natural_frequency_hz > 0.0);
+    peaks
+        .map(|mode| Resonance {
+            frequency_hz: mode.natural_frequency_hz,
+            parameters: deciding(model, mode, &shifted),
+        })
+        .filter(|resonance| !resonance.parameters.is_empty())
+        .collect()
+}
+
+/// Names of the parameters that decide a mode's frequency or damping, strongest first.
+fn deciding(model: &Model, mode: &Mode, shifted: &[(usize, Vec<Mode>)]) -> Vec<String> {
+    let distance = |other: &Mode| (other.pole - mode.pole).norm();
+    let influences: Vec<(usize, [f64; 2])> = shifted
+        .iter()
+        .filter_map(|(index, modes)| {
+            let moved = modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            let relative = |after: f64, before: f64| (after / before - 1.0).abs() / STEP;
+            let frequency = relative(moved.natural_frequency_hz, mode.natural_frequency_hz);
+            Some((*index, [frequency, relative(moved.damping_ratio, mode.damping_ratio)]))
+        })
+        .collect();
+    let strongest =
+        [0, 1].map(|kind| influences.iter().map(|(_, i)| i[kind]).fold(f64::MIN_POSITIVE, f64::max));
+    let mut shares: Vec<(usize, f64)> = influences
+        .iter()
+        .map(|(index, influence)| (*index, (influence[0] / strongest[0]).max(influence[1] / strongest[1])))
+        .filter(|(_, share)| *share >= INFLUENCE)
+        .collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares.into_iter().map(|(index, _)| model.parameters[index].name.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_model_names_its_input_ratio_and_resonances() {
+        let options = of_model(&Model::builtin("speed-o-cam").unwrap(), 0.01);
+        assert_eq!(options.input.as_deref(), Some("motor_speed_rad_s"));
+        assert_eq!(options.channels.len(), 4);
+        let [ratio] = &options.ratios[..] else { panic!("{:?}", options.ratios) };
+        assert_eq!((ratio.fast.channel.as_str(), ratio.ratio), ("motor_speed_rad_s", 8.0));
+        assert!(options.resonances.iter().all(|r| !r.parameters.is_empty()));
+        assert!(!options.resonances.is_empty());
+    }
+
+    #[test]
+    fn speeds_are_told_fast_from_slow_and_axes_need_none() {
+        let two_mass = of_model(&Model::builtin("two-mass").unwrap(), 0.01);
+        assert_eq!(two_mass.input.as_deref(), Some("motor_torque_Nm"));
+        assert_eq!(two_mass.ratios[0].ratio, 1.0);
+        let [resonance] = &two_mass.resonances[..] else { panic!("{:?}", two_mass.resonances) };
+        // sqrt(k (1/Jm + 1/Jl)) / 2 pi
+        assert!((resonance.frequency_hz - 58.9).abs() < 0.5, "{resonance:?}");
+        assert!(resonance.parameters.iter().any(|name| name == "stiffness"), "{resonance:?}");
+        let emps = of_model(&Model::builtin("emps").unwrap(), 0.01);
+        assert_eq!((emps.ratios.len(), emps.resonances.len()), (0, 0));
+    }
+}
