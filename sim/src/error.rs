@@ -10,7 +10,7 @@ pub enum SimError {
     #[error("the simulated drivetrain cannot move: {0}")]
     Model(#[from] ModelError),
     /// The solver gave up.
-    #[error("the simulation failed at {time_s} s: {reason}")]
+    #[error("the simulation failed at {time_s:.4} s: {reason}; a parameter far out of proportion does that")]
     Solver {
         /// Simulated time reached.
         time_s: f64,

@@ -8,7 +8,7 @@ use crate::dataset::{Block, Dataset};
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
 use crate::log::sample::{Event, SampleRow, encode_event, encode_sample};
-use crate::log::writer::{LogWriter, RecordingHeader, Topic};
+use crate::log::writer::{Attachment, LogWriter, RecordingHeader, Topic};
 use crate::output_file::OutputFile;
 
 /// Times beyond this (centuries) do not fit a log's nanoseconds.
@@ -67,7 +67,7 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// Writes a recording as an MCAP log, with its origin and the given notes as metadata. Times and values come back exactly.
+/// Writes a recording as an MCAP log, with its origin and the given notes as metadata, and the given files as attachments. Times and values come back exactly.
 /// The file appears whole or not at all.
 ///
 /// # Errors
@@ -76,6 +76,7 @@ pub fn import_mcap(
     data: &Dataset,
     start_unix_ns: u64,
     metadata: BTreeMap<String, String>,
+    attachments: Vec<Attachment>,
     target: &Path,
 ) -> Result<()> {
     if data.format() == Format::Mcap {
@@ -92,6 +93,7 @@ pub fn import_mcap(
     let mut header = RecordingHeader::new(data.channels().to_vec());
     header.start_unix_ns = if data.start_s() > EPOCH_TIME_S { 0 } else { start_unix_ns };
     header.metadata = metadata;
+    header.attachments = attachments;
     let source = data.name().to_owned();
     header.metadata.insert("imported_from".into(), source);
     let file = OutputFile::create(target)?;

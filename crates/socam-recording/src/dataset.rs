@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::calibration_file::Calibration;
 use crate::csv_read::CsvRows;
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
@@ -240,12 +241,34 @@ impl Dataset {
     /// # Errors
     /// As [`Dataset::open`].
     pub fn open_selection(selection: &Selection) -> Result<Self> {
+        Self::open_wired(selection, &legacy::Wiring::default())
+    }
+
+    /// Opens the selected part of a legacy log, its volts turned into SI by a calibration: the first channel is input 0.
+    ///
+    /// # Errors
+    /// As [`Dataset::open`]; also when it is no legacy log, since only those are in volts, or the calibration has more channels
+    /// than the log has inputs.
+    pub fn open_calibrated(selection: &Selection, calibration: &Calibration) -> Result<Self> {
+        let path = &selection.path;
+        if format::detect(path)? != Format::LegacyM {
+            return Err(RecordingError::NothingToCalibrate { path: path.clone() });
+        }
+        let channels = calibration.channels.len();
+        if channels > legacy::INPUTS {
+            let inputs = legacy::INPUTS;
+            return Err(RecordingError::TooManyInputs { path: path.clone(), channels, inputs });
+        }
+        Self::open_wired(selection, &calibration.into())
+    }
+
+    fn open_wired(selection: &Selection, wiring: &legacy::Wiring) -> Result<Self> {
         let path = &selection.path;
         match format::detect(path)? {
             Format::SteadyStates => Err(RecordingError::SteadyStates { path: path.clone() }),
             Format::LegacyM => {
                 let log = legacy::LegacyLog::read(path)?;
-                let (channels, table) = log.into_table(&legacy::LegacyCalibration::default());
+                let (channels, table) = log.into_table(wiring);
                 let mut dataset = Self::from_table(selection.name(), channels, table, selection)?;
                 dataset.format = Format::LegacyM;
                 Ok(dataset)

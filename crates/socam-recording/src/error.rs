@@ -91,6 +91,22 @@ pub enum RecordingError {
         /// The file.
         path: PathBuf,
     },
+    /// A calibration was given for a recording that is in SI.
+    #[error("`{}` is in SI already; only the legacy .m logs are in volts and take a calibration", path.display())]
+    NothingToCalibrate {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A calibration has more channels than a legacy log has inputs.
+    #[error("the calibration has {channels} channels, and `{}` only {inputs} inputs", path.display())]
+    TooManyInputs {
+        /// The file.
+        path: PathBuf,
+        /// Channels of the calibration.
+        channels: usize,
+        /// Inputs of the log.
+        inputs: usize,
+    },
     /// A channel was asked for that the recording does not have.
     #[error("`{recording}` has no channel `{channel}`; it has {available}")]
     NoSuchChannel {

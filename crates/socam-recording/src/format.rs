@@ -57,8 +57,16 @@ const FOREIGN: [(&[u8], &str); 8] = [
 /// Looks at a file's first bytes.
 ///
 /// # Errors
-/// When it cannot be read, is a directory, is empty, or is in no known format.
+/// When it cannot be read, is a directory, a pipe or a device, is empty, or is in no known format.
 pub fn detect(path: &Path) -> Result<Format> {
+    let foreign = |found: String| RecordingError::Foreign { path: path.into(), found };
+    let there = path.metadata().map_err(|e| RecordingError::io(path, "open", e))?;
+    if !there.is_file() && !there.is_dir() {
+        // Opening a pipe would wait for someone to write.
+        return Err(foreign(
+            "is a pipe or a device; save it to a file, since recordings are read more than once".into(),
+        ));
+    }
     let mut head = Vec::new();
     File::open(path)
         .map_err(|e| RecordingError::io(path, "open", e))?
@@ -71,7 +79,6 @@ pub fn detect(path: &Path) -> Result<Format> {
     if head.starts_with(MCAP_MAGIC) {
         return Ok(Format::Mcap);
     }
-    let foreign = |found: String| RecordingError::Foreign { path: path.into(), found };
     if MCAP_MAGIC.starts_with(&head) {
         return Err(foreign(format!(
             "is an MCAP log cut off after {} bytes, before anything was recorded",

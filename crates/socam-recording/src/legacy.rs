@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use socam_core::scaling::Sensor;
+
+use crate::calibration_file::Calibration;
 use crate::dataset::Table;
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
 use crate::{Channel, Unit};
@@ -24,45 +27,32 @@ pub struct LegacyLog {
     pub rows_v: Vec<[f64; COLUMNS]>,
 }
 
-/// How the four inputs become channels. The program's log does not say what was wired to which input.
+/// Inputs of the program's converter.
+pub(crate) const INPUTS: usize = COLUMNS - 1;
+
+/// How the inputs become channels, in their order; inputs beyond these are left aside. The program's log does not say what was
+/// wired to which input.
 ///
-/// The default takes input 0 as the input tachometer (6.9 V per 1000 rpm) and input 1 as the output tachometer (19.3 V per
-/// 1000 rpm), after the thesis' table 2.7. Its torque sensors' sensitivities are contradictory (2.45 mV/N m and 2.44 V/N m both fail
-/// against the recorded torques and the converter's range), so inputs 2 and 3 stay in volts until a calibration is given.
+/// The default takes input 0 as the input tachometer and input 1 as the output tachometer. The thesis' sensitivities of the torque
+/// sensors are contradictory (see [`Sensor::TORQUE_IN`]), so inputs 2 and 3 stay in volts until a calibration is given.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LegacyCalibration {
-    /// For each input: the channel it becomes, and its value at 0 V and gain per volt, both in the channel's unit.
-    pub inputs: [LegacyInput; 4],
-}
+pub(crate) struct Wiring(Vec<(Channel, Sensor)>);
 
-/// One input of the program's converter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LegacyInput {
-    /// The channel.
-    pub channel: Channel,
-    /// Value at 0 V, in the channel's unit.
-    pub offset: f64,
-    /// Channel's unit per volt.
-    pub gain_per_v: f64,
-}
-
-impl Default for LegacyCalibration {
+impl Default for Wiring {
     fn default() -> Self {
-        let speed = |name: &str, v_per_krpm: f64| LegacyInput {
-            channel: Channel::new(name, Unit::RadPerS),
-            offset: 0.0,
-            gain_per_v: 1000.0 / v_per_krpm * std::f64::consts::TAU / 60.0,
-        };
-        let volts =
-            |name: &str| LegacyInput { channel: Channel::new(name, Unit::V), offset: 0.0, gain_per_v: 1.0 };
-        Self {
-            inputs: [
-                speed("motor_speed", 6.9),
-                speed("output_speed", 19.3),
-                volts("torque_in"),
-                volts("torque_out"),
-            ],
-        }
+        let volts = Sensor { volts_per_unit: 1.0, offset_v: 0.0 };
+        Self(vec![
+            (Channel::new("motor_speed", Unit::RadPerS), Sensor::MOTOR_SPEED),
+            (Channel::new("output_speed", Unit::RadPerS), Sensor::OUTPUT_SPEED),
+            (Channel::new("torque_in", Unit::V), volts),
+            (Channel::new("torque_out", Unit::V), volts),
+        ])
+    }
+}
+
+impl From<&Calibration> for Wiring {
+    fn from(calibration: &Calibration) -> Self {
+        Self(calibration.channels.iter().map(|input| (input.channel.clone(), input.sensor)).collect())
     }
 }
 
@@ -88,13 +78,12 @@ impl LegacyLog {
     }
 
     /// Channels and values, times counted from 0 in steps of the sample time.
-    pub(crate) fn into_table(self, calibration: &LegacyCalibration) -> (Vec<Channel>, Table) {
+    pub(crate) fn into_table(self, wiring: &Wiring) -> (Vec<Channel>, Table) {
         let mut channels = vec![Channel::new("command", Unit::V)];
-        let mut columns = vec![self.rows_v.iter().map(|row| row[4]).collect::<Vec<_>>()];
-        for (index, input) in calibration.inputs.iter().enumerate() {
-            channels.push(input.channel.clone());
-            let value = |row: &[f64; COLUMNS]| input.offset + input.gain_per_v * row[index];
-            columns.push(self.rows_v.iter().map(value).collect());
+        let mut columns = vec![self.rows_v.iter().map(|row| row[INPUTS]).collect::<Vec<_>>()];
+        for (index, (channel, sensor)) in wiring.0.iter().take(INPUTS).enumerate() {
+            channels.push(channel.clone());
+            columns.push(self.rows_v.iter().map(|row| sensor.value(row[index])).collect());
         }
         let time_s = (0..self.rows_v.len()).map(|row| row as f64 * self.sample_time_s).collect();
         (channels, Table { time_s, columns })
@@ -205,4 +194,37 @@ impl Parser {
 
 fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log() -> LegacyLog {
+        let rows_v = vec![[6.9, 1.93, 0.5, -1.0, 1.2]];
+        LegacyLog { sample_time_s: 0.01, amplitude_v: None, frequency_hz: None, offset_v: None, rows_v }
+    }
+
+    #[test]
+    fn volts_become_si_by_the_thesis_and_torques_by_a_calibration() {
+        let (channels, table) = log().into_table(&Wiring::default());
+        let names: Vec<_> = channels.iter().map(Channel::column_name).collect();
+        assert_eq!(
+            names,
+            ["command_V", "motor_speed_rad_s", "output_speed_rad_s", "torque_in_V", "torque_out_V"]
+        );
+        let krpm = 1000.0 * std::f64::consts::TAU / 60.0;
+        let expected = [1.2, krpm, 0.1 * krpm, 0.5, -1.0];
+        assert!(table.columns.iter().zip(expected).all(|(c, v)| (c[0] - v).abs() < 1e-9), "{table:?}");
+
+        let mut calibration = Calibration::default();
+        calibration.channels[2].sensor.offset_v = 0.1;
+        let (channels, table) = log().into_table(&Wiring::from(&calibration));
+        assert_eq!(channels[3].column_name(), "torque_in_Nm");
+        assert!((table.columns[3][0] - 0.2).abs() < 1e-12);
+        assert!((table.columns[4][0] + 4.0).abs() < 1e-12);
+
+        calibration.channels.truncate(1);
+        assert_eq!(log().into_table(&Wiring::from(&calibration)).0.len(), 2);
+    }
 }

@@ -30,7 +30,7 @@ pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
 pub use format::{Format, detect};
-pub use legacy::{LegacyCalibration, LegacyInput, LegacyLog};
+pub use legacy::LegacyLog;
 pub use log::read::{AttachmentInfo, LogContents, read_attachments};
 pub use log::record::{Recorder, RecordingSummary};
 pub use log::sample::{Event, SampleRow, Status};

@@ -328,7 +328,7 @@ proptest! {
         prop_assert_eq!(from_csv.channels(), &channels[..]);
         prop_assert_eq!(format!("{:?}", from_csv.load(&names).unwrap()), expected.clone());
         let mcap = dir.path().join("x.mcap");
-        socam_recording::import_mcap(&from_csv, 1_700_000_000_000_000_000, BTreeMap::new(), &mcap).unwrap();
+        socam_recording::import_mcap(&from_csv, 1_700_000_000_000_000_000, BTreeMap::new(), Vec::new(), &mcap).unwrap();
         let from_mcap = open(&mcap).unwrap();
         prop_assert_eq!(from_mcap.channels(), &channels[..]);
         prop_assert_eq!(from_mcap.warnings(), &[]);
