@@ -8,8 +8,7 @@ use socam_model::{BUILTIN, Model};
 use crate::output::WrongArguments;
 
 /// Help of every `--model`.
-pub(crate) const HELP: &str =
-    "Model file (TOML), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
+pub(crate) const HELP: &str = "Model file (`template model` prints one to start from), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
 
 /// Loads the model that `--model` names.
 pub(crate) fn load(name: &str) -> anyhow::Result<Model> {

@@ -61,10 +61,15 @@ pub(crate) fn warn(text: impl std::fmt::Display) {
 /// Opens a recording (`RUN` or `RUN@FROM..TO`) and says its warnings.
 pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     let data = Dataset::open(run)?;
+    say_warnings(run, &data);
+    Ok(data)
+}
+
+/// Says a recording's warnings.
+pub(crate) fn say_warnings(run: &str, data: &Dataset) {
     for warning in data.warnings() {
         warn(format_args!("`{run}`: {warning}"));
     }
-    Ok(data)
 }
 
 /// One output file takes one recording.
@@ -77,6 +82,20 @@ pub(crate) fn single_output(runs: &[String], output: Option<&Path>) -> Result<()
         ))),
         _ => Ok(()),
     }
+}
+
+/// Refuses to write a conversion over its source, or over anything else unless it may be replaced. An empty file is nothing.
+pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyhow::Result<()> {
+    let place = |path: &Path| path.canonicalize().ok();
+    if place(target).is_some_and(|target| place(source) == Some(target)) {
+        let problem =
+            format!("`{}` would be written over itself; name another file with -o", target.display());
+        return Err(WrongArguments(problem).into());
+    }
+    if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
+        anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", target.display());
+    }
+    Ok(())
 }
 
 /// Says why a command failed, in one sentence, and with which code to exit.
@@ -102,12 +121,17 @@ fn nobody_listens(error: &anyhow::Error) -> bool {
 fn sentence(error: &anyhow::Error) -> String {
     let mut sentence = String::new();
     for cause in error.chain() {
-        let cause = cause.to_string().replace('\n', " ");
+        let text = cause.to_string().replace('\n', " ");
+        let text = text.split(" (os error").next().unwrap_or_default();
         // Many errors repeat their cause in their own words.
         if sentence.is_empty() {
-            sentence = cause;
-        } else if !sentence.contains(&cause) && !cause.contains("os error") {
-            sentence = format!("{sentence}: {cause}");
+            sentence = text.to_owned();
+        } else if !sentence.contains(text) {
+            sentence = format!("{sentence}: {text}");
+        }
+        // These have said the system's answer in their own words.
+        if matches!(cause.downcast_ref(), Some(RecordingError::Io { .. })) {
+            break;
         }
     }
     sentence

@@ -79,6 +79,17 @@ fn bad_input_gets_one_sentence_and_leaves_no_file() {
     refused(&["check", "absent.csv"], 1, "no such file");
     refused(&["info", &format!("{run}@3..1")], 2, "FROM must be before TO");
     refused(&["check", "--input", "nothing", &run], 1, "no channel `nothing`");
+    refused(&["check", "--model", "emps", &run], 1, "none of the channels that the model emps reads");
+    refused(&["check", "--model", "nothing", &run], 2, "embedded models are");
+    refused(&["check", "--ratio-tolerance", "-1", &run], 2, "expected 0 to 100");
+    refused(&["export", &run, "-o", &run], 2, "over itself");
+    refused(&["export", &run, "-o", "x.mcap"], 2, "export writes .csv");
+    refused(&["import", &run, "-o", &run], 2, "over itself");
+    refused(&["import", &run, "--calibration", "absent.toml"], 1, "absent.toml");
+    refused(&["simulate", "--input", &run, "-o", &run], 2, "over itself");
+    if Path::new("/dev/zero").exists() {
+        refused(&["info", "/dev/zero"], 1, "is a pipe or a device");
+    }
     refused(&["export", &run], 2, "name the file to write with -o");
     refused(&["export", &run, "-o", "x.parquet"], 2, "not there yet");
     refused(&["import", &run, &run, "-o", "x.mcap"], 2, "for one output");
@@ -87,4 +98,65 @@ fn bad_input_gets_one_sentence_and_leaves_no_file() {
         refused(&["import", &run, "-o", "/dev/full"], 1, "disk is full");
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 2);
+}
+
+#[test]
+fn conversions_replace_nothing_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = write_run(folder.path());
+    assert_eq!(socam(&["import", &run]).status.code(), Some(0));
+    refused(&["import", &run], 1, "run.mcap` exists already; choose another name, or --force");
+    assert_eq!(socam(&["import", "--force", &run]).status.code(), Some(0));
+    let log = folder.path().join("run.mcap");
+    refused(&["export", text(&log)], 1, "run.csv` exists already");
+    assert_eq!(socam(&["export", "--force", text(&log)]).status.code(), Some(0));
+}
+
+#[test]
+fn a_legacy_log_becomes_si_by_its_calibration() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let log = "samprate=0.01\ndata=[\n6.9 1.93 0.5 -1 1.2\n6.9 1.93 0.5 -1 1.2\n];\n";
+    std::fs::write(path("old.m"), log).expect("a log");
+    let calibration = "schema = \"socam.calibration/1\"\n\
+        [speed_control]\ntachometer = \"motor_speed\"\n\
+        [[channel]]\nname = \"motor_speed\"\nunit = \"krpm\"\nvolts_per_unit = 6.9\n\
+        [[channel]]\nname = \"output_speed\"\nunit = \"krpm\"\nvolts_per_unit = 19.3\n\
+        [[channel]]\nname = \"torque_in\"\nunit = \"N mm\"\nvolts_per_unit = 0.001\noffset_V = 0.1\n";
+    std::fs::write(path("bench.toml"), calibration).expect("a calibration");
+    let (old, bench) = (path("old.m"), path("bench.toml"));
+    let import = socam(&["import", text(&old), "--calibration", text(&bench)]);
+    assert_eq!(import.status.code(), Some(0), "{}", String::from_utf8_lossy(&import.stderr));
+    let table = socam(&["export", text(&path("old.mcap")), "-o", "-"]);
+    let table = String::from_utf8(table.stdout).expect("text");
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("t_s,command_V,motor_speed_rad_s,output_speed_rad_s,torque_in_Nm"));
+    let row: Vec<f64> =
+        lines.next().expect("a row").split(',').map(|cell| cell.parse().expect("a number")).collect();
+    let expected = [0.0, 1.2, 104.719_755, 10.471_975, 0.4];
+    assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{row:?}");
+    let info = socam(&["info", text(&path("old.mcap"))]);
+    assert!(String::from_utf8_lossy(&info.stdout).contains("attachment calibration.toml"));
+    refused(&["import", "--calibration", text(&bench), &write_run(folder.path())], 1, "is in SI already");
+}
+
+#[test]
+fn templates_are_files_that_commands_take() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let template = |kind: &[&str], name: &str| {
+        let output = socam(&[&["template"], kind].concat());
+        assert_eq!(output.status.code(), Some(0));
+        let path = folder.path().join(name);
+        std::fs::write(&path, output.stdout).expect("a file");
+        text(&path).to_owned()
+    };
+    let model = template(&["model"], "model.toml");
+    let profile = template(&["profile", "steps"], "profile.toml");
+    let calibration = template(&["calibration"], "calibration.toml");
+    let run = folder.path().join("run.mcap");
+    let files = ["--model", &model, "--profile", &profile, "--calibration", &calibration];
+    let record = ["record", "--device", "sim", "--duration", "2s", "-o", text(&run)];
+    let output = socam(&[&record[..], &files].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    refused(&["template", "calibration", "mine"], 2, "needs no name");
 }

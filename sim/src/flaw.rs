@@ -39,6 +39,11 @@ const KINDS: [Kind; 7] = [
 const OPTIONAL: &str = "phase";
 
 impl Flaw {
+    /// The ids of all flaws.
+    pub(crate) fn ids() -> impl Iterator<Item = &'static str> {
+        KINDS.iter().map(|(id, ..)| *id)
+    }
+
     /// Whether an effect's id is that of a sensor's flaw.
     pub(crate) fn is_one(effect: &str) -> bool {
         effect.starts_with("sensor_")
@@ -47,7 +52,7 @@ impl Flaw {
     pub(crate) fn read(hidden: &Concealed) -> Result<Self, SimError> {
         let fail = |problem: String| SimError::argument(hidden.to_string(), problem);
         let Some((id, names, make)) = KINDS.iter().find(|(id, ..)| *id == hidden.effect) else {
-            let known: Vec<_> = KINDS.iter().map(|(id, ..)| *id).collect();
+            let known: Vec<_> = Self::ids().collect();
             return Err(fail(format!(
                 "there is no effect `{}`; a sensor's are {}",
                 hidden.effect,

@@ -137,7 +137,7 @@ fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError>
 fn conceal(model: &mut Model, hidden: &Concealed) -> Result<(), SimError> {
     let fail = |problem: String| Err(SimError::argument(hidden.to_string(), problem));
     let Some(effect) = effects::find(&hidden.effect) else {
-        let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
+        let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).chain(Flaw::ids()).collect();
         return fail(format!("there is no effect `{}`; effects are {}", hidden.effect, known.join(", ")));
     };
     let Some(node) = node_at(model, effect.acts_at, &hidden.place) else {

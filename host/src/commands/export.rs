@@ -10,7 +10,14 @@ use super::Outcome;
 use crate::output::{self, WrongArguments};
 
 /// Turn recordings into .csv tables
+///
+/// The header is `t_s` (seconds) and one column per channel, its name ending in its unit: motor_speed_rad_s, torque_in_Nm. All
+/// values are SI; an empty cell is a missing value.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host export run.mcap                       writes run.csv
+  socam-host export run.mcap@2..10 -o part.csv     only from 2 s to 10 s
+  socam-host export run.mcap -o - | head")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -18,6 +25,9 @@ pub(crate) struct Args {
     /// File to write, for a single RUN, `-` for stdout; beside RUN with the extension .csv when not given
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Replace a file of that name
+    #[arg(long)]
+    force: bool,
     /// Format to write
     #[arg(long, value_enum, default_value_t = Target::Csv)]
     format: Target,
@@ -39,10 +49,15 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let problem = "export writes .csv only; Parquet and .mat are not there yet (both read .csv)";
         return Err(WrongArguments(problem.into()).into());
     }
+    if let (Some(output), Some(extension)) = (&args.output, extension.filter(|e| *e == "mcap" || *e == "m")) {
+        let (path, extension) = (output.display(), extension.display());
+        let problem = format!("`{path}`: export writes .csv, not .{extension} (`import` writes .mcap)");
+        return Err(WrongArguments(problem).into());
+    }
     output::single_output(&args.runs, args.output.as_deref())?;
     let mut outcome = Outcome::Done;
     for run in &args.runs {
-        if export(run, args.output.as_deref())? == Outcome::LostSamples {
+        if export(run, args.output.as_deref(), args.force)? == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
     }
@@ -50,7 +65,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 }
 
 /// Writes one table. What a log has lost is lost in the table too, and said by the outcome.
-fn export(run: &str, output: Option<&Path>) -> anyhow::Result<Outcome> {
+fn export(run: &str, output: Option<&Path>, replace: bool) -> anyhow::Result<Outcome> {
     let selection = Selection::parse(run)?;
     let data = output::open(run)?;
     let target = match output {
@@ -67,6 +82,7 @@ fn export(run: &str, output: Option<&Path>) -> anyhow::Result<Outcome> {
         write_csv(&data, &mut io::stdout().lock(), Path::new("stdout"))?;
         return Ok(outcome);
     }
+    output::check_target(&target, &selection.path, replace)?;
     export_csv(&data, &target)?;
     output::say(format_args!(
         "{} rows of {} channels written to {}",

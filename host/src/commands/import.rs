@@ -1,16 +1,25 @@
 //! `import`: other formats to MCAP.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-use socam_recording::{Dataset, Format, LegacyLog, Selection, import_mcap};
+use anyhow::Context;
+use socam_recording::{Attachment, Calibration, Dataset, Format, LegacyLog, Selection, import_mcap};
 
-use super::Outcome;
+use super::{Outcome, record};
 use crate::output;
 
 /// Turn .csv or legacy .m recordings into MCAP logs
+///
+/// A .csv begins with a header: `t_s` first (seconds), then one column per channel, its name ending in its unit, such as
+/// command_V, motor_speed_rad_s or torque_in_Nm. A legacy .m holds volts: its speeds become rad/s by the thesis' sensitivities,
+/// and its torques stay in volts unless a calibration says how many there are to the N m.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host import run.csv                                        writes run.mcap
+  socam-host import run.csv@2..10 -o part.mcap --note \"new coupling\"
+  socam-host import old.m --calibration bench.toml")]
 pub(crate) struct Args {
     /// Recordings (.csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -18,6 +27,12 @@ pub(crate) struct Args {
     /// Log to write, for a single RUN; beside RUN with the extension .mcap when not given
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Calibration (`template calibration` prints one to start from) that turns a legacy .m log's volts into SI: its first channel is the log's first input, and so on
+    #[arg(long, value_name = "C.toml")]
+    calibration: Option<PathBuf>,
+    /// Replace a log of that name
+    #[arg(long)]
+    force: bool,
     /// Note that travels with the log
     #[arg(long, value_name = "TEXT")]
     note: Option<String>,
@@ -25,20 +40,38 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     output::single_output(&args.runs, args.output.as_deref())?;
+    let calibration = args.calibration.as_deref().map(read_calibration).transpose()?;
     for run in &args.runs {
-        import(run, &args)?;
+        import(run, &args, calibration.as_ref())?;
     }
     Ok(Outcome::Done)
 }
 
-fn import(run: &str, args: &Args) -> anyhow::Result<()> {
+/// A calibration with its file's text, which travels with the log.
+fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1])> {
+    let calibration = Calibration::open(path)?;
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    Ok((calibration, record::attachment("calibration.toml", text)))
+}
+
+fn import(
+    run: &str,
+    args: &Args,
+    calibration: Option<&(Calibration, [Attachment; 1])>,
+) -> anyhow::Result<()> {
     let selection = Selection::parse(run)?;
-    let data = output::open(run)?;
+    let data = match calibration {
+        Some((calibration, _)) => Dataset::open_calibrated(&selection, calibration)?,
+        None => Dataset::open_selection(&selection)?,
+    };
+    output::say_warnings(run, &data);
     let target = args.output.clone().unwrap_or_else(|| selection.path.with_extension("mcap"));
+    output::check_target(&target, &selection.path, args.force)?;
     let mut metadata = settings(&data, &selection)?;
     metadata.insert("host".into(), env!("CARGO_PKG_VERSION").into());
     metadata.extend(args.note.clone().map(|note| ("note".to_owned(), note)));
-    import_mcap(&data, modified_unix_ns(&selection), metadata, &target)?;
+    let attachments = calibration.map(|(_, attachment)| attachment.to_vec()).unwrap_or_default();
+    import_mcap(&data, modified_unix_ns(&selection), metadata, attachments, &target)?;
     output::say(format_args!(
         "{} samples of {} channels written to {}",
         data.rows(),

@@ -12,6 +12,10 @@ use crate::output;
 
 /// Say what recordings hold: channels, rates, gaps, lost samples, notes, and what is missing
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host info run.mcap
+  socam-host info run.csv@2..10          only from 2 s to 10 s
+  socam-host info --json *.mcap")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -244,7 +248,10 @@ impl Info {
 fn write_log(out: &mut String, log: &LogContents) -> std::fmt::Result {
     writeln!(out, "  written by {}", log.library)?;
     for (name, text) in &log.metadata {
-        writeln!(out, "  {name}: {text}")?;
+        match text.parse().ok().filter(|_| name == "start_unix_ns") {
+            Some(start_unix_ns) => writeln!(out, "  started: {}", utc(start_unix_ns))?,
+            None => writeln!(out, "  {name}: {text}")?,
+        }
     }
     for attachment in &log.attachments {
         writeln!(
@@ -270,6 +277,22 @@ fn write_log(out: &mut String, log: &LogContents) -> std::fmt::Result {
     Ok(())
 }
 
+/// Date and time of day.
+fn utc(unix_ns: u64) -> String {
+    let seconds = unix_ns / 1_000_000_000;
+    let (time, days) = (seconds % 86_400, seconds / 86_400);
+    // Years that begin in March end with the leap day; every 400 of them have 146 097 days, from 0000-03-01 on.
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (year, month) = if month < 10 { (year, month + 3) } else { (year + 1, month - 9) };
+    let (hour, minute, second) = (time / 3600, time / 60 % 60, time % 60);
+    format!("{:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02} UTC", era * 400 + year)
+}
+
 /// A number with six significant digits, as short as it gets.
 fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -285,4 +308,16 @@ fn short(value: f64) -> String {
         return text;
     }
     format!("{value:.5e}")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        let date = |seconds: u64| super::utc(seconds * 1_000_000_000);
+        assert_eq!(date(0), "1970-01-01 00:00:00 UTC");
+        assert_eq!(date(951_782_400), "2000-02-29 00:00:00 UTC");
+        assert_eq!(date(1_709_251_199), "2024-02-29 23:59:59 UTC");
+        assert_eq!(date(1_735_689_600), "2025-01-01 00:00:00 UTC");
+    }
 }

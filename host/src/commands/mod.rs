@@ -9,6 +9,7 @@ mod import;
 mod info;
 mod record;
 mod simulate;
+mod template;
 mod virtual_board;
 
 use std::process::ExitCode;
@@ -61,5 +62,6 @@ commands! {
     Record => record,
     Simulate => simulate,
     VirtualBoard => virtual_board,
+    Template => template,
     Completions => completions,
 }

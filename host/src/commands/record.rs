@@ -15,7 +15,14 @@ use crate::model_file;
 use crate::output::{self, WrongArguments};
 
 /// Run a profile on the bench and record it
+///
+/// Ctrl-C stops the bench gently, a second Ctrl-C at once; what was recorded until then is kept.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host record --list-profiles
+  socam-host record --device serial:/dev/ttyACM0 --profile multisine -o run.mcap
+  socam-host record --device serial:/dev/ttyACM0 --profile mine.toml --duration 30s --calibration bench.toml -o run.mcap
+  socam-host record --device sim --profile steps -o run.mcap                 without a bench")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
@@ -25,7 +32,7 @@ pub(crate) struct Args {
     device: Option<Device>,
     #[command(flatten)]
     course: CourseArgs,
-    /// Calibration of the bench; the default bench's when not given
+    /// Calibration of the bench (`template calibration` prints one to start from); the default bench's when not given
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
     /// Note that travels with the recording
@@ -50,7 +57,7 @@ pub(crate) struct Args {
 /// What to command, for how long, how often sampled
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct CourseArgs {
-    /// Profile: a file or one of the built-in ones
+    /// Profile: a file (`template profile` prints one to start from) or a built-in one (`record --list-profiles`)
     #[arg(long, value_name = "FILE|NAME")]
     pub(crate) profile: Option<String>,
     /// How long it takes until the command is back at 0, as in 10s, 1.5min or 500ms; the profile's own duration when not given
@@ -99,7 +106,20 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut session = device::open(device, setup.map(|setup| (setup, pace)))?;
     let report = run::record(&mut session, plan, &interrupt)?;
     tell(path, &report, rate_hz, args.json)?;
+    tell_early_end(&args.course, &report);
     outcome(path, &report)
+}
+
+/// Some profiles end by themselves: whoever asked for longer should know.
+fn tell_early_end(course: &CourseArgs, report: &Report) {
+    let (Some(asked_s), End::Finished) = (course.duration, &report.end) else { return };
+    if report.duration_s < 0.95 * asked_s {
+        let profile = course.profile.as_deref().unwrap_or_default();
+        output::warn(format_args!(
+            "the profile `{profile}` came to its own end after {:.1} s, before --duration {asked_s} s",
+            report.duration_s
+        ));
+    }
 }
 
 /// The profile for a board, with its text; everything else is filled in by the caller.
@@ -143,7 +163,7 @@ fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
     let period_us = 1e6 / rate_hz;
     if !(50.0..=1e6).contains(&period_us) {
         return Err(
-            WrongArguments(format!("--rate is {rate_hz} Hz; a board samples at 1 to 20000 Hz")).into()
+            WrongArguments(format!("--rate is {rate_hz:?} Hz; a board samples at 1 to 20000 Hz")).into()
         );
     }
     if (period_us - period_us.round()).abs() > 1e-9 * period_us {
@@ -157,7 +177,7 @@ fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
 
 /// Times as people type them.
 fn seconds(text: &str) -> Result<f64, String> {
-    let end = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let end = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |last| last + 1);
     let (number, unit) = text.split_at(end);
     let factor = match unit {
         "" | "s" => 1.0,
@@ -277,12 +297,9 @@ mod tests {
     #[test]
     fn times_are_read() {
         for (text, expected) in
-            [("10s", 10.0), ("10", 10.0), ("1.5min", 90.0), ("500ms", 0.5), ("1e-1s", f64::NAN)]
+            [("10s", 10.0), ("10", 10.0), ("1.5min", 90.0), ("500ms", 0.5), ("1e-1s", 0.1), ("1e1", 10.0)]
         {
-            match seconds(text) {
-                Ok(value) => assert!((value - expected).abs() < 1e-12, "{text}"),
-                Err(_) => assert!(expected.is_nan(), "{text}"),
-            }
+            assert!((seconds(text).unwrap() - expected).abs() < 1e-12, "{text}");
         }
         for text in ["-1s", "0s", "ten", "5 years", "", "nan", "inf"] {
             assert!(seconds(text).is_err(), "{text}");

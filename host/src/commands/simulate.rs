@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_recording::{Dataset, OutputFile, export_csv, import_mcap};
+use socam_recording::{Dataset, OutputFile, Selection, export_csv, import_mcap};
 use socam_sim::{Between, Disturbance, OutputError, Replay, Replayed, Start};
 
 use super::Outcome;
@@ -16,7 +16,15 @@ use crate::output::{self, WrongArguments};
 use crate::{model_file, table};
 
 /// Simulate the bench on a profile, or drive a model by the inputs of a recording and compare
+///
+/// With --profile a virtual bench is recorded as a real one would be, noise included; the same arguments give the same file.
+/// With --input the model runs on the recorded inputs, and what it predicts is compared with what was measured.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host simulate --profile multisine -o run.mcap
+  socam-host simulate --profile steps --duration 10s --set k4=134 --hide coulomb_friction@load_bearing:torque=0.3 -o run.csv
+  socam-host simulate --input run.mcap --model bench.toml
+  socam-host simulate --input axis.csv --model emps-loop -o predicted.csv")]
 #[command(group(clap::ArgGroup::new("course").args(["profile", "input"]).required(true)))]
 pub(crate) struct Args {
     /// Recording to write (.mcap or .csv)
@@ -53,6 +61,9 @@ enum Hold {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let kind = args.output.as_deref().map(Kind::of).transpose()?;
+    if let (Some(input), Some(path)) = (&args.input, &args.output) {
+        output::check_target(path, &Selection::parse(input)?.path, true)?;
+    }
     match (&args.input, &args.output, kind) {
         (Some(input), _, kind) => compare(&args, input, kind),
         (None, Some(path), Some(kind)) => simulate(&args, path, kind),
@@ -83,7 +94,8 @@ impl Kind {
 /// The virtual bench, recorded beside the file's place and put there once it is whole.
 fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
+    // Not the name that a conversion's own unfinished file has.
+    name.push(".mcap.part");
     let part = path.with_file_name(name);
     // An error about the file beside it would puzzle; this one names what was asked for.
     drop(OutputFile::create(path)?);
@@ -94,9 +106,7 @@ fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
             Kind::Mcap => {
                 std::fs::rename(&part, path).with_context(|| format!("cannot write `{}`", path.display()))?
             }
-            Kind::Csv => {
-                export_csv(&Dataset::open_selection(&socam_recording::Selection::whole(&part))?, path)?
-            }
+            Kind::Csv => export_csv(&Dataset::open_selection(&Selection::whole(&part))?, path)?,
         }
         Ok(report)
     });
@@ -164,7 +174,7 @@ fn write(replayed: &Replayed, path: &Path, kind: Kind) -> anyhow::Result<()> {
         Kind::Csv => export_csv(&simulated, path)?,
         Kind::Mcap => {
             let metadata = [("device".to_owned(), "simulation".to_owned())].into();
-            import_mcap(&simulated, 0, metadata, path).map(|_| ())?;
+            import_mcap(&simulated, 0, metadata, Vec::new(), path)?;
         }
     }
     Ok(())

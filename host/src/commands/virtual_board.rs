@@ -14,10 +14,15 @@ use crate::device::{Interrupt, Pace};
 use crate::output;
 
 /// Serve a virtual board on a simulated bench over TCP
+///
+/// It answers as a real board does, until Ctrl-C.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host virtual-board                                                             in one shell, and in another
+  socam-host record --device tcp:127.0.0.1:4711 --profile steps -o run.mcap")]
 pub(crate) struct Args {
     /// Where to listen; port 0 takes a free one and says which
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:4711")]
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:4711", value_parser = host_and_port)]
     listen: String,
     /// Let the board's time pass as fast as the machine allows, but never further ahead than the host keeps up
     #[arg(long)]
@@ -60,6 +65,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     });
     served??;
     Ok(Outcome::Done)
+}
+
+fn host_and_port(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.to_owned()),
+        _ => Err("expected HOST:PORT, as in 127.0.0.1:4711, with a port up to 65535".to_owned()),
+    }
 }
 
 struct Server<'s, 'b> {
@@ -105,7 +117,10 @@ impl Server<'_, '_> {
                 self.host = Some(stream);
                 self.heard_us = self.board.now_us();
             }
-            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(TURN),
+            // Nobody there, or someone who went away again while being let in.
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::ConnectionAborted) => {
+                std::thread::sleep(TURN);
+            }
             Err(error) => return Err(error).context("cannot accept a host"),
         }
         Ok(())

@@ -8,7 +8,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::anyhow;
 use socam_sim::{Setup, SimError, VirtualBoard};
 
 /// Board time per turn.
@@ -75,12 +74,10 @@ fn serve(
 impl Read for InProcess {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.read == self.incoming.len() {
-            let gone = |_| io::Error::other("the virtual board is gone");
-            self.to_board
-                .send(std::mem::take(&mut self.outgoing))
-                .map_err(|_| io::Error::other("the virtual board is gone"))?;
-            let answer = self.from_board.recv().map_err(gone)?;
-            self.incoming = answer.map_err(|error| io::Error::other(anyhow!(error)))?;
+            let gone = || io::Error::other("the virtual board is gone");
+            self.to_board.send(std::mem::take(&mut self.outgoing)).map_err(|_| gone())?;
+            let answer = self.from_board.recv().map_err(|_| gone())?;
+            self.incoming = answer.map_err(io::Error::other)?;
             self.read = 0;
         }
         let waiting = &self.incoming[self.read..];

@@ -77,6 +77,9 @@ pub(crate) struct Report {
 /// Before the bench moves everything has been checked: the board's consent, and that the file can be written.
 pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -> anyhow::Result<Report> {
     prepare(session, &plan)?;
+    if interrupt.count() > 0 {
+        bail!("stopped before the bench moved");
+    }
     let names: Vec<String> = plan.calibration.channels.iter().map(|c| c.channel.name.clone()).collect();
     let columns = Columns::of(&plan.calibration);
     let header = RecordingHeader {

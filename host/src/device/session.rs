@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail};
 use socam_core::{Refusal, Request};
+use socam_sim::SimError;
 use socam_wire::{
     BoardStatus, Decoder, Encoder, Identity, LinkCounts, LinkError, MAX_FRAME, SampleBatch, ToBoard, ToHost,
 };
@@ -199,6 +200,8 @@ fn receive(stream: &mut dyn Stream, buffer: &mut [u8], device: &str) -> anyhow::
         {
             Ok(0)
         }
+        // No link broke where the virtual board itself failed.
+        Err(error) if error.get_ref().is_some_and(|e| e.is::<SimError>()) => bail!("{error}"),
         Err(error) => bail!("the link to {device} broke: {error}"),
     }
 }

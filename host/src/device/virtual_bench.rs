@@ -9,15 +9,16 @@ use crate::output::WrongArguments;
 /// What the virtual bench really is
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct BenchArgs {
-    #[arg(long, value_name = "M.toml", default_value = "speed-o-cam", help = model_file::HELP)]
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     pub(crate) model: String,
-    /// Let a parameter of the virtual bench differ from the model's: NAME=VALUE in SI
+    /// Let a parameter of the virtual bench differ from the model's: NAME=VALUE in SI, as in k1=71; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Override>,
-    /// Conceal physics in the virtual bench that the model does not name: EFFECT@PLACE:name=value,.. in SI
+    /// Conceal physics in the virtual bench that the model does not name, in SI, as in coulomb_friction@load_bearing:torque=0.4 or
+    /// sensor_gain@torque_out:gain=0.98; may be repeated
     #[arg(long, value_name = "EFFECT@PLACE:name=value,..")]
     pub(crate) hide: Vec<Concealed>,
-    /// Draws the sensors' noise
+    /// Another number, other noise of the sensors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Take all noise from the sensors

@@ -1,0 +1,44 @@
+//! `template`: files to start from.
+
+use clap::ValueEnum;
+use socam_recording::{Calibration, ProfileFile};
+
+use super::Outcome;
+use crate::output::WrongArguments;
+use crate::{model_file, output};
+
+/// Print a model, a calibration or a profile to start a file of your own from
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host template model > bench.toml               the default bench's model
+  socam-host template model two-mass > bench.toml
+  socam-host template calibration > calibration.toml
+  socam-host template profile chirp > profile.toml")]
+pub(crate) struct Args {
+    /// What to print
+    kind: Kind,
+    /// Embedded model (speed-o-cam, two-mass, emps, emps-loop) or built-in profile (`record --list-profiles`); the default one
+    /// when not given
+    name: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    Model,
+    Calibration,
+    Profile,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let text = match (args.kind, args.name.as_deref()) {
+        (Kind::Model, name) => model_file::text(name.unwrap_or("speed-o-cam"))?,
+        (Kind::Calibration, None) => Calibration::default_text().to_owned(),
+        (Kind::Calibration, Some(name)) => {
+            let problem = format!("`{name}`: there is one calibration to start from, and it needs no name");
+            return Err(WrongArguments(problem).into());
+        }
+        (Kind::Profile, name) => ProfileFile::open(name.unwrap_or("multisine"))?.to_toml(),
+    };
+    output::print(&text)?;
+    Ok(Outcome::Done)
+}
