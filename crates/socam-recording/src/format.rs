@@ -63,9 +63,7 @@ pub fn detect(path: &Path) -> Result<Format> {
     let there = path.metadata().map_err(|e| RecordingError::io(path, "open", e))?;
     if !there.is_file() && !there.is_dir() {
         // Opening a pipe would wait for someone to write.
-        return Err(foreign(
-            "is a pipe or a device; save it to a file, since recordings are read more than once".into(),
-        ));
+        return Err(foreign("is a pipe or a device, and recordings are read more than once".into()));
     }
     let mut head = Vec::new();
     File::open(path)

@@ -224,7 +224,10 @@ impl Trajectory<'_> {
 }
 
 fn failed(time_s: f64, error: &diffsol::DiffsolError) -> SimError {
-    SimError::Solver { time_s, reason: error.to_string() }
+    // The time is said once.
+    let words = error.to_string();
+    let reason = words.trim_start_matches("ODE solver error: ").split(" at time").next().unwrap_or_default();
+    SimError::Solver { time_s, reason: reason.to_lowercase() }
 }
 
 #[cfg(test)]
