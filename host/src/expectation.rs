@@ -1,7 +1,7 @@
 //! What a model expects of a recording that is to determine its parameters.
 
 use socam_model::{Channel, Mode, Model, Quantity};
-use socam_recording::check::{CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
+use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.
 const NO_PEAK: f64 = 0.7;
@@ -21,6 +21,7 @@ pub(crate) fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
         channels: model.inputs().chain(model.outputs()).map(|channel| channel.column.clone()).collect(),
         ratios: ratios(model, ratio_tolerance),
         resonances: resonances(model),
+        both_ways: both_ways(model).into_iter().collect(),
         free: Some(FreeParameters { parameters, outputs }),
     }
 }
@@ -43,6 +44,21 @@ fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
         Some(FixedRatio { fast: speed(fast), slow: speed(slow), ratio, tolerance })
     });
     tied.collect()
+}
+
+/// Dry friction and a constant load are one torque as long as nothing turns round.
+fn both_ways(model: &Model) -> Option<BothWays> {
+    let free = |id: &str| {
+        let used = model.effects.iter().find(|used| used.effect.id == id)?;
+        let parameter = used.parameters.iter().map(|index| &model.parameters[*index]).find(|p| !p.fixed)?;
+        Some((&model.nodes[used.node].name, parameter.name.clone()))
+    };
+    let (place, friction) = free("coulomb_friction")?;
+    let (_, load) = free("constant_load")?;
+    let mut motions =
+        model.channels.iter().filter(|c| matches!(c.quantity, Quantity::Speed | Quantity::Angle));
+    let channel = motions.find(|channel| model.rigid_ratio(&channel.at, place).is_some())?;
+    Some(BothWays { channel: channel.column.clone(), parameters: vec![friction, load] })
 }
 
 /// The model's resonances at its file's values that decide a free parameter, lowest first.
@@ -119,5 +135,8 @@ mod tests {
         assert!(resonance.parameters.iter().any(|name| name == "stiffness"), "{resonance:?}");
         let emps = of_model(&Model::builtin("emps").unwrap(), 0.01);
         assert_eq!((emps.ratios.len(), emps.resonances.len()), (0, 0));
+        assert_eq!(emps.both_ways[0].channel, "position_m");
+        assert_eq!(emps.both_ways[0].parameters, ["coulomb", "offset"]);
+        assert!(two_mass.both_ways.is_empty());
     }
 }

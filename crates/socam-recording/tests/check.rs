@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use socam_recording::check::{
-    Check, CheckOptions, Finding, FixedRatio, FreeParameters, Resonance, Speed, Verdict, check,
+    BothWays, Check, CheckOptions, Finding, FixedRatio, FreeParameters, Resonance, Speed, Verdict, check,
 };
 use socam_recording::{Channel, Dataset, Unit};
 
@@ -54,6 +54,7 @@ fn bench() -> CheckOptions {
             tolerance: 0.01,
         }],
         resonances: vec![resonance(3.0, "k1"), resonance(20.0, "k2")],
+        both_ways: Vec::new(),
         free: Some(FreeParameters { parameters: 4, outputs: 1 }),
     }
 }
@@ -178,4 +179,31 @@ fn channels_that_the_model_reads_may_be_missing() {
     // The model has no interest in the room, so its constant temperature is no finding.
     assert_eq!(check.channels.len(), 1);
     assert_eq!(check.findings.len(), 1, "{:?}", check.findings);
+}
+
+#[test]
+fn friction_and_load_need_motion_both_ways() {
+    let found = |position: fn(f64) -> f64| {
+        let time_s: Vec<f64> = (0..4000).map(|i| f64::from(i) / RATE_HZ).collect();
+        let columns = vec![
+            time_s.iter().map(|t| multisine(*t)).collect(),
+            time_s.iter().enumerate().map(|(i, t)| position(*t) + 1e-5 * noise(i, 3)).collect(),
+        ];
+        let channels = vec![Channel::new("force", Unit::N), Channel::new("position", Unit::M)];
+        let data = Dataset::from_columns("run", channels, time_s, columns).unwrap();
+        let motion =
+            BothWays { channel: "position_m".into(), parameters: vec!["dry".into(), "weight".into()] };
+        let options = CheckOptions {
+            input: Some("force_N".into()),
+            both_ways: vec![motion],
+            ..CheckOptions::default()
+        };
+        let check = check(&data, &options).unwrap();
+        check.findings.iter().find(|f| matches!(f, Finding::OneWay { .. })).map(Finding::sentence)
+    };
+    assert_eq!(found(|t| (TAU * t).sin()), None);
+    assert_eq!(
+        found(|t| 0.1 * t).as_deref(),
+        Some("`position` moves one way only, so dry and weight cannot be told apart")
+    );
 }

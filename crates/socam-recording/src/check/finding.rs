@@ -59,6 +59,8 @@ pub enum Finding {
     FewLines { channel: String, lines: usize, needed: usize, band_hz: [f64; 2] },
     /// The input does not move near some resonances of the model.
     ResonancesNotExcited { channel: String, resonances: Vec<Resonance>, band_hz: [f64; 2], highest_hz: f64 },
+    /// A motion never turns round.
+    OneWay { channel: String, parameters: Vec<String> },
     /// A channel stays at its extreme while the truth goes on.
     Saturated { channel: String, unit: Unit, limit: f64, rows: u64, longest_run_rows: u64 },
     /// A line at the mains frequency or its harmonics.
@@ -148,6 +150,10 @@ impl Finding {
                     if parameters.len() == 1 { "s" } else { "" },
                 )
             }
+            Self::OneWay { channel, parameters } => format!(
+                "`{channel}` moves one way only, so {} cannot be told apart",
+                listed(parameters.iter().cloned())
+            ),
             Self::Saturated { channel, unit, limit, rows, longest_run_rows } => format!(
                 "`{channel}` sticks at {limit} {unit} in {rows} rows, up to {longest_run_rows} in a row: it is saturated"
             ),
@@ -191,6 +197,7 @@ impl Finding {
             Self::FewLines { .. } => {
                 "record `multisine`, `prbs` or `chirp`; add `reversals` where friction or backlash matter"
             }
+            Self::OneWay { .. } => "record `reversals` or `triangle`, or any motion forward and backward",
             Self::Saturated { .. } => {
                 "lower the amplitude or the sensor's gain, or cut these parts out with RUN@FROM..TO"
             }
@@ -226,5 +233,32 @@ fn listed(items: impl Iterator<Item = String>) -> String {
     match items.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => items.concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Course, ProfileFile};
+
+    #[test]
+    fn built_in_profiles_reach_as_far_as_is_said() {
+        for name in ["multisine", "chirp"] {
+            let (Course::Multisine { to_hz, .. } | Course::Chirp { to_hz, .. }) =
+                ProfileFile::open(name).unwrap().course
+            else {
+                panic!("{name}");
+            };
+            assert_eq!(to_hz, HIGHEST_BUILT_IN_HZ, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_resonance_beyond_them_asks_for_a_profile_and_a_rate() {
+        let resonance = Resonance { frequency_hz: 400.0, parameters: vec!["k".into()] };
+        assert_eq!(
+            excite(&[resonance], 500.0),
+            "record a multisine with `to_Hz` above 520 in a profile file of your own, with at least --rate 2000"
+        );
     }
 }

@@ -54,6 +54,8 @@ pub struct CheckOptions {
     pub ratios: Vec<FixedRatio>,
     /// Resonances of the model.
     pub resonances: Vec<Resonance>,
+    /// What must move both ways.
+    pub both_ways: Vec<BothWays>,
     /// How many parameters the model leaves free, over how many outputs.
     pub free: Option<FreeParameters>,
 }
@@ -80,6 +82,15 @@ pub struct Resonance {
     /// Its natural frequency, Hz.
     pub frequency_hz: f64,
     /// The free parameters that decide it, strongest first.
+    pub parameters: Vec<String>,
+}
+
+/// A motion that must turn round, so that friction, which turns with it, is told from a load, which does not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BothWays {
+    /// The channel that measures it: a speed, or an angle or position.
+    pub channel: String,
+    /// The parameters that are told apart by it.
     pub parameters: Vec<String>,
 }
 
@@ -190,6 +201,7 @@ pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
         findings.append(&mut found);
     }
     findings.extend(pass.ratios.into_iter().filter_map(RatioFit::finish));
+    findings.extend(options.both_ways.iter().filter_map(|motion| one_way(data, motion, &channels)));
     if input.is_none() && options.input.is_none() {
         findings.push(Finding::InputUnknown);
     }
@@ -458,4 +470,15 @@ fn not_excited(
         band_hz,
         highest_hz: spectrum.highest_hz(),
     })
+}
+
+/// A motion that never turns round, but should.
+fn one_way(data: &Dataset, motion: &BothWays, channels: &[ChannelCheck]) -> Option<Finding> {
+    let name = &data.channels()[data.channel_index(&motion.channel).ok()?].name;
+    let channel = channels.iter().find(|channel| channel.name == *name)?;
+    let turns = match channel.unit {
+        Unit::Rad | Unit::M => channel.turning_points,
+        _ => channel.sign_changes,
+    };
+    (turns == 0).then(|| Finding::OneWay { channel: name.clone(), parameters: motion.parameters.clone() })
 }
