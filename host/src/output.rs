@@ -121,12 +121,11 @@ fn nobody_listens(error: &anyhow::Error) -> bool {
 fn sentence(error: &anyhow::Error) -> String {
     let mut sentence = String::new();
     for cause in error.chain() {
-        let text = cause.to_string().replace('\n', " ");
-        let text = text.split(" (os error").next().unwrap_or_default();
+        let text = without_number(&cause.to_string().replace('\n', " "));
         // Many errors repeat their cause in their own words.
         if sentence.is_empty() {
-            sentence = text.to_owned();
-        } else if !sentence.contains(text) {
+            sentence = text;
+        } else if !sentence.contains(&text) {
             sentence = format!("{sentence}: {text}");
         }
         // These have said the system's answer in their own words.
@@ -137,13 +136,24 @@ fn sentence(error: &anyhow::Error) -> String {
     sentence
 }
 
+/// The system's words without its number, ` (os error 2)`.
+fn without_number(text: &str) -> String {
+    let number =
+        text.split_once(" (os error ").and_then(|(before, rest)| Some((before, rest.split_once(')')?.1)));
+    number.map_or_else(|| text.to_owned(), |(before, after)| format!("{before}{after}"))
+}
+
 fn painted(text: &str, colour: &str) -> String {
     let plain = std::env::var_os("NO_COLOR").is_some() || !io::stderr().is_terminal();
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
 }
 
-/// A file that will be there whole or not at all.
-pub(crate) fn create(path: &std::path::Path) -> anyhow::Result<OutputFile> {
+/// A file that will be there whole or not at all. It never replaces a recording.
+pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
+    if socam_recording::detect(path).is_ok() {
+        let problem = format!("`{}` is a recording; name another file to write", path.display());
+        return Err(WrongArguments(problem).into());
+    }
     Ok(OutputFile::create(path)?)
 }
 
@@ -156,4 +166,19 @@ pub(crate) fn waiting<T>(message: &str, work: impl FnOnce() -> T) -> T {
     let result = work();
     spinner.finish_and_clear();
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_sentence_with_the_systems_reason() {
+        let absent = || io::Error::from_raw_os_error(2);
+        let error = anyhow::Error::new(absent()).context("cannot create the folder `x`");
+        assert_eq!(sentence(&error), "cannot create the folder `x`: No such file or directory");
+        assert_eq!(without_number("File too large (os error 27); it ends"), "File too large; it ends");
+        let said = RecordingError::Io { path: "x".into(), action: "open", source: absent() };
+        assert_eq!(sentence(&said.into()), "cannot open `x`: there is no such file; check the path");
+    }
 }

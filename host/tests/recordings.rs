@@ -68,6 +68,11 @@ fn a_recording_goes_to_mcap_and_back() {
     assert!(String::from_utf8_lossy(&socam(&["info", text(&log)]).stdout).contains("cut off"));
 }
 
+/// A mass of 1 kg that a force swings.
+fn axis_row(t: f64) -> String {
+    format!("{t},{},{}\n", (6.0 * t).sin(), 0.2 - (6.0 * t).sin() / 36.0)
+}
+
 #[test]
 fn bad_input_gets_one_sentence_and_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -87,6 +92,12 @@ fn bad_input_gets_one_sentence_and_leaves_no_file() {
     refused(&["import", &run, "-o", &run], 2, "over itself");
     refused(&["import", &run, "--calibration", "absent.toml"], 1, "absent.toml");
     refused(&["simulate", "--input", &run, "-o", &run], 2, "over itself");
+    let axis = folder.path().join("axis.csv");
+    let rows: String = (0..4000).map(|i| axis_row(f64::from(i) / 1000.0)).collect();
+    std::fs::write(&axis, format!("t_s,force_N,position_m\n{rows}")).expect("a file");
+    let identify =
+        ["identify", text(&axis), "--model", "emps", "--starts", "1", "--write-model", text(&axis)];
+    refused(&identify, 2, "is a recording; name another file");
     if Path::new("/dev/zero").exists() {
         refused(&["info", "/dev/zero"], 1, "is a pipe or a device");
     }
@@ -97,7 +108,7 @@ fn bad_input_gets_one_sentence_and_leaves_no_file() {
         refused(&["export", &run, "-o", "/dev/full"], 1, "disk is full");
         refused(&["import", &run, "-o", "/dev/full"], 1, "disk is full");
     }
-    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 2);
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 3);
 }
 
 #[test]

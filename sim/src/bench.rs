@@ -1,5 +1,6 @@
 //! The bench behind a board's connectors: drive, drivetrain and sensors.
 
+use socam_core::scaling::Converter;
 use socam_model::{Channel as ModelChannel, Model, Quantity, Role};
 use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
 
@@ -110,7 +111,7 @@ fn plain_sensor(channel: &ModelChannel) -> Option<CalibratedChannel> {
 }
 
 fn sensor(channel: Channel, full_scale: f64) -> CalibratedChannel {
-    let volts_per_unit = 10.0 / full_scale;
+    let volts_per_unit = Converter::DEFAULT.full_scale_v / full_scale;
     CalibratedChannel {
         channel,
         sensor: socam_core::scaling::Sensor { volts_per_unit, offset_v: 0.0 },

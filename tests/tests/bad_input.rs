@@ -195,7 +195,8 @@ fn an_output_that_cannot_be_written_leaves_nothing() {
     let run = folder.file("run.csv", csv());
     let nowhere = folder.path("absent/new.mcap");
     folder.refuses(FAILED, &["import", &run, "-o", &nowhere], &["new.mcap", "folder does not exist"]);
-    folder.refuses(FAILED, &["export", &run, "-o", &nowhere], &["new.mcap", "folder does not exist"]);
+    let nowhere = folder.path("absent/new.csv");
+    folder.refuses(FAILED, &["export", &run, "-o", &nowhere], &["new.csv", "folder does not exist"]);
     folder.refuses(FAILED, &["import", &run, "-o", &folder.path("")], &["directory"]);
     let below_a_file = format!("{run}/new.mcap");
     folder.refuses(

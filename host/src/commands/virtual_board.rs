@@ -135,7 +135,11 @@ impl Server<'_, '_> {
                 self.board.receive(&bytes[..count], &mut self.outgoing);
                 self.heard_us = self.board.now_us();
             }
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+                ) => {}
             // A host that hangs up while samples are on their way resets the connection.
             Err(error) if error.kind() == ErrorKind::ConnectionReset => self.hang_up("hung up"),
             Err(error) => self.hang_up(&error.to_string()),

@@ -99,7 +99,7 @@ impl Session {
             );
         }
         bail!(
-            "{device} says nothing (waited {} s): is it the right port, and does the firmware run?",
+            "{device} says nothing (waited {} s): is it the right port, does the firmware run, and does no other host hold it?",
             HELLO_WITHIN.as_secs()
         );
     }
