@@ -31,13 +31,15 @@ pub(crate) fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
     (0..model.nodes.len()).filter_map(|node| pair(model, node))
 }
 
-/// The two springs at a massless node that nothing else touches.
+/// The two springs at a massless node that nothing else touches or drives.
 fn pair(model: &Model, node: usize) -> Option<(&Spring, &Spring)> {
     let tied = model.nodes[node].inertia.is_some()
         || model.gears.iter().any(|gear| gear.from == node || gear.to == node)
         || model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
         || model.bearings.iter().any(|bearing| bearing.node == node)
-        || model.effects.iter().any(|used| used.node == node);
+        || model.effects.iter().any(|used| used.node == node)
+        || model.servo.as_ref().is_some_and(|servo| servo.node == node)
+        || model.inputs().any(|channel| channel.at == model.nodes[node].name);
     let springs: Vec<_> = model.springs.iter().filter(|s| s.from == node || s.to == Some(node)).collect();
     match springs[..] {
         [a, b] if !tied => Some((a, b)),

@@ -45,6 +45,21 @@ pub enum IdentifyError {
         /// Model name.
         model: String,
     },
+    /// A free parameter starts outside its bounds.
+    #[error("{name} starts at {value}, outside its bounds {low} to {high}; fix it there, or move its bounds")]
+    StartOutOfBounds {
+        /// Parameter name.
+        name: String,
+        /// Start value, SI.
+        value: f64,
+        /// Lower bound, SI.
+        low: f64,
+        /// Upper bound, SI.
+        high: f64,
+    },
+    /// An option that contradicts the model.
+    #[error("{0}")]
+    Option(String),
     /// The method does not suit the model.
     #[error("{method} does not suit the model {model}: {why}")]
     Unsuited {

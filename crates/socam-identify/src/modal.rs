@@ -280,7 +280,7 @@ impl Modal {
                 });
                 let mut whole = Mat::zeros(2 * signals, local + free + 1);
                 whole.as_mut().subcols_mut(local, free + 1).copy_from(&inner);
-                if free_start {
+                if free_start && states > 0 {
                     let mut start = Mat::zeros(2 * signals, states);
                     let last = states - 1;
                     self.place(&mut start, 0, last, |m, i| seen[m] * self.inverse[(m, i.unwrap_or(last))]);
@@ -517,9 +517,12 @@ fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, DMatrix<C>)
     let balanced = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * scale[j] / scale[i]);
     let eigen = balanced.eigen().ok()?;
     let poles: Vec<C> = (0..n).map(|i| eigen.S()[i]).collect();
+    // Two poles at zero (two free angles) come out as rounding of the fastest.
+    let rounding = 1e-13 * poles.iter().fold(0.0_f64, |most, pole| most.max(pole.norm()));
     for i in 0..n {
         for j in 0..i {
-            if (poles[i] - poles[j]).norm() < LEAST_GAP * poles[i].norm().max(poles[j].norm()) {
+            let gap = (poles[i] - poles[j]).norm();
+            if gap <= rounding + LEAST_GAP * poles[i].norm().max(poles[j].norm()) {
                 return None;
             }
         }

@@ -1,6 +1,6 @@
 //! One pass over the data at given parameters: for each stretch, the triangular factor of residuals and slopes.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use socam_model::Equations;
 
@@ -26,7 +26,9 @@ pub(crate) struct Point {
 pub(crate) struct StretchResult {
     /// Factor over [local | free parameters | residual], residuals weighted by 1/noise, slopes by the scales.
     pub(crate) factor: Mat<f64>,
-    pub(crate) locals: usize,
+    /// Row of the factor that holds each local unknown's pivot; `None` where the data do not show it at all: a start term
+    /// may be unobservable, decay within a sample, or repeat another. Such a one stays where it is.
+    pub(crate) pivots: Vec<Option<usize>>,
     /// Per output: sum of squared residuals (SI), their number, and sums over the measured values.
     pub(crate) channels: Vec<ChannelSums>,
     /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
@@ -35,13 +37,34 @@ pub(crate) struct StretchResult {
 }
 
 impl StretchResult {
-    /// Whether the data show a local unknown at all: a start term may be unobservable, decay within a sample, or
-    /// repeat another. Such a one stays where it is.
-    pub(crate) fn shows_local(&self, index: usize) -> bool {
-        let pivot = self.factor[(index, index)].abs();
-        // Moving it by a whole unit must change the residuals by more than rounding does.
-        pivot > 1e-6 && pivot > 1e-8 * self.factor.as_ref().col(index).norm_l2()
+    pub(crate) fn locals(&self) -> usize {
+        self.pivots.len()
     }
+
+    /// What the stretch says of [free parameters | residual] once its local unknowns have followed.
+    pub(crate) fn corner(&self) -> MatRef<'_, f64> {
+        let (rows, columns) = self.factor.shape();
+        let shown = self.pivots.iter().flatten().count();
+        self.factor.as_ref().submatrix(shown, self.locals(), rows - shown, columns - self.locals())
+    }
+
+    /// Solves for the local unknowns that the data show, `right` being by row of the factor; the others stay zero.
+    pub(crate) fn solve_locals(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut solution = vec![0.0; self.locals()];
+        for (i, row) in self.pivots.iter().enumerate().rev() {
+            if let Some(row) = *row {
+                let known: f64 = (i + 1..solution.len()).map(|j| self.factor[(row, j)] * solution[j]).sum();
+                solution[i] = (right(row) - known) / self.factor[(row, i)];
+            }
+        }
+        solution
+    }
+}
+
+/// Whether a local unknown's remainder, of a column of this length, is more than rounding: moving it by a whole unit must
+/// change the residuals by something.
+fn shows(remainder: f64, length: f64) -> bool {
+    remainder > 1e-6 && remainder > 1e-8 * length
 }
 
 /// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
@@ -109,7 +132,7 @@ pub(crate) fn run(
             None => Stepper::new(problem, &equations, &slopes, point, weights, stretch.sample_time_s)
                 .map_or(Ok(false), |mut stepper| stepper.predict(problem, index, point, &mut rows))?,
         };
-        Ok(finite.then(|| rows.finish()))
+        Ok(if finite { rows.finish() } else { None })
     };
     let results: Result<Vec<_>, _> = (0..problem.stretches.len()).into_par_iter().map(one).collect();
     Ok(results?.into_iter().collect())
@@ -236,19 +259,19 @@ impl Rows {
         finite
     }
 
-    fn finish(self) -> StretchResult {
+    /// `None` where slopes overflowed.
+    fn finish(self) -> Option<StretchResult> {
         let columns = self.locals + self.globals + 1;
         let late = self.without_locals.finish();
         let shifted = Mat::from_fn(late.nrows(), columns, |i, j| {
             if j < self.locals { 0.0 } else { late[(i, j - self.locals)] }
         });
         let early = self.with_locals.finish();
-        StretchResult {
-            factor: triangle::join([early.as_ref(), shifted.as_ref()].into_iter(), columns),
-            locals: self.locals,
-            channels: self.channels,
-            scores: self.scores.map(|scores| scores.sums).unwrap_or_default(),
-        }
+        let mut factor = triangle::join([early.as_ref(), shifted.as_ref()].into_iter(), columns);
+        let pivots = triangle::eliminate(&mut factor, self.locals, shows);
+        let scores = self.scores.map(|scores| scores.sums).unwrap_or_default();
+        let finite = factor.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
+        finite.then_some(StretchResult { factor, pivots, channels: self.channels, scores })
     }
 }
 
@@ -263,7 +286,7 @@ struct Scores {
 }
 
 impl Scores {
-    fn take(&mut self, rows: faer::MatRef<'_, f64>, samples: usize, outputs: usize, skipped: usize) {
+    fn take(&mut self, rows: MatRef<'_, f64>, samples: usize, outputs: usize, skipped: usize) {
         let last = rows.ncols() - 1;
         for k in 0..samples {
             let block = (self.row + k) / self.block_rows;

@@ -111,6 +111,18 @@ impl<'a> Problem<'a> {
         if free.is_empty() {
             return Err(IdentifyError::NothingFree { model: model.name.clone() });
         }
+        for parameter in free.iter().map(|index| &model.parameters[*index]) {
+            let (value, (low, high)) = (parameter.value, parameter.bounds);
+            if !(low..=high).contains(&value) {
+                return Err(IdentifyError::StartOutOfBounds {
+                    name: parameter.name.clone(),
+                    value,
+                    low,
+                    high,
+                });
+            }
+        }
+        check(model, &options)?;
         let mut warnings = Vec::new();
         let stretches = feed::stretches(model, datasets, &mut warnings)?;
         let measured_speed = model.inputs().any(|channel| channel.quantity == Quantity::Speed);
@@ -123,4 +135,37 @@ impl<'a> Problem<'a> {
     pub(crate) fn outputs(&self) -> usize {
         self.model.outputs().count()
     }
+}
+
+/// Options that cannot be meant.
+fn check(model: &Model, options: &Options) -> Result<(), IdentifyError> {
+    let refuse = |text: String| Err(IdentifyError::Option(text));
+    if let Noise::Given(given) = &options.noise {
+        let outputs = model.outputs().count();
+        if given.len() != outputs {
+            return refuse(format!(
+                "{} noise levels for the {outputs} outputs of {}",
+                given.len(),
+                model.name
+            ));
+        }
+        if let Some(std) = given.iter().find(|std| !(std.is_finite() && **std > 0.0)) {
+            return refuse(format!("a noise level is {std}, but it must be positive"));
+        }
+    }
+    for constraint in &options.constraints {
+        let known =
+            constraint.terms.iter().all(|(index, c)| *index < model.parameters.len() && c.is_finite());
+        if !known
+            || constraint.lower.is_nan()
+            || constraint.upper.is_nan()
+            || constraint.lower > constraint.upper
+        {
+            return refuse(format!(
+                "a constraint from {} to {} names unknown parameters or has its limits the wrong way round",
+                constraint.lower, constraint.upper
+            ));
+        }
+    }
+    Ok(())
 }

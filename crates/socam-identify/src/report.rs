@@ -12,6 +12,7 @@ use crate::{
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
     solver::{Descent, Race},
+    triangle,
 };
 
 /// Version of [`Identification`]'s JSON form.
@@ -186,7 +187,9 @@ impl Uncertainty {
     /// Standard deviation of sum of slope * free parameter.
     fn std(&self, slopes: &[(usize, f64)]) -> f64 {
         let white = self.whitened(slopes);
-        self.product(&white, &white).max(0.0).sqrt()
+        let variance = self.product(&white, &white);
+        // Rounding may leave a little less than nothing; not a number means that the sums overflowed.
+        if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
     }
 
     fn covariance(&self, i: usize, j: usize) -> f64 {
@@ -223,6 +226,7 @@ pub(crate) fn identification(
     let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
     let end = if descent.end == End::Converged && at_bound { End::AtBound } else { descent.end };
     let mut warnings = problem.warnings.clone();
+    warnings.extend(dead_channels(problem.model, &crate::solver::channel_sums(results)));
     if let Some(warning) = race_warning(races) {
         warnings.push(warning);
     }
@@ -248,6 +252,21 @@ pub(crate) fn identification(
     })
 }
 
+/// Outputs that say nothing, in words.
+fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {
+    let dead = model.outputs().zip(channels).filter_map(|(channel, sums)| {
+        let name = &channel.name;
+        if sums.count == 0.0 {
+            Some(format!("{name} holds no value: nothing was fitted to it"))
+        } else if sums.spread() <= 1e-7 * (sums.squares / sums.count).sqrt() {
+            Some(format!("{name} never changes, and the model was fitted to that: is its sensor connected?"))
+        } else {
+            None
+        }
+    });
+    dead.collect()
+}
+
 /// Starts that ended in different minima are worth a word.
 fn race_warning(races: &[Race]) -> Option<String> {
     let best = races.iter().map(|race| race.cost).fold(f64::INFINITY, f64::min);
@@ -267,7 +286,9 @@ pub(crate) fn fit(model: &Model, channels: &[ChannelSums], noise_std: &[f64]) ->
 }
 
 pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
-    let (rms, spread) = (sums.rms(), sums.spread().max(1e-300));
+    // Nothing was measured: no number is better than a perfect one.
+    let rms = if sums.count > 0.0 { sums.rms() } else { f64::NAN };
+    let spread = sums.spread().max(1e-300);
     let ratio = rms / spread;
     ChannelFit {
         rms,
@@ -290,7 +311,7 @@ fn uncertainty(
     let free = problem.free.len();
     let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
     let factor = crate::solver::information_factor(problem, point, &weights, results);
-    let root = inverse_root(factor.as_ref().submatrix(0, 0, free, free));
+    let (root, informed) = inverse_root(factor.as_ref().submatrix(0, 0, free, free));
     let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
     let blocks = scores.iter().map(Vec::len).sum::<usize>();
     let (middle, degrees) = if blocks >= 5 * free.max(2) {
@@ -305,8 +326,11 @@ fn uncertainty(
             .collect();
         let (spread, lag) = long_run_spread(&white, blocks);
         let prior = crate::solver::prior_rows(problem, point, &weights).as_ref().subcols(0, free) * &root;
+        let mut middle = spread + prior.transpose() * &prior;
+        // Where there is no information there are no scores either, and their ratio is not nothing.
+        (0..free).filter(|k| !informed[*k]).for_each(|k| middle[(k, k)] = middle[(k, k)].max(1.0));
         // Every block counts less where it resembles its neighbours.
-        (spread + prior.transpose() * &prior, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
+        (middle, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
     } else {
         (Mat::identity(free, free), 1e6)
     };
@@ -337,23 +361,24 @@ fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
     (spread, lag)
 }
 
-/// W with W W' = (R' R)⁻¹, through the singular values of R with its columns scaled to one; directions without
-/// information get an enormous variance instead of an overflow.
-fn inverse_root(factor: MatRef<'_, f64>) -> Mat<f64> {
+/// W with W W' = (R' R)⁻¹, through the singular values of R with its columns scaled to one, and for each of its columns
+/// whether there is information in that direction; one without gets an enormous variance instead of an overflow.
+fn inverse_root(factor: MatRef<'_, f64>) -> (Mat<f64>, Vec<bool>) {
     let free = factor.ncols();
-    let norms: Vec<f64> = (0..free).map(|j| factor.col(j).norm_l2().max(1e-150)).collect();
+    let norms = triangle::lengths(factor, free);
     let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
     let Ok(svd) = scaled.svd() else {
-        return Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
+        return (Mat::from_fn(free, free, |i, j| if i == j { 1e100 } else { 0.0 }), vec![false; free]);
     };
-    let largest = svd.S()[0];
-    let v = svd.V();
-    Mat::from_fn(free, free, |i, k| v[(i, k)] / svd.S()[k].max(RANK_TOLERANCE * largest) / norms[i])
+    let (v, s) = (svd.V(), svd.S());
+    let least = RANK_TOLERANCE * if free > 0 && s[0] > 0.0 { s[0] } else { 1.0 };
+    let root = Mat::from_fn(free, free, |i, k| v[(i, k)] / s[k].max(least) / norms[i]);
+    (root, (0..free).map(|k| s[k] > least).collect())
 }
 
 /// (R' R)⁻¹, see [`inverse_root`].
 pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
-    let root = inverse_root(factor);
+    let (root, _) = inverse_root(factor);
     &root * root.transpose()
 }
 
@@ -361,7 +386,7 @@ pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
 fn profiled_scores(result: &StretchResult, free: usize) -> Vec<Vec<f64>> {
     let follow = followers(result, free);
     let each = result.scores.iter().map(|score| {
-        let (local, global) = score.split_at(result.locals);
+        let (local, global) = score.split_at(result.locals());
         let own = global.iter().enumerate();
         own.map(|(j, g)| g - local.iter().enumerate().map(|(i, l)| follow[(i, j)] * l).sum::<f64>()).collect()
     });
@@ -370,19 +395,10 @@ fn profiled_scores(result: &StretchResult, free: usize) -> Vec<Vec<f64>> {
 
 /// How far local unknowns move per free parameter, with the sign of R_ll⁻¹ R_lg.
 fn followers(result: &StretchResult, free: usize) -> Mat<f64> {
-    let r = result.factor.as_ref();
-    let count = result.locals;
-    let mut follow = Mat::zeros(count, free);
-    for i in (0..count).rev() {
-        if !result.shows_local(i) {
-            continue;
-        }
-        for j in 0..free {
-            let known: f64 = (i + 1..count).map(|k| r[(i, k)] * follow[(k, j)]).sum();
-            follow[(i, j)] = (r[(i, count + j)] - known) / r[(i, i)];
-        }
-    }
-    follow
+    let count = result.locals();
+    let columns: Vec<Vec<f64>> =
+        (0..free).map(|j| result.solve_locals(|row| result.factor[(row, count + j)])).collect();
+    Mat::from_fn(count, free, |i, j| columns[j][i])
 }
 
 /// Parameters of two springs in a row that can change places without changing what the sensors see by more than chance:
@@ -545,26 +561,34 @@ fn offsets(
     let mut all = Vec::new();
     for ((stretch, values), result) in problem.stretches.iter().zip(locals).zip(results) {
         let follow = followers(result, free);
-        let own = inverse_information(result.factor.as_ref().submatrix(0, 0, result.locals, result.locals));
+        let shown: Vec<usize> = (0..result.locals()).filter(|i| result.pivots[*i].is_some()).collect();
+        let own = Mat::from_fn(shown.len(), shown.len(), |i, j| result.factor[(i, shown[j])]);
+        let own = inverse_information(own.as_ref());
         for (position, output) in channels.iter().enumerate() {
-            let row = result.locals - channels.len() + position;
+            let row = result.locals() - channels.len() + position;
             let moved: Vec<(usize, f64)> = (0..free).map(|j| (j, follow[(row, j)] / scales[j])).collect();
-            let std = own[(row, row)].sqrt().hypot(uncertainty.std(&moved));
-            let value = values[row];
+            let std = |pivot: usize| own[(pivot, pivot)].sqrt().hypot(uncertainty.std(&moved));
+            let std = result.pivots[row].map(std).filter(|std| std.is_finite());
+            let value = std.map(|_| values[row]);
+            let end = |sign: f64| Some(value? + sign * uncertainty.quantile * std?);
             all.push(ParameterEstimate {
                 name: format!(
                     "offset of {} in {}",
                     outputs[*output].name,
                     problem.datasets[stretch.recording].name()
                 ),
-                value: Some(value),
+                value,
                 unit: outputs[*output].unit.into(),
-                std: Some(std),
-                ci95: [Some(value - uncertainty.quantile * std), Some(value + uncertainty.quantile * std)],
-                identifiable: true,
+                std,
+                ci95: [end(-1.0), end(1.0)],
+                identifiable: value.is_some(),
                 source: Source::Data,
                 determined_with: Vec::new(),
-                note: String::new(),
+                note: if value.is_some() {
+                    String::new()
+                } else {
+                    "not determined: the unknown start state can take its place".into()
+                },
             });
         }
     }

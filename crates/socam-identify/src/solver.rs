@@ -170,7 +170,11 @@ fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, Identi
             weights.noise_std = channel_sums(&results)
                 .iter()
                 .zip(known)
-                .map(|(channel, known)| known.unwrap_or_else(|| floor(0.02 * channel.spread(), channel)))
+                .map(|(channel, known)| {
+                    // A channel that stands still has no spread, but the prediction misses it by something.
+                    let level = (0.02 * channel.spread()).max(1e-3 * channel.rms());
+                    known.unwrap_or_else(|| floor(level, channel))
+                })
                 .collect();
         }
     }
@@ -180,7 +184,7 @@ fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, Identi
 /// Never zero: a channel that stands still, or a perfect prediction, must not divide by nothing.
 fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
     let size = (channel.squares / channel.count.max(1.0)).sqrt();
-    noise_std.max(1e-9 * size).max(1e-300)
+    noise_std.max(1e-9 * size).max(1e-100)
 }
 
 /// Descends, takes the noise levels from the residuals, and again until both agree.
@@ -192,7 +196,8 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
     let known: Vec<bool> = problem.model.outputs().map(|channel| channel.noise_std.is_some()).collect();
     let mut point = point;
     let mut iterations = 0;
-    for round in 0.. {
+    let mut round = 0;
+    loop {
         let tolerance = if round == 0 { COARSE_TOLERANCE } else { TOLERANCE };
         let mut descent = descend(problem, point, weights, tolerance, problem.options.max_iterations)?;
         iterations += descent.iterations;
@@ -209,8 +214,8 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
         }
         next.scales = scales(problem, &descent.point.values);
         (point, weights) = (descent.point, next);
+        round += 1;
     }
-    unreachable!("the loop above ends by itself")
 }
 
 /// What one start of the race came to.
@@ -285,7 +290,10 @@ fn global_factor(
     let free = problem.free.len();
     let known = prior_rows(problem, point, weights);
     let anchors = anchor_rows(problem, point, weights);
-    triangle::join(corners(results, free).chain([known.as_ref(), anchors.as_ref()]), free + 1)
+    triangle::join(
+        results.iter().map(StretchResult::corner).chain([known.as_ref(), anchors.as_ref()]),
+        free + 1,
+    )
 }
 
 /// What the data say of the free parameters, with priors but without anchors: what intervals are made of.
@@ -297,12 +305,7 @@ pub(crate) fn information_factor(
 ) -> Mat<f64> {
     let free = problem.free.len();
     let known = prior_rows(problem, point, weights);
-    triangle::join(corners(results, free).chain([known.as_ref()]), free + 1)
-}
-
-/// Each stretch's say after its local unknowns are eliminated.
-fn corners(results: &[StretchResult], free: usize) -> impl Iterator<Item = MatRef<'_, f64>> {
-    results.iter().map(move |r| r.factor.as_ref().submatrix(r.locals, r.locals, free + 1, free + 1))
+    triangle::join(results.iter().map(StretchResult::corner).chain([known.as_ref()]), free + 1)
 }
 
 /// Where the data leave a valley, the point nearest to the model file's values in it is taken: a pull of one unit per
@@ -426,21 +429,20 @@ fn predicted_cost(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
 fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
     let mut point = at.point.clone();
     for (j, index) in problem.free.iter().enumerate() {
+        if step[j] == 0.0 {
+            continue;
+        }
         let bounds = problem.model.parameters[*index].bounds;
         let moved = curve(problem, *index).along(point.values[*index], step[j] * at.weights.scales[j]);
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     carry_dampings(problem, at, step, &mut point.values);
     for (locals, result) in point.locals.iter_mut().zip(&at.results) {
-        let r = result.factor.as_ref();
-        let count = result.locals;
-        let mut change = vec![0.0; count];
-        for i in (0..count).rev() {
-            let known: f64 = (i + 1..count).map(|j| r[(i, j)] * change[j]).sum::<f64>()
-                + step.iter().enumerate().map(|(j, s)| r[(i, count + j)] * s).sum::<f64>()
-                + r[(i, count + step.len())];
-            change[i] = if result.shows_local(i) { -known / r[(i, i)] } else { 0.0 };
-        }
+        let (r, count) = (result.factor.as_ref(), result.locals());
+        let change = result.solve_locals(|row| {
+            let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();
+            -moved - r[(row, count + step.len())]
+        });
         locals.iter_mut().zip(change).for_each(|(local, change)| *local += change);
     }
     point
@@ -510,7 +512,7 @@ fn constrained_step(
     damping: f64,
 ) -> Option<Vec<f64>> {
     let free = problem.free.len();
-    let norms: Vec<f64> = (0..free).map(|j| factor.col(j).norm_l2().max(1e-300)).collect();
+    let norms = triangle::lengths(factor, free);
     let limits: Vec<(f64, f64)> = problem
         .free
         .iter()

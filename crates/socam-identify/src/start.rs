@@ -99,6 +99,9 @@ pub(crate) fn guess(equations: &Equations, values: &[f64], inputs: &[f64], outpu
         rows.push((equations.output.row(i).transpose(), measured - seen[i]));
     }
     rows.retain(|(row, _)| row.amax() > 0.0);
+    if rows.is_empty() || states == 0 {
+        return vec![0.0; states];
+    }
     let matrix = DMatrix::from_fn(rows.len(), states, |i, j| rows[i].0[j] / rows[i].0.amax());
     let right = DVector::from_fn(rows.len(), |i, _| rows[i].1 / rows[i].0.amax());
     let solution = matrix.svd(true, true).solve(&right, 1e-9);

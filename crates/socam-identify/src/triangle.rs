@@ -53,12 +53,54 @@ impl Triangle {
     }
 }
 
-/// Upper triangular factor R of `rows` = Q R.
+/// Eliminates the first `count` columns of `rows` by reflections and returns the row that holds each one's pivot. A column
+/// whose remainder `shows` (remainder, whole length) calls nothing is skipped and uses up no row: what its row would have
+/// held stays with the columns to come. The rows after the last pivot are what is left for those.
+///
+/// [`upper`] leaves dependent columns to the library, which moves their successors' pivots off the diagonal; so this walks
+/// over the finished factor once more.
+pub(crate) fn eliminate(
+    rows: &mut Mat<f64>,
+    count: usize,
+    shows: impl Fn(f64, f64) -> bool,
+) -> Vec<Option<usize>> {
+    let (height, width) = rows.shape();
+    let mut row = 0;
+    let mut pivots = Vec::with_capacity(count);
+    for column in 0..count {
+        let remainder = rows.col(column).subrows(row, height - row).norm_l2();
+        if !shows(remainder, rows.col(column).norm_l2()) {
+            (row..height).for_each(|i| rows[(i, column)] = 0.0);
+            pivots.push(None);
+            continue;
+        }
+        let pivot = -remainder.copysign(rows[(row, column)]);
+        let mut mirror: Vec<f64> = (row..height).map(|i| rows[(i, column)]).collect();
+        mirror[0] -= pivot;
+        let length: f64 = mirror.iter().map(|m| m * m).sum();
+        for j in column..width {
+            let along: f64 = mirror.iter().enumerate().map(|(i, m)| m * rows[(row + i, j)]).sum();
+            mirror.iter().enumerate().for_each(|(i, m)| rows[(row + i, j)] -= 2.0 * along / length * m);
+        }
+        (row + 1..height).for_each(|i| rows[(i, column)] = 0.0);
+        pivots.push(Some(row));
+        row += 1;
+    }
+    pivots
+}
+
+/// Upper factor R of `rows` = Q R.
 pub(crate) fn upper(rows: MatRef<'_, f64>) -> Mat<f64> {
     let columns = rows.ncols();
     let qr = rows.qr();
     let r = qr.R();
     Mat::from_fn(columns, columns, |i, j| if i <= j && i < r.nrows() { r[(i, j)] } else { 0.0 })
+}
+
+/// Lengths of the first `count` columns, to divide by: 1 for a column that is nothing.
+pub(crate) fn lengths(factor: MatRef<'_, f64>, count: usize) -> Vec<f64> {
+    let lengths = (0..count).map(|j| factor.col(j).norm_l2());
+    lengths.map(|length| if length > 1e-100 { length } else { 1.0 }).collect()
 }
 
 /// Factor of the rows of several factors together, in their order (so the digits do not depend on threads).
@@ -73,6 +115,29 @@ pub(crate) fn join<'a>(factors: impl Iterator<Item = MatRef<'a, f64>>, columns: 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_without_information_take_none_from_others() {
+        let value = |i: usize, j: usize| match j {
+            1 => 0.0,
+            3 => ((i * 7) % 101) as f64 - 50.0,
+            _ => ((i * 7 + j * i * i + 3) % 101) as f64 - 50.0,
+        };
+        // Column 1 is nothing, column 3 comes twice.
+        let rows = Mat::from_fn(400, 7, |i, j| value(i, if j == 4 { 3 } else { j }));
+        let mut factor = upper(rows.as_ref());
+        let pivots = eliminate(&mut factor, 5, |remainder, length| remainder > 1e-8 * length);
+        assert_eq!(pivots, [Some(0), None, Some(1), Some(2), None]);
+        let kept = Mat::from_fn(400, 5, |i, j| rows[(i, [0, 2, 3, 5, 6][j])]);
+        let expected = upper(kept.as_ref());
+        for (a, b) in [(0, 0), (0, 1), (1, 1)] {
+            let gram = |m: &Mat<f64>, first: usize, column: usize| -> f64 {
+                (first..m.nrows()).map(|i| m[(i, column + a)] * m[(i, column + b)]).sum()
+            };
+            let (got, want) = (gram(&factor, 3, 5), gram(&expected, 3, 3));
+            assert!((got - want).abs() < 1e-9 * want.abs().max(1.0), "{a} {b}: {got} {want}");
+        }
+    }
 
     #[test]
     fn folding_in_blocks_keeps_the_gram_matrix() {
