@@ -205,7 +205,16 @@ pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) ->
         else {
             continue;
         };
-        entry.insert("value", toml_edit::value(update.value / parameter.file_factor));
+        // A value at its bound must not come out beyond it by a rounding, or the file could not be read again.
+        let bound = |index: usize| {
+            let bound = entry.get("bounds")?.as_array()?.get(index)?;
+            bound.as_float().or(bound.as_integer().map(|integer| integer as f64))
+        };
+        let (least, most) = (bound(0).unwrap_or(f64::NEG_INFINITY), bound(1).unwrap_or(f64::INFINITY));
+        let inside = (parameter.bounds.0..=parameter.bounds.1).contains(&update.value);
+        let value = update.value / parameter.file_factor;
+        let value = if inside { value.max(least).min(most) } else { value };
+        entry.insert("value", toml_edit::value(value));
         match update.ci95 {
             Some(ends) => {
                 let ends: toml_edit::Array = ends.iter().map(|end| end / parameter.file_factor).collect();
@@ -534,6 +543,13 @@ impl Reader<'_> {
             && !(std.get_ref().is_finite() && *std.get_ref() > 0.0)
         {
             return self.fail(std, format!("channels.{}.noise_std must be positive", name.get_ref()));
+        }
+        if !(raw.scale.is_finite() && raw.scale != 0.0 && raw.offset.is_finite()) {
+            let message = format!(
+                "channels.{} needs a finite offset and a finite scale other than zero",
+                name.get_ref()
+            );
+            return self.fail(&name, message);
         }
         let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
         let name = name.into_inner();

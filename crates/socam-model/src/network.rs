@@ -7,6 +7,7 @@
 
 use crate::{
     ModelError,
+    effects::Kind,
     equations::{Equations, Port},
     jet::{Jet, Scalar},
     model::{Model, Quantity, Role},
@@ -16,7 +17,8 @@ impl Model {
     /// Equations of motion for parameter values in SI, in the order of [`Model::parameters`].
     ///
     /// # Errors
-    /// [`ModelError::Value`] for an inertia, stiffness or damping below zero; [`ModelError::Network`] where
+    /// [`ModelError::Value`] for a value outside what physics allows (an inertia, stiffness or transition speed that is
+    /// not positive, a damping below zero, a ratio of zero); [`ModelError::Network`] where
     /// a node has nothing that decides its motion.
     pub fn equations(&self, values: &[f64]) -> Result<Equations, ModelError> {
         self.equations_with_slopes(values, &[]).map(|(equations, _)| equations)
@@ -73,6 +75,16 @@ impl Model {
         for index in positive {
             if values[index] <= 0.0 {
                 return fail(index, "positive");
+            }
+        }
+        if let Some(gear) = self.gears.iter().find(|gear| values[gear.ratio] == 0.0) {
+            return fail(gear.ratio, "anything but zero");
+        }
+        for used in &self.effects {
+            for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
+                if parameter.kind == Kind::Speed && values[*index] <= 0.0 {
+                    return fail(*index, "positive");
+                }
             }
         }
         let dampings = self
@@ -233,7 +245,9 @@ impl<'m> Assembly<'m> {
                     }
                     *class = Class::Prescribed;
                 }
-                Quantity::Torque => {}
+                Quantity::Torque => {
+                    self.node_named(&channel.at, &channel.name)?;
+                }
                 Quantity::Reference if model.servo.as_ref().is_some_and(|servo| servo.name == channel.at) => {
                 }
                 Quantity::Reference => {

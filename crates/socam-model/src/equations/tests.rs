@@ -296,3 +296,41 @@ fn what_gears_fix_between_two_places() {
     let anchored = Model::parse(&bench.text.replacen("[[gears]]", anchor, 1)).unwrap();
     assert_eq!(anchored.rigid_ratio("motor", "load"), None);
 }
+
+#[test]
+fn values_and_channels_that_cannot_be_are_refused() {
+    let two_mass = crate::BUILTIN[1].1;
+    let refused =
+        |from: &str, to: &str| Model::parse(&two_mass.replacen(from, to, 1)).unwrap_err().to_string();
+    // A torque that acts on a spring would be lost without a word.
+    let torque = "quantity = \"torque\"\nat = \"motor\"";
+    assert!(two_mass.contains(torque));
+    assert!(refused(torque, "quantity = \"torque\"\nat = \"shaft\"").contains("needs a node"));
+    for scale in ["0", "nan", "inf"] {
+        assert!(refused("role = \"input\"", &format!("role = \"input\"\nscale = {scale}")).contains("scale"));
+    }
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let mut values = model.values();
+    values[model.parameter("N").unwrap()] = 0.0;
+    assert!(model.equations(&values).unwrap_err().to_string().contains("parameter N"));
+    let model = Model::builtin("emps").unwrap();
+    let mut values = model.values();
+    values[model.parameter("guide.transition_speed").unwrap()] = 0.0;
+    assert!(model.equations(&values).unwrap_err().to_string().contains("transition_speed"));
+}
+
+#[test]
+fn a_model_written_at_its_bounds_is_read_again() {
+    for high in [4.5, 6.5, 9.0, 10.9, 12.9, 14.9] {
+        let text = crate::BUILTIN[0].1.replace(
+            "k4 = { value = 1.92, unit = \"N m/deg\", bounds = [0.01, 100]",
+            &format!("k4 = {{ value = 0.1, unit = \"N m/deg\", bounds = [0.01, {high}]"),
+        );
+        let model = Model::parse(&text).unwrap();
+        let k4 = &model.parameters[model.parameter("k4").unwrap()];
+        for value in [k4.bounds.0, k4.bounds.1] {
+            let update = crate::Update { name: "k4".into(), value, ci95: None, source: "test".into() };
+            Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
+        }
+    }
+}
