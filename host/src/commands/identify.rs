@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use socam_identify::{Fit, Identification, Intersample, Noise, Options, Problem, StartState};
+use socam_identify::{Fit, Identification, IdentifyError, Intersample, Noise, Options, Problem, StartState};
 use socam_model::{Model, Update};
-use socam_recording::{Dataset, OutputFile};
+use socam_recording::{Dataset, OutputFile, RecordingError};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
@@ -93,11 +93,15 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let options = options(&args, &model)?;
     // Where it cannot be written is said before the fit, not after it.
     let target = args.write_model.as_deref().map(output::create).transpose()?;
+    if let Some(twice) = args.runs.iter().enumerate().find(|(i, run)| args.runs[..*i].contains(run)) {
+        let message = format!("`{}` is named twice; its samples would count double", twice.1);
+        return Err(WrongArguments(message).into());
+    }
     let datasets = open_all(&args.runs)?;
     let held_out = open_all(&args.validate)?;
     let result = match args.method {
         Method::OutputError => {
-            let problem = Problem::new(&model, &datasets, options.clone())?;
+            let problem = bind(&model, &datasets, &options)?;
             output::waiting("fitting", || socam_identify::output_error(&problem))?
         }
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
@@ -113,6 +117,16 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&report(&result, &validation))?;
     }
     Ok(Outcome::Done)
+}
+
+fn bind<'a>(model: &'a Model, datasets: &'a [Dataset], options: &Options) -> anyhow::Result<Problem<'a>> {
+    Problem::new(model, datasets, options.clone()).map_err(|error| match error {
+        IdentifyError::Recording(error @ RecordingError::NoSuchChannel { .. }) => anyhow::anyhow!(
+            "{error}; the model {} needs it (another model is chosen with --model)",
+            model.name
+        ),
+        error => error.into(),
+    })
 }
 
 /// How well recordings that were not fitted are predicted.
@@ -181,7 +195,7 @@ fn validate(
         .iter()
         .map(|dataset| {
             let recording = dataset.name().to_owned();
-            let problem = Problem::new(model, std::slice::from_ref(dataset), options.clone())?;
+            let problem = bind(model, std::slice::from_ref(dataset), options)?;
             let fit = socam_identify::evaluate(&problem, &result.point)?;
             let force_error_percent = match args.method {
                 Method::OutputError => None,
