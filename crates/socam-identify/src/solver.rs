@@ -11,7 +11,7 @@ use rand_chacha::{
 };
 
 use crate::{
-    IdentifyError,
+    IdentifyError, combinations,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
@@ -479,10 +479,14 @@ enum Curve {
 }
 
 fn curve(problem: &Problem<'_>, index: usize) -> Curve {
-    let stiffness = problem.model.springs.iter().any(|spring| spring.stiffness == index);
+    let free = |index: usize| problem.free.contains(&index);
+    // A spring alone has no valley, and its stiffness is the more linear coordinate.
+    let in_a_row = combinations::pairs(problem.model).any(|(a, b)| {
+        (a.stiffness == index || b.stiffness == index) && free(a.stiffness) && free(b.stiffness)
+    });
     let tied =
         problem.options.constraints.iter().any(|c| c.terms.iter().any(|(parameter, _)| *parameter == index));
-    if stiffness && !tied { Curve::Inverse } else { Curve::Straight }
+    if in_a_row && !tied { Curve::Inverse } else { Curve::Straight }
 }
 
 impl Curve {
