@@ -117,8 +117,11 @@ pub(crate) fn read(
     for block in dataset.blocks()? {
         let block = block?;
         let (first, last) = (block.first_row, block.first_row + block.rows() as u64);
-        if last <= stretch.first_row || first >= end {
+        if last <= stretch.first_row {
             continue;
+        }
+        if first >= end {
+            break;
         }
         let from = stretch.first_row.saturating_sub(first) as usize;
         let to = (end.min(last) - first) as usize;
