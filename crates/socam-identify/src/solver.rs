@@ -280,20 +280,16 @@ fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec
     spread
 }
 
-/// All stretches' say on the free parameters, priors included: factor over [free | residual].
+/// [`information_factor`] and what anchors add: what steps are made of.
 fn global_factor(
     problem: &Problem<'_>,
     point: &Point,
     weights: &Weights,
     results: &[StretchResult],
 ) -> Mat<f64> {
-    let free = problem.free.len();
-    let known = prior_rows(problem, point, weights);
+    let information = information_factor(problem, point, weights, results);
     let anchors = anchor_rows(problem, point, weights);
-    triangle::join(
-        results.iter().map(StretchResult::corner).chain([known.as_ref(), anchors.as_ref()]),
-        free + 1,
-    )
+    triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), problem.free.len() + 1)
 }
 
 /// What the data say of the free parameters, with priors but without anchors: what intervals are made of.
