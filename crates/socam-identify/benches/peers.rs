@@ -3,7 +3,7 @@
 //!
 //! `SOCAM_BENCH=DIR cargo bench -p socam-identify --bench peers` where DIR holds `data/`, `truth.json`,
 //! `optimum.json` and, if the peers were run there in the same hour, their `results.jsonl`: then the ratios are printed
-//! too. Without the variable it says so and does nothing.
+//! too. Without the variable it says so and does nothing. `-- nl` runs the one whose name contains that.
 
 use std::{error::Error, path::Path};
 
@@ -23,7 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let truth: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
     let optimum: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("optimum.json"))?)?;
     let peers = std::fs::read_to_string(folder.join("results.jsonl")).unwrap_or_default();
+    let only: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     for (kind, problem) in [("lin", "lin_wp"), ("nl", "nl_wp")] {
+        if !only.is_empty() && !only.iter().any(|name| problem.contains(name.as_str())) {
+            continue;
+        }
         let mut runs = Vec::new();
         for _ in 0..RUNS {
             runs.push(solve(folder, &truth, kind)?);

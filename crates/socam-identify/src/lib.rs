@@ -20,6 +20,7 @@ mod modal;
 mod pass;
 mod phi;
 mod problem;
+mod reflect;
 mod report;
 mod solver;
 mod start;

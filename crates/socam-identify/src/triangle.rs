@@ -5,32 +5,42 @@
 //! folded in one after the other by orthogonal transformations, so the condition number is never squared
 //! (as it would be in normal equations) and memory is one block.
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatMut, MatRef};
 
-/// Rows folded at a time.
-const BLOCK_ROWS: usize = 1536;
+use crate::reflect::{self, LANES};
+
+/// Rows folded at a time: with a few columns they fit the first cache.
+const BLOCK_ROWS: usize = 384;
 
 /// Collects rows of one stretch.
 pub(crate) struct Triangle {
     columns: usize,
-    /// The factor so far on top, then rows not folded yet.
-    buffer: Mat<f64>,
+    /// The factor so far, one column after another.
+    factor: Vec<f64>,
+    /// Rows not folded yet, [`BLOCK_ROWS`] values from column to column.
+    rows: Vec<f64>,
     filled: usize,
 }
 
 impl Triangle {
     pub(crate) fn new(columns: usize) -> Self {
-        Self { columns, buffer: Mat::zeros(columns + BLOCK_ROWS, columns), filled: columns }
+        Self {
+            columns,
+            factor: vec![0.0; columns * columns],
+            rows: vec![0.0; columns * BLOCK_ROWS],
+            filled: 0,
+        }
     }
 
     /// Room for `rows` rows, to be written by the caller; at most [`Triangle::capacity`].
-    pub(crate) fn rows_mut(&mut self, rows: usize) -> faer::MatMut<'_, f64> {
-        if self.filled + rows > self.buffer.nrows() {
+    pub(crate) fn rows_mut(&mut self, rows: usize) -> MatMut<'_, f64> {
+        if self.filled + rows > BLOCK_ROWS {
             self.fold();
         }
         let start = self.filled;
         self.filled += rows;
-        self.buffer.as_mut().subrows_mut(start, rows)
+        let from = &mut self.rows[start.min(self.columns * BLOCK_ROWS)..];
+        MatMut::from_column_major_slice_with_stride_mut(from, rows, self.columns, BLOCK_ROWS)
     }
 
     pub(crate) const fn capacity() -> usize {
@@ -38,18 +48,18 @@ impl Triangle {
     }
 
     fn fold(&mut self) {
-        if self.filled == self.columns {
-            return;
+        let height = self.filled.next_multiple_of(LANES);
+        for column in self.rows.chunks_exact_mut(BLOCK_ROWS) {
+            column[self.filled..height].fill(0.0);
         }
-        let factor = upper(self.buffer.as_ref().subrows(0, self.filled));
-        self.buffer.as_mut().subrows_mut(0, self.columns).copy_from(&factor);
-        self.filled = self.columns;
+        reflect::fold(&mut self.factor, &mut self.rows, BLOCK_ROWS, height, self.columns);
+        self.filled = 0;
     }
 
     /// The factor, columns x columns, upper triangular.
     pub(crate) fn finish(mut self) -> Mat<f64> {
         self.fold();
-        self.buffer.as_ref().subrows(0, self.columns).to_owned()
+        Mat::from_fn(self.columns, self.columns, |i, j| self.factor[j * self.columns + i])
     }
 }
 
@@ -57,8 +67,8 @@ impl Triangle {
 /// whose remainder `shows` (remainder, whole length) calls nothing is skipped and uses up no row: what its row would have
 /// held stays with the columns to come. The rows after the last pivot are what is left for those.
 ///
-/// [`upper`] leaves dependent columns to the library, which moves their successors' pivots off the diagonal; so this walks
-/// over the finished factor once more.
+/// [`Triangle`] gives every column a row, a dependent one a row of rounding; so this walks over the finished factor once
+/// more.
 pub(crate) fn eliminate(
     rows: &mut Mat<f64>,
     count: usize,
@@ -89,14 +99,6 @@ pub(crate) fn eliminate(
     pivots
 }
 
-/// Upper factor R of `rows` = Q R.
-pub(crate) fn upper(rows: MatRef<'_, f64>) -> Mat<f64> {
-    let columns = rows.ncols();
-    let qr = rows.qr();
-    let r = qr.R();
-    Mat::from_fn(columns, columns, |i, j| if i <= j && i < r.nrows() { r[(i, j)] } else { 0.0 })
-}
-
 /// Lengths of the first `count` columns, to divide by: 1 for a column that is nothing.
 pub(crate) fn lengths(factor: MatRef<'_, f64>, count: usize) -> Vec<f64> {
     let lengths = (0..count).map(|j| factor.col(j).norm_l2());
@@ -107,7 +109,10 @@ pub(crate) fn lengths(factor: MatRef<'_, f64>, count: usize) -> Vec<f64> {
 pub(crate) fn join<'a>(factors: impl Iterator<Item = MatRef<'a, f64>>, columns: usize) -> Mat<f64> {
     let mut triangle = Triangle::new(columns);
     for factor in factors {
-        triangle.rows_mut(factor.nrows()).copy_from(factor);
+        for from in (0..factor.nrows()).step_by(BLOCK_ROWS) {
+            let rows = factor.subrows(from, BLOCK_ROWS.min(factor.nrows() - from));
+            triangle.rows_mut(rows.nrows()).copy_from(rows);
+        }
     }
     triangle.finish()
 }
@@ -125,11 +130,11 @@ mod tests {
         };
         // Column 1 is nothing, column 3 comes twice.
         let rows = Mat::from_fn(400, 7, |i, j| value(i, if j == 4 { 3 } else { j }));
-        let mut factor = upper(rows.as_ref());
+        let mut factor = join([rows.as_ref()].into_iter(), 7);
         let pivots = eliminate(&mut factor, 5, |remainder, length| remainder > 1e-8 * length);
         assert_eq!(pivots, [Some(0), None, Some(1), Some(2), None]);
         let kept = Mat::from_fn(400, 5, |i, j| rows[(i, [0, 2, 3, 5, 6][j])]);
-        let expected = upper(kept.as_ref());
+        let expected = join([kept.as_ref()].into_iter(), 5);
         for (a, b) in [(0, 0), (0, 1), (1, 1)] {
             let gram = |m: &Mat<f64>, first: usize, column: usize| -> f64 {
                 (first..m.nrows()).map(|i| m[(i, column + a)] * m[(i, column + b)]).sum()
@@ -144,9 +149,9 @@ mod tests {
         let rows = 5000;
         let value = |i: usize, j: usize| ((i * 7 + j * 13 + 3) % 101) as f64 / 50.0 - 1.0;
         let mut triangle = Triangle::new(4);
-        for start in (0..rows).step_by(500) {
-            let mut target = triangle.rows_mut(500);
-            for i in 0..500 {
+        for start in (0..rows).step_by(250) {
+            let mut target = triangle.rows_mut(250);
+            for i in 0..250 {
                 for j in 0..4 {
                     target[(i, j)] = value(start + i, j);
                 }
