@@ -7,7 +7,7 @@ use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
 use crate::drive::{self, Drive};
 use crate::flaw::{Flaw, FlawedChannel};
 use crate::plant::{Effort, Plant, Trajectory};
-use crate::sensors::Sensor;
+use crate::sensors::{Sensor, noise_std};
 use crate::{SimError, Truth};
 
 /// A channel that stands in for the tachometer that a board wants and a bench without shafts does not have.
@@ -29,13 +29,45 @@ pub struct Setup {
     pub seed: u64,
     /// Whether sensors are noisy.
     pub noisy: bool,
+    /// Standard deviations of the noise of single channels, by name, SI; the others have the default bench's. They count for
+    /// noisy sensors only.
+    pub noise_std: Vec<(String, f64)>,
 }
 
 impl Setup {
     /// A bench with the drive that suits the model, and with noise.
     pub fn new(truth: Truth, calibration: Calibration, seed: u64) -> Self {
         let drive = Drive::for_model(&truth.model, &calibration.motor);
-        Self { truth, drive, calibration, seed, noisy: true }
+        Self { truth, drive, calibration, seed, noisy: true, noise_std: Vec::new() }
+    }
+
+    /// Standard deviation of the noise of a channel's sensor, SI.
+    fn noise_std_of(&self, channel: &CalibratedChannel) -> f64 {
+        if !self.noisy {
+            return 0.0;
+        }
+        let own = self.noise_std.iter().find(|(name, _)| *name == channel.channel.name);
+        own.map_or_else(|| noise_std(channel, &self.calibration.input), |(_, std)| *std)
+    }
+
+    /// Noise of channels that do not exist, or of an impossible size.
+    fn check_noise(&self) -> Result<(), SimError> {
+        for (name, std) in &self.noise_std {
+            let channels = self.calibration.channels.iter().map(|channel| &channel.channel.name);
+            if !channels.clone().any(|channel| channel == name) {
+                let known: Vec<&str> = channels.map(String::as_str).collect();
+                let problem =
+                    format!("there is no such channel to be noisy; the bench has {}", known.join(", "));
+                return Err(SimError::argument(name, problem));
+            }
+            if !(std.is_finite() && *std >= 0.0) {
+                return Err(SimError::argument(
+                    name,
+                    format!("its noise is {std}, but it must be 0 or more"),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Equations of the drivetrain with its drive. Behind the model's outputs come the speeds of shafts whose angle a flawed
@@ -159,6 +191,7 @@ struct Input {
 
 impl<'p> Bench<'p> {
     pub(crate) fn start(setup: &Setup, plant: &'p Plant) -> Result<Self, SimError> {
+        setup.check_noise()?;
         let model = &setup.truth.model;
         let calibration = &setup.calibration;
         let first_shaft = 1 + model.outputs().count();
@@ -166,7 +199,7 @@ impl<'p> Bench<'p> {
         let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
             source: source(setup, &channel.channel),
             flaws: flaws(setup, &channel.channel),
-            sensor: Sensor::new(channel, calibration.input, setup.seed, stream, setup.noisy),
+            sensor: Sensor::new(channel, calibration.input, setup.seed, stream, setup.noise_std_of(channel)),
         });
         Ok(Self {
             trajectory: plant.start()?,

@@ -20,6 +20,20 @@ pub enum SimError {
     /// The recording that drives the simulation cannot be read.
     #[error(transparent)]
     Recording(#[from] socam_recording::RecordingError),
+    /// The bench's calibration is not sound.
+    #[error(transparent)]
+    Settings(#[from] socam_recording::SettingsError),
+    /// The board did not take the bench's settings or the profile.
+    #[error(transparent)]
+    Refused(#[from] socam_core::Refusal),
+    /// The board ended the run before the profile's end.
+    #[error("the board ended the run at {time_s:.3} s: {reason}")]
+    Fault {
+        /// Time since the course began.
+        time_s: f64,
+        /// The fault in words.
+        reason: String,
+    },
     /// Something that was asked for in words does not exist or cannot be understood.
     #[error("`{text}`: {problem}")]
     Argument {

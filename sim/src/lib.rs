@@ -2,7 +2,7 @@
 //!
 //! * [`Truth`]: what the simulated drivetrain really is: a model, changed parameters, concealed physics.
 //! * [`Plant`]: its equations of motion, solved by an error-controlled stiff solver.
-//! * [`Setup`]: a whole bench, with [`Drive`] and sensors.
+//! * [`Setup`]: a whole bench, with [`Drive`] and sensors; [`Setup::record`] runs a profile on it.
 //! * [`Replay`]: a model driven by what was recorded, next to what was measured.
 //! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
 //!
@@ -16,10 +16,12 @@ mod drive;
 mod error;
 mod flaw;
 mod plant;
+mod record;
 mod replay;
 mod sensors;
 mod truth;
 mod virtual_board;
+mod wiring;
 
 pub use bench::{NO_TACHOMETER, Setup, calibration_for};
 pub use drive::{Answer, Drive};

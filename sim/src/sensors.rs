@@ -34,12 +34,11 @@ impl Sensor {
         converter: Converter,
         seed: u64,
         stream: u64,
-        noisy: bool,
+        noise_std: f64,
     ) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
-        let std = noise_std(channel, &converter);
-        let noise = Normal::new(0.0, std).ok().filter(|_| noisy);
+        let noise = Normal::new(0.0, noise_std).ok().filter(|_| noise_std > 0.0);
         Self { calibration: channel.sensor, converter, noise, random }
     }
 
@@ -50,7 +49,7 @@ impl Sensor {
     }
 }
 
-/// Standard deviation of a sensor's noise before its converter, SI.
+/// Usual standard deviation of a sensor's noise before its converter, SI.
 pub(crate) fn noise_std(channel: &CalibratedChannel, converter: &Converter) -> f64 {
     let known = KNOWN_NOISE.iter().find(|(name, _)| *name == channel.channel.name);
     known.map_or(OTHER_NOISE * converter.full_scale_v / channel.sensor.volts_per_unit.abs(), |(_, std)| *std)

@@ -1,12 +1,12 @@
 //! A board in software: the same core and the same link as on the real one, on a simulated bench and a simulated clock.
 
-use socam_core::{Board, ConverterSilent, Ports, Ring, State};
-use socam_recording::Calibration;
+use socam_core::{Board, Ring, State};
 use socam_wire::{BATCH_SAMPLES, BoardLink, Identity, MAX_FRAME, Text};
 
 use crate::SimError;
-use crate::bench::{Bench, Setup};
+use crate::bench::Setup;
 use crate::plant::Effort;
+use crate::wiring::Wiring;
 
 /// Samples between sampling and sending, as on the real board.
 const RING_SAMPLES: usize = 1024;
@@ -28,41 +28,6 @@ pub struct VirtualBoard<'b> {
     told: State,
 }
 
-/// The bench at the board's connectors.
-struct Wiring<'b> {
-    bench: Bench<'b>,
-    calibration: &'b Calibration,
-    now_us: u64,
-    command_v: f64,
-    enabled: bool,
-    failure: Option<SimError>,
-}
-
-impl Ports for Wiring<'_> {
-    fn now_us(&mut self) -> u64 {
-        self.now_us
-    }
-
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
-        let read = self.bench.sample(self.now_us as f64 * 1e-6, counts);
-        read.map_err(|error| {
-            self.failure.get_or_insert(error);
-            ConverterSilent
-        })
-    }
-
-    fn write(&mut self, count: i16) -> Result<(), ConverterSilent> {
-        self.command_v = self.calibration.output.volts(count);
-        self.bench.command(self.command_v, self.enabled);
-        Ok(())
-    }
-
-    fn enable(&mut self, on: bool) {
-        self.enabled = on;
-        self.bench.command(self.command_v, on);
-    }
-}
-
 impl VirtualBoard<'_> {
     /// Builds the bench, switches the board on at time 0 and hands it to `serve`.
     ///
@@ -72,14 +37,7 @@ impl VirtualBoard<'_> {
         let plant = setup.plant()?;
         let mut ring = Ring::<RING_SAMPLES>::new();
         let (producer, consumer) = ring.split();
-        let wiring = Wiring {
-            bench: Bench::start(setup, &plant)?,
-            calibration: &setup.calibration,
-            now_us: 0,
-            command_v: 0.0,
-            enabled: false,
-            failure: None,
-        };
+        let wiring = Wiring::start(setup, &plant)?;
         let identity = Identity {
             board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
             firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),
@@ -127,12 +85,12 @@ impl VirtualBoard<'_> {
         }
         let wiring = self.board.ports_mut();
         wiring.now_us = wiring.now_us.max(until_us);
-        wiring.failure.take().map_or(Ok(()), Err)
+        wiring.failed()
     }
 
     /// What the simulation cost so far.
     pub fn effort(&mut self) -> Effort {
-        self.board.ports_mut().bench.effort()
+        self.board.ports_mut().effort()
     }
 
     /// Sends full batches at once, the rest when it has waited long enough, and the status when it is due.
