@@ -1,0 +1,294 @@
+//! What a random bench is: drawn from the seed and its number alone.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use socam_core::{Command, scaling::MotorCalibration};
+use socam_model::Model;
+use socam_recording::{Course, ProfileFile};
+
+/// The kind of bench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
+pub(crate) enum Family {
+    /// The default bench, commanded by voltage.
+    Chain,
+    /// The same with dry friction at the load bearing, which its model names.
+    Friction,
+    /// The default bench in a closed velocity loop, so that noise of the input comes back as motion.
+    ClosedLoop,
+    /// Two inertias, driven by a measured torque.
+    TwoMass,
+    /// A position-controlled axis, identified from its measured force.
+    Axis,
+}
+
+/// One in twenty each; in this order the kinds are mixed evenly.
+const FAMILIES: [Family; 20] = {
+    use Family::{Axis, Chain, ClosedLoop, Friction, TwoMass};
+    [
+        Chain, Chain, Friction, Chain, Chain, ClosedLoop, Chain, Chain, TwoMass, Chain, Chain, Axis, Chain,
+        Chain, Friction, Chain, ClosedLoop, Chain, TwoMass, Chain,
+    ]
+};
+
+impl Family {
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Chain, Self::Friction, Self::ClosedLoop, Self::TwoMass, Self::Axis];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Chain => "chain",
+            Self::Friction => "friction",
+            Self::ClosedLoop => "closed loop",
+            Self::TwoMass => "two-mass",
+            Self::Axis => "axis",
+        }
+    }
+
+    /// Whether the input is a measured motor speed.
+    pub(crate) fn has_motor_speed(self) -> bool {
+        matches!(self, Self::Chain | Self::Friction | Self::ClosedLoop)
+    }
+
+    /// The model that is simulated.
+    pub(crate) fn plant(self) -> Result<Model, String> {
+        if self == Self::Axis { built_in("emps-loop") } else { self.model() }
+    }
+
+    /// The model that is identified.
+    pub(crate) fn model(self) -> Result<Model, String> {
+        match self {
+            Self::Chain | Self::ClosedLoop => built_in("speed-o-cam"),
+            Self::Friction => with_friction(),
+            Self::TwoMass => built_in("two-mass"),
+            Self::Axis => built_in("emps"),
+        }
+    }
+
+    /// The input's channel and the four standard deviations that its noise may have, SI.
+    fn input_noise(self) -> (&'static str, [f64; LEVELS]) {
+        match self {
+            Self::Chain | Self::Friction | Self::ClosedLoop => ("motor_speed", MOTOR_SPEED_NOISE),
+            Self::TwoMass => ("motor_torque", [0.0, 1e-3, 4e-3, 2e-2]),
+            Self::Axis => ("force", [0.0, 0.05, 0.2, 1.0]),
+        }
+    }
+
+    /// Output channels and their usual noise, SI.
+    fn output_noise(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Self::Chain | Self::Friction | Self::ClosedLoop => {
+                &[("output_speed", 0.01), ("torque_in", 2e-3), ("torque_out", 1e-2)]
+            }
+            Self::TwoMass => &[("motor_speed", 0.02), ("load_speed", 0.02)],
+            Self::Axis => &[("position", 5e-5)],
+        }
+    }
+
+    fn profiles(self) -> &'static [&'static str] {
+        match self {
+            Self::Chain | Self::ClosedLoop | Self::TwoMass => &["multisine", "steps", "chirp", "prbs"],
+            Self::Friction => &["multisine", "steps", "chirp", "prbs", "triangle", "reversals", "sine"],
+            Self::Axis => &["multisine", "steps", "triangle", "sine"],
+        }
+    }
+}
+
+/// Number of noise levels of an input.
+pub(crate) const LEVELS: usize = 4;
+
+/// Noise of the motor's tachometer, rad/s.
+pub(crate) const MOTOR_SPEED_NOISE: [f64; LEVELS] = [0.0, 0.005, 0.02, 0.1];
+
+/// Stiffnesses, dampings and masses lie within this factor of the model file's, either way.
+const SPREAD: f64 = 2.0;
+
+/// Noise of the outputs lies within this factor of the usual one.
+const NOISE_SPREAD: f64 = 3.0;
+
+fn built_in(name: &str) -> Result<Model, String> {
+    Model::builtin(name).ok_or_else(|| format!("there is no model {name}"))
+}
+
+fn with_friction() -> Result<Model, String> {
+    let (_, text) = socam_model::BUILTIN[0];
+    let parameter = "\nTc = { value = 0.3, unit = \"N m\", bounds = [0, 100], source = \"assumed\" }\nJ2 = {";
+    let effect = "\n[[effects]]\neffect = \"coulomb_friction\"\nat = \"load_bearing\"\nparameters = { torque = \"Tc\" }\n";
+    Model::parse(&(text.replacen("\nJ2 = {", parameter, 1) + effect)).map_err(|error| error.to_string())
+}
+
+/// A random bench with everything that is known of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Case {
+    pub(crate) number: u64,
+    pub(crate) family: Family,
+    /// Which of the input's noise levels.
+    pub(crate) level: usize,
+    /// True values of the parameters to be identified, SI.
+    pub(crate) truth: Vec<(String, f64)>,
+    /// Where the fit starts, SI.
+    pub(crate) start: Vec<(String, f64)>,
+    /// Noise of all channels, SI.
+    pub(crate) noise: Vec<(String, f64)>,
+    /// Of the velocity loop: V per rad/s, and V per rad.
+    pub(crate) gains: (f64, f64),
+    pub(crate) runs: Vec<Run>,
+}
+
+/// A recording to be made.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub(crate) name: &'static str,
+    pub(crate) profile: ProfileFile,
+    /// Draws the sensors' noise.
+    pub(crate) seed: u64,
+}
+
+impl Case {
+    /// Case `number` of those that belong to a seed.
+    pub(crate) fn draw(seed: u64, number: u64) -> Result<Self, String> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(number);
+        let mut draw = Draw(random);
+        // Both halves of the cases get all noise levels and kinds of benches in turn.
+        let place = number / 2;
+        let level = (place % LEVELS as u64) as usize;
+        let family = FAMILIES[((place / LEVELS as u64 + 5 * (place % LEVELS as u64)) % 20) as usize];
+        let model = family.model()?;
+        let free = || model.parameters.iter().filter(|parameter| !parameter.fixed);
+        let truth = free().map(|p| (p.name.clone(), p.value * draw.factor(SPREAD))).collect();
+        // Half of the fits start from the model file's values, half from anywhere near them.
+        let spread = if draw.chance(0.5) { SPREAD } else { 1.0 };
+        let start = free().map(|p| (p.name.clone(), p.value * draw.factor(spread))).collect();
+        let (input, stds) = family.input_noise();
+        let outputs = family.output_noise().iter();
+        let outputs = outputs.map(|(name, std)| ((*name).to_owned(), std * draw.factor(NOISE_SPREAD)));
+        let noise = std::iter::once((input.to_owned(), stds[level])).chain(outputs).collect();
+        let gains = (0.005 * draw.between(1.0, 3.0), 0.1 * draw.between(1.0, 5.0));
+        let runs = (0..draw.whole(1, 4)).map(|_| run(family, &mut draw)).collect::<Result<_, _>>()?;
+        Ok(Self { number, family, level, truth, start, noise, gains, runs })
+    }
+
+    pub(crate) fn is_kept_aside(&self) -> bool {
+        self.number % 2 == 1
+    }
+
+    /// Length of all recordings, without their fading out.
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.runs.iter().map(|run| run.profile.duration_s).sum()
+    }
+}
+
+fn run(family: Family, draw: &mut Draw) -> Result<Run, String> {
+    let name = draw.one_of(family.profiles());
+    let mut profile = ProfileFile::open(name).map_err(|error| error.to_string())?;
+    profile.duration_s = (draw.between(5.0, 20.0) * 1e3).round() * 1e-3;
+    let strength = draw.between(0.5, 1.2);
+    let phases = draw.whole(1, 60_000);
+    match &mut profile.course {
+        Course::Multisine { amplitude, seed, .. } => {
+            *amplitude *= strength;
+            *seed = phases as u32;
+        }
+        Course::Prbs { amplitude, seed, .. } => {
+            *amplitude *= strength;
+            *seed = phases as u16;
+        }
+        Course::Chirp { amplitude, sweep_s, .. } => {
+            *amplitude *= strength;
+            *sweep_s = sweep_s.min(profile.duration_s - profile.ramp_s);
+        }
+        Course::Sine { amplitude, periods, .. } => {
+            *amplitude *= strength;
+            *periods = None;
+        }
+        Course::Triangle { amplitude, .. } => *amplitude *= strength.min(1.1),
+        Course::Staircase { dwell_s, .. } => *dwell_s = (draw.between(0.5, 1.5) * 1e3).round() * 1e-3,
+        Course::Constant { .. } => {}
+    }
+    match family {
+        Family::ClosedLoop => command_speed(&mut profile),
+        Family::Axis => spare_the_servo(&mut profile),
+        Family::Chain | Family::Friction | Family::TwoMass => {}
+    }
+    Ok(Run { name, profile, seed: draw.0.next_u64() })
+}
+
+/// The same course as a motor speed, by the motor's calibration.
+fn command_speed(profile: &mut ProfileFile) {
+    let motor = MotorCalibration::LOADED;
+    let speed = |volts: f64| motor.speed_rad_s(volts);
+    let per_volt = speed(1.0) - speed(0.0);
+    profile.command = Command::SpeedClosedLoop;
+    profile.limit = speed(profile.limit);
+    // What a profile may ask for at most.
+    profile.slew = (profile.slew * per_volt).min(4000.0);
+    match &mut profile.course {
+        Course::Multisine { offset, amplitude, .. }
+        | Course::Chirp { offset, amplitude, .. }
+        | Course::Prbs { offset, amplitude, .. }
+        | Course::Sine { offset, amplitude, .. }
+        | Course::Triangle { offset, amplitude, .. } => {
+            *offset = speed(*offset);
+            *amplitude *= per_volt;
+        }
+        Course::Staircase { first, step, .. } => {
+            *first = speed(*first);
+            *step *= per_volt;
+        }
+        Course::Constant { level } => *level = speed(*level),
+    }
+}
+
+/// A stiff position loop answers a reference that jumps with forces beyond its sensor's range.
+fn spare_the_servo(profile: &mut ProfileFile) {
+    profile.ramp_s = 1.0;
+    profile.slew = profile.slew.min(2.0);
+    match &mut profile.course {
+        Course::Multisine { offset, to_hz, .. } => (*offset, *to_hz) = (0.0, 10.0),
+        Course::Sine { offset, .. } => *offset = 0.0,
+        _ => {}
+    }
+}
+
+/// Makes what moves the bench weaker, all else equal.
+pub(crate) fn soften(profile: &mut ProfileFile, factor: f64) {
+    match &mut profile.course {
+        Course::Multisine { amplitude, .. }
+        | Course::Chirp { amplitude, .. }
+        | Course::Prbs { amplitude, .. }
+        | Course::Sine { amplitude, .. }
+        | Course::Triangle { amplitude, .. } => *amplitude *= factor,
+        Course::Staircase { first, step, .. } => {
+            *first *= factor;
+            *step *= factor;
+        }
+        Course::Constant { level } => *level *= factor,
+    }
+}
+
+/// Random numbers as a case needs them.
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0.random_range(low..high)
+    }
+
+    fn whole(&mut self, low: u64, high: u64) -> u64 {
+        self.0.random_range(low..=high)
+    }
+
+    fn chance(&mut self, part: f64) -> bool {
+        self.between(0.0, 1.0) < part
+    }
+
+    /// From 1/`spread` to `spread`, as likely below one as above.
+    fn factor(&mut self, spread: f64) -> f64 {
+        spread.powf(self.between(-1.0, 1.0))
+    }
+
+    fn one_of<'l>(&mut self, list: &[&'l str]) -> &'l str {
+        list[self.whole(0, list.len() as u64 - 1) as usize]
+    }
+}
