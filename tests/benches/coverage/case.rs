@@ -45,11 +45,6 @@ impl Family {
         }
     }
 
-    /// Whether the input is a measured motor speed.
-    pub(crate) fn has_motor_speed(self) -> bool {
-        matches!(self, Self::Chain | Self::Friction | Self::ClosedLoop)
-    }
-
     /// The model that is simulated.
     pub(crate) fn plant(self) -> Result<Model, String> {
         if self == Self::Axis { built_in("emps-loop") } else { self.model() }
@@ -126,6 +121,8 @@ pub(crate) struct Case {
     pub(crate) level: usize,
     /// True values of the parameters to be identified, SI.
     pub(crate) truth: Vec<(String, f64)>,
+    /// Whether the fit starts from random values; otherwise from the model file's.
+    pub(crate) starts_anywhere: bool,
     /// Where the fit starts, SI.
     pub(crate) start: Vec<(String, f64)>,
     /// Noise of all channels, SI.
@@ -157,8 +154,8 @@ impl Case {
         let model = family.model()?;
         let free = || model.parameters.iter().filter(|parameter| !parameter.fixed);
         let truth = free().map(|p| (p.name.clone(), p.value * draw.factor(SPREAD))).collect();
-        // Half of the fits start from the model file's values, half from anywhere near them.
-        let spread = if draw.chance(0.5) { SPREAD } else { 1.0 };
+        let starts_anywhere = draw.chance(0.5);
+        let spread = if starts_anywhere { SPREAD } else { 1.0 };
         let start = free().map(|p| (p.name.clone(), p.value * draw.factor(spread))).collect();
         let (input, stds) = family.input_noise();
         let outputs = family.output_noise().iter();
@@ -166,11 +163,21 @@ impl Case {
         let noise = std::iter::once((input.to_owned(), stds[level])).chain(outputs).collect();
         let gains = (0.005 * draw.between(1.0, 3.0), 0.1 * draw.between(1.0, 5.0));
         let runs = (0..draw.whole(1, 4)).map(|_| run(family, &mut draw)).collect::<Result<_, _>>()?;
-        Ok(Self { number, family, level, truth, start, noise, gains, runs })
+        Ok(Self { number, family, level, truth, starts_anywhere, start, noise, gains, runs })
     }
 
     pub(crate) fn is_kept_aside(&self) -> bool {
         self.number % 2 == 1
+    }
+
+    /// Which of [`MOTOR_SPEED_NOISE`]; `None` where the input is no motor speed.
+    pub(crate) fn motor_speed_level(&self) -> Option<usize> {
+        matches!(self.family, Family::Chain | Family::Friction | Family::ClosedLoop).then_some(self.level)
+    }
+
+    /// Whether a command that jumps excites the bench, beyond what sampling resolves.
+    pub(crate) fn has_prbs(&self) -> bool {
+        self.runs.iter().any(|run| matches!(run.profile.course, Course::Prbs { .. }))
     }
 
     /// Length of all recordings, without their fading out.

@@ -4,18 +4,19 @@ use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::bench::Bench;
 use crate::case::Case;
 use crate::trial::Trial;
 
 /// Runs all cases; the answers come in their order. Each case runs on one thread from its beginning to its end, so that its
 /// processor time is its own.
-pub(crate) fn run(cases: Vec<Case>, threads: usize) -> Result<Vec<Trial>, String> {
+pub(crate) fn run(cases: &[Case], bench: &Bench, threads: usize) -> Result<Vec<Trial>, String> {
     let total = cases.len();
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::with_capacity(total));
     let work = || {
         while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let trial = Trial::run(case.clone());
+            let trial = Trial::run(case.clone(), bench);
             let Ok(mut done) = done.lock() else { return };
             done.push(trial);
             tell(done.len(), total);

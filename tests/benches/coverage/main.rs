@@ -5,17 +5,24 @@
 //! estimator; those with odd numbers are kept aside, and run only with `--kept-aside`. A case depends on the seed and its number
 //! alone: `--case 17` runs one of them and tells everything about it.
 
+mod bench;
 mod case;
 mod crew;
 mod report;
+mod table;
 mod tally;
 mod trial;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
+use bench::Bench;
 use case::{Case, Family};
 use clap::Parser;
 use trial::Trial;
+
+/// Where recordings are kept when no other folder is named.
+const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/coverage");
 
 /// Count how often the intervals of random benches hold the truth
 #[derive(Debug, Parser)]
@@ -32,15 +39,24 @@ struct Args {
     /// One kind of bench only
     #[arg(long, value_name = "KIND")]
     only: Option<Family>,
-    /// One noise level of the input only, 0 (none) to 3
-    #[arg(long, value_name = "LEVEL")]
-    level: Option<usize>,
+    /// One noise level of the input only, from 0 (none) to 3
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u64).range(..case::LEVELS as u64))]
+    level: Option<u64>,
     /// One case alone, with everything about it
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["only", "level", "kept_aside", "benches"])]
     case: Option<u64>,
-    /// One line for each case
+    /// Let the board run so many times as fast and keep every so manieth sample, to tell what the steps of its command do
+    #[arg(long, value_name = "TIMES", default_value = "1", value_parser = ["1", "2", "5", "10", "20"])]
+    oversample: String,
+    /// Keep recordings in a folder and use them again; not across changes of the simulation or the model's equations
+    #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = CACHE)]
+    cache: Option<PathBuf>,
+    /// One line for each case: number, kind, noise of the input, recordings, end, and what missed by how many standard deviations
     #[arg(long)]
     list: bool,
+    /// Write every quantity of every case to a table
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
     /// Number of threads; all cores when not given
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -60,39 +76,48 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<(), String> {
-    if let Some(number) = args.case {
-        let trials = crew::run(vec![Case::draw(args.seed, number)?], 1)?;
+    let oversample = args.oversample.parse().map_err(|_| "--oversample wants a number")?;
+    let bench = Bench { oversample, cache: args.cache.clone() };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let trials = crew::run(&args.cases()?, &bench, args.threads.unwrap_or(cores))?;
+    if let Some(path) = &args.csv {
+        std::fs::write(path, report::csv(&trials)).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    if args.case.is_some() {
         trials.iter().for_each(|trial| print!("{}", report::detail(trial)));
         return Ok(());
     }
-    let cases = (0..args.benches).map(|number| Case::draw(args.seed, number));
-    let cases: Result<Vec<Case>, String> =
-        cases.filter(|case| case.as_ref().is_ok_and(|case| args.wants(case)) || case.is_err()).collect();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let trials = crew::run(cases?, args.threads.unwrap_or(cores))?;
     if args.list {
         trials.iter().for_each(|trial| println!("{}", report::line(trial)));
         println!();
     }
-    let half = |aside: bool| {
-        trials.iter().filter(|trial| trial.case.is_kept_aside() == aside).collect::<Vec<&Trial>>()
-    };
-    println!("{}", report::summary("for tuning", &half(false)));
+    println!("{}", report::summary("for tuning", &half(&trials, false)));
     if args.kept_aside {
-        println!("{}", report::summary("kept aside", &half(true)));
+        println!("{}", report::summary("kept aside", &half(&trials, true)));
         println!("{}", report::summary("both halves", &trials.iter().collect::<Vec<_>>()));
     }
-    println!(
-        "one case alone: cargo bench -p socam-tests --bench coverage -- --seed {} --case NUMBER",
-        args.seed
-    );
+    println!("one case: cargo bench -p socam-tests --bench coverage -- --seed {} --case NUMBER", args.seed);
     Ok(())
 }
 
+fn half(trials: &[Trial], aside: bool) -> Vec<&Trial> {
+    trials.iter().filter(|trial| trial.case.is_kept_aside() == aside).collect()
+}
+
 impl Args {
+    fn cases(&self) -> Result<Vec<Case>, String> {
+        if let Some(number) = self.case {
+            return Ok(vec![Case::draw(self.seed, number)?]);
+        }
+        let all =
+            (0..self.benches).map(|number| Case::draw(self.seed, number)).collect::<Result<Vec<_>, _>>()?;
+        let cases: Vec<Case> = all.into_iter().filter(|case| self.wants(case)).collect();
+        if cases.is_empty() { Err("no bench is of that kind".into()) } else { Ok(cases) }
+    }
+
     fn wants(&self, case: &Case) -> bool {
         (self.kept_aside || !case.is_kept_aside())
             && self.only.is_none_or(|family| family == case.family)
-            && self.level.is_none_or(|level| level == case.level)
+            && self.level.is_none_or(|level| level == case.level as u64)
     }
 }

@@ -11,8 +11,10 @@ pub(crate) struct Tally {
     z: Vec<f64>,
     /// Half widths over values.
     widths: Vec<f64>,
-    /// How often the quantity was called not determined.
+    /// How often a quantity was called not determined.
     pub(crate) undetermined: usize,
+    /// Cases in which an interval does not hold the truth.
+    pub(crate) missed_in: Vec<u64>,
 }
 
 impl Tally {
@@ -31,6 +33,9 @@ impl Tally {
                 };
                 case.0 += 1.0;
                 case.1 += f64::from(u8::from(holds));
+                if !holds && tally.missed_in.last() != Some(&trial.case.number) {
+                    tally.missed_in.push(trial.case.number);
+                }
                 tally.z.extend(quantity.z());
                 tally.widths.extend(quantity.relative_half_width());
             }
@@ -51,12 +56,18 @@ impl Tally {
         self.cases.iter().map(|(all, held)| all - held).sum::<f64>() as usize
     }
 
+    /// Everything that was to be determined, whether it was or not.
+    pub(crate) fn all(&self) -> usize {
+        self.intervals() + self.undetermined
+    }
+
     /// Part of the intervals that hold the truth.
     pub(crate) fn coverage(&self) -> f64 {
         1.0 - self.misses() as f64 / self.intervals() as f64
     }
 
-    /// Half of the coverage's own 95 % interval. Intervals of one case share its noise: cases are what is independent.
+    /// Half of the coverage's own 95 % interval. Intervals of one case share its noise: cases are what is independent. Not a
+    /// number for a single case.
     pub(crate) fn coverage_half_width(&self) -> f64 {
         let (p, n) = (self.coverage(), self.cases.len() as f64);
         let squares: f64 = self.cases.iter().map(|(all, held)| (held - p * all).powi(2)).sum();

@@ -4,31 +4,18 @@ use cpu_time::ThreadTime;
 use socam_identify::{End, Identification, Options, Problem, combination_values, output_error};
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_sim::{Override, Setup, SimError, Truth, calibration_for};
 
-use crate::case::{Case, Run, soften};
-
-/// Sampling period of all recordings.
-const PERIOD_US: u32 = 1000;
-
-/// A run that drives a sensor to its limit is made again so much weaker, at most so many times.
-const SOFTER: f64 = 0.6;
-const ATTEMPTS: usize = 8;
-
-/// A combination whose truth differs from that of a determined parameter by less than this part is that parameter again.
-const SAME: f64 = 0.02;
+use crate::bench::Bench;
+use crate::case::Case;
 
 /// A parameter or combination, and what was found of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Quantity {
     pub(crate) name: String,
-    pub(crate) unit: String,
     /// SI.
     pub(crate) truth: f64,
     /// `None` where it was called not determined.
     pub(crate) found: Option<Found>,
-    /// Whether it says the same as another one, as `k_series_34` does where k3 is much stiffer than k4.
-    pub(crate) repeats: bool,
 }
 
 /// A determined value, SI.
@@ -61,8 +48,8 @@ impl Quantity {
 #[derive(Debug, Clone)]
 pub(crate) struct Trial {
     pub(crate) case: Case,
-    /// Processor time of the simulation, s.
-    pub(crate) simulation_s: f64,
+    /// Processor time for the recordings, s.
+    pub(crate) recording_s: f64,
     /// Processor time of the fit, s.
     pub(crate) fit_s: f64,
     pub(crate) fit: Result<Fit, String>,
@@ -80,48 +67,18 @@ pub(crate) struct Fit {
 }
 
 impl Trial {
-    pub(crate) fn run(case: Case) -> Self {
+    pub(crate) fn run(case: Case, bench: &Bench) -> Self {
         let clock = ThreadTime::now();
-        let data = simulate(&case);
-        let simulation_s = clock.elapsed().as_secs_f64();
+        let data = bench.record(&case);
+        let recording_s = clock.elapsed().as_secs_f64();
         let clock = ThreadTime::now();
         let fit = data.and_then(|data| identify(&case, &data));
-        Self { case, simulation_s, fit_s: clock.elapsed().as_secs_f64(), fit }
+        Self { case, recording_s, fit_s: clock.elapsed().as_secs_f64(), fit }
     }
 
     pub(crate) fn quantities(&self) -> impl Iterator<Item = &Quantity> {
         self.fit.iter().flat_map(|fit| &fit.quantities)
     }
-}
-
-fn simulate(case: &Case) -> Result<Vec<Dataset>, String> {
-    let plant = case.family.plant()?;
-    let overrides: Vec<Override> =
-        case.truth.iter().map(|(name, value)| Override { name: name.clone(), value: *value }).collect();
-    let truth = Truth::new(&plant, &overrides, &[]).map_err(|error| error.to_string())?;
-    let mut calibration = calibration_for(&truth.model);
-    (calibration.speed_control.proportional, calibration.speed_control.integral_per_s) = case.gains;
-    let setup = Setup { noise_std: case.noise.clone(), ..Setup::new(truth, calibration, 0) };
-    let record = |(index, run): (usize, &Run)| {
-        let setup = Setup { seed: run.seed, ..setup.clone() };
-        record(&setup, run, format!("run {index}: {}", run.name))
-    };
-    case.runs.iter().enumerate().map(record).collect()
-}
-
-fn record(setup: &Setup, run: &Run, name: String) -> Result<Dataset, String> {
-    let mut profile = run.profile.clone();
-    let mut last = String::new();
-    for _ in 0..ATTEMPTS {
-        let course = profile.profile(PERIOD_US).map_err(|error| format!("{name}: {error}"))?;
-        match setup.record(name.clone(), &course, PERIOD_US) {
-            Ok(data) => return Ok(data),
-            Err(error @ SimError::Fault { .. }) => last = error.to_string(),
-            Err(error) => return Err(format!("{name}: {error}")),
-        }
-        soften(&mut profile, SOFTER);
-    }
-    Err(format!("{name}: {last}"))
 }
 
 fn identify(case: &Case, data: &[Dataset]) -> Result<Fit, String> {
@@ -157,26 +114,19 @@ fn quantities(model: &Model, result: &Identification) -> Vec<Quantity> {
         Some(Found { value: value?, std: std?, low: low?, high: high? })
     };
     let free = model.parameters.iter().zip(&result.parameters).filter(|(known, _)| !known.fixed);
-    let mut all: Vec<Quantity> = free
-        .map(|(known, estimate)| Quantity {
-            name: estimate.name.clone(),
-            unit: estimate.unit.clone(),
-            truth: known.value,
-            found: found(estimate.value, estimate.std, estimate.ci95).filter(|_| estimate.identifiable),
-            repeats: false,
-        })
-        .collect();
+    let parameters = free.map(|(known, estimate)| Quantity {
+        name: estimate.name.clone(),
+        truth: known.value,
+        found: found(estimate.value, estimate.std, estimate.ci95).filter(|_| estimate.identifiable),
+    });
     let truths = combination_values(model, &model.values());
-    for estimate in &result.combinations {
-        let Some((_, truth)) = truths.iter().find(|(name, _)| *name == estimate.name) else { continue };
-        let same = |one: &Quantity| one.unit == estimate.unit && (one.truth / truth - 1.0).abs() < SAME;
-        all.push(Quantity {
+    let combinations = result.combinations.iter().filter_map(|estimate| {
+        let (_, truth) = truths.iter().find(|(name, _)| *name == estimate.name)?;
+        Some(Quantity {
             name: estimate.name.clone(),
-            unit: estimate.unit.clone(),
             truth: *truth,
             found: found(estimate.value, estimate.std, estimate.ci95),
-            repeats: all.iter().any(|one| one.found.is_some() && same(one)),
-        });
-    }
-    all
+        })
+    });
+    parameters.chain(combinations).collect()
 }
