@@ -12,14 +12,17 @@
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
 mod combinations;
+mod combine;
 mod error;
 mod feed;
 mod filters;
 mod inverse_dynamics;
 mod modal;
+mod modes;
 mod pass;
 mod phi;
 mod problem;
+mod recursion;
 mod reflect;
 mod report;
 mod solver;

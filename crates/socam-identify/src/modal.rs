@@ -5,25 +5,24 @@
 //! pole, and the decaying start terms. So do all slopes. A sample costs a handful of recursions; the
 //! combinations are matrix products over blocks.
 
-use faer::{Accum, Mat, Par, linalg::matmul::matmul, reborrow::ReborrowMut};
+use faer::{Mat, reborrow::ReborrowMut};
 use nalgebra::{Complex, DMatrix, DVector};
 use socam_model::Equations;
 
 use crate::{
     IdentifyError,
+    combine::{Combination, Signals},
     feed::{self, Chunk},
+    modes::{Mode, diagonalise, representatives},
     pass::{Point, Rows, Weights},
     phi::Hold,
     problem::{Problem, StartState},
+    recursion::{self, Recursion},
     start,
 };
 
 type C = Complex<f64>;
 
-/// Poles closer than this, relative to the larger, make eigenvector slopes useless.
-const LEAST_GAP: f64 = 1e-7;
-/// Condition of the eigenvectors beyond which modal slopes lose half their digits.
-const MOST_SKEWED: f64 = 1e9;
 /// Start terms below this are over.
 const DECAYED: f64 = 1e-13;
 
@@ -35,7 +34,7 @@ pub(crate) struct Modal {
     inputs: usize,
     constant: bool,
     /// Per output, signals x [free | prediction]: the part that inputs excite.
-    forced: Vec<Mat<f64>>,
+    forced: Vec<Combination>,
     vectors: DMatrix<C>,
     inverse: DMatrix<C>,
     /// T of each free parameter: slopes of eigenvectors V T, of the inverse -T W.
@@ -43,14 +42,6 @@ pub(crate) struct Modal {
     pole_slopes: Vec<DVector<C>>,
     equations: Equations,
     slopes: Vec<Equations>,
-}
-
-struct Mode {
-    index: usize,
-    pole: C,
-    /// 1 for a real mode, 2 for a pair.
-    weight: f64,
-    real: bool,
 }
 
 impl Modal {
@@ -95,11 +86,11 @@ impl Modal {
 
     /// Real signals that the modes have between them: one for a real mode, two for a pair.
     fn mode_signals(&self) -> usize {
-        self.modes.iter().map(|mode| if mode.real { 1 } else { 2 }).sum()
+        self.modes.iter().map(Mode::signals).sum()
     }
 
     /// Combination of the forced signals of one output.
-    fn forced_combination(&self, output: usize, weights: &Weights) -> Mat<f64> {
+    fn forced_combination(&self, output: usize, weights: &Weights) -> Combination {
         let free = self.slopes.len();
         let mut combination = Mat::zeros(self.forced_signals(), free + 1);
         let seen = complex(&self.equations.output.rows(output, 1).into_owned()) * &self.vectors;
@@ -120,7 +111,7 @@ impl Modal {
             row += 2 * signals;
         }
         weigh(&mut combination, weights, output, 0);
-        combination
+        Combination::new(combination.as_ref())
     }
 
     /// Factor of chi (or psi) of mode `m` in the prediction (`None`) or in slope `j`.
@@ -183,7 +174,7 @@ impl Modal {
                     combination[(row + 1, column)] = -value.im;
                 }
             }
-            row += if mode.real { 1 } else { 2 };
+            row += mode.signals();
         }
     }
 
@@ -197,18 +188,7 @@ impl Modal {
         rows: &mut Rows,
     ) -> Result<bool, IdentifyError> {
         let stretch = &problem.stretches[index];
-        let mut run = Run {
-            modal: self,
-            step_s: stretch.sample_time_s,
-            holds: self.modes.iter().map(|mode| Hold::new(mode.pole, stretch.sample_time_s)).collect(),
-            states: vec![(C::default(), C::default()); self.modes.len() * self.inputs],
-            last: vec![0.0; self.inputs],
-            decays: vec![C::from(1.0); self.modes.len()],
-            row: 0,
-            start: Vec::new(),
-            alive: true,
-            offsets: offset_channels(problem),
-        };
+        let mut run = Run::new(self, stretch.sample_time_s, offset_channels(problem), rows.capacity());
         let mut finite = true;
         feed::read(
             problem.model,
@@ -233,7 +213,7 @@ impl Modal {
         point: &Point,
         chunk: &Chunk,
         weights: &Weights,
-    ) -> Vec<Mat<f64>> {
+    ) -> Vec<Combination> {
         let states = self.vectors.nrows();
         let free_start = problem.options.start_state == StartState::Free;
         let first: Vec<f64> =
@@ -287,7 +267,7 @@ impl Modal {
                     whole.as_mut().subcols_mut(0, states).copy_from(&start);
                 }
                 weigh(&mut whole, weights, output, local);
-                whole
+                Combination::new(whole.as_ref())
             })
             .collect()
     }
@@ -302,20 +282,41 @@ enum Part {
 /// State of the recursions along one stretch.
 struct Run<'m> {
     modal: &'m Modal,
-    step_s: f64,
-    holds: Vec<Hold>,
-    /// (chi, psi) per input and mode.
-    states: Vec<(C, C)>,
+    /// Per input, one for each mode.
+    recursions: Vec<Vec<Recursion>>,
     last: Vec<f64>,
-    decays: Vec<C>,
+    /// What is left of the start.
+    decays: Vec<Recursion>,
     row: usize,
-    start: Vec<Mat<f64>>,
-    alive: bool,
-    /// Output and position among the offsets of each channel that has one.
+    start: Vec<Combination>,
+    decaying: bool,
+    /// Output of each offset.
     offsets: Vec<usize>,
+    forced: Signals,
+    starts: Signals,
+    /// One input's samples of a block, that of the sample before it first.
+    held: Vec<f64>,
 }
 
-impl Run<'_> {
+impl<'m> Run<'m> {
+    fn new(modal: &'m Modal, step_s: f64, offsets: Vec<usize>, capacity: usize) -> Self {
+        let at_rest: Vec<Recursion> =
+            modal.modes.iter().map(|mode| Recursion::new(Hold::new(mode.pole, step_s), mode.real)).collect();
+        Self {
+            modal,
+            decays: at_rest.iter().map(Recursion::left_at_one).collect(),
+            recursions: vec![at_rest; modal.inputs],
+            last: vec![0.0; modal.inputs],
+            row: 0,
+            start: Vec::new(),
+            decaying: true,
+            offsets,
+            forced: Signals::new(capacity, modal.forced_signals()),
+            starts: Signals::new(capacity, 2 * modal.mode_signals()),
+            held: Vec::new(),
+        }
+    }
+
     fn chunk(&mut self, chunk: &Chunk, weights: &Weights, locals: &[f64], rows: &mut Rows) -> bool {
         let capacity = rows.capacity();
         let mut finite = true;
@@ -337,37 +338,22 @@ impl Run<'_> {
         locals: &[f64],
         rows: &mut Rows,
     ) -> bool {
-        let forced = self.modal.forced_signals();
-        let mode_signals = self.modal.mode_signals();
-        let mut signals = Mat::<f64>::zeros(count, forced);
-        self.forced(chunk, from, &mut signals);
-        self.alive = self.alive
-            && (!self.offsets.is_empty() || self.decays.iter().any(|decay| decay.norm() > DECAYED));
-        let starts = self.alive.then(|| {
-            let mut starts = Mat::<f64>::zeros(count, 2 * mode_signals);
-            self.starts(&mut starts);
-            starts
-        });
+        self.forced(chunk, from, count);
+        self.decaying = self.decaying && self.decays.iter().any(|decay| decay.size() > DECAYED);
+        if self.decaying {
+            self.starts(count);
+        }
         self.row += count;
         let measured: Vec<&[f64]> = chunk.outputs.iter().map(|output| &output[from..from + count]).collect();
         let (free, local) = (self.modal.slopes.len(), locals.len());
-        rows.take(count, self.alive, &weights.noise_std, &measured, |output, mut target| {
-            let skipped = if let Some(starts) = &starts {
-                matmul(
-                    target.rb_mut(),
-                    Accum::Replace,
-                    starts.as_ref(),
-                    self.start[output].as_ref(),
-                    1.0,
-                    Par::Seq,
-                );
-                local
-            } else {
-                target.rb_mut().fill(0.0);
-                0
-            };
-            let inner = target.rb_mut().subcols_mut(skipped, free + 1);
-            matmul(inner, Accum::Add, signals.as_ref(), self.modal.forced[output].as_ref(), 1.0, Par::Seq);
+        let alive = self.decaying || !self.offsets.is_empty();
+        rows.take(count, alive, &weights.noise_std, &measured, |output, mut target| {
+            target.rb_mut().fill(0.0);
+            if self.decaying {
+                self.start[output].add(&self.starts, target.rb_mut());
+            }
+            let skipped = if alive { local } else { 0 };
+            self.modal.forced[output].add(&self.forced, target.rb_mut().subcols_mut(skipped, free + 1));
             if let Some(position) = self.offsets.iter().position(|channel| *channel == output) {
                 let column = local - self.offsets.len() + position;
                 let unit = 1.0 / weights.noise_std[output];
@@ -379,70 +365,43 @@ impl Run<'_> {
         })
     }
 
-    /// Inputs and the modes' responses to them, one column each.
-    fn forced(&mut self, chunk: &Chunk, from: usize, signals: &mut Mat<f64>) {
-        let count = signals.nrows();
-        let ones = vec![1.0; if self.modal.constant { count } else { 0 }];
-        let modes = self.modal.modes.len();
-        let mut column = 0;
-        for input in 0..self.modal.inputs {
-            let (raw, held) = match (chunk.inputs.get(input), chunk.held.get(input)) {
-                (Some(raw), Some(held)) => (&raw[from..from + count], &held[from..from + count]),
-                _ => (&ones[..], &ones[..]),
+    /// Inputs and the modes' responses to them, one signal each.
+    fn forced(&mut self, chunk: &Chunk, from: usize, count: usize) {
+        let per_input = 1 + 2 * self.modal.mode_signals();
+        let mut signals: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
+        for (input, signals) in signals.chunks_mut(per_input).enumerate() {
+            let (own, responses) = signals.split_at_mut(1);
+            let column = |columns: &[Vec<f64>], target: &mut [f64]| match columns.get(input) {
+                Some(column) => target.copy_from_slice(&column[from..from + count]),
+                // The constant 1.
+                None => target.fill(1.0),
             };
-            for (k, value) in raw.iter().enumerate() {
-                signals[(k, column)] = *value;
-            }
-            column += 1;
-            let width = self.modal.mode_signals();
-            let mut offset = 0;
-            for mode in 0..modes {
-                let state = &mut self.states[input * modes + mode];
-                let real = self.modal.modes[mode].real;
-                let hold = &self.holds[mode];
-                let mut last = self.last[input];
-                for (k, value) in held.iter().enumerate() {
-                    if self.row + k > 0 {
-                        let chi = state.0;
-                        state.1 = hold.decay * state.1
-                            + hold.decay_slope * chi
-                            + hold.before_slope * last
-                            + hold.after_slope * value;
-                        state.0 = hold.decay * chi + hold.before * last + hold.after * value;
-                    }
-                    last = *value;
-                    signals[(k, column + offset)] = state.0.re;
-                    signals[(k, column + width + offset)] = state.1.re;
-                    if !real {
-                        signals[(k, column + offset + 1)] = state.0.im;
-                        signals[(k, column + width + offset + 1)] = state.1.im;
-                    }
-                }
-                offset += if real { 1 } else { 2 };
-            }
-            self.last[input] = held[count - 1];
-            column += 2 * width;
+            column(&chunk.inputs, own[0]);
+            self.held.resize(count + 1, 0.0);
+            self.held[0] = self.last[input];
+            column(&chunk.held, &mut self.held[1..]);
+            self.last[input] = self.held[count];
+            respond(&mut self.recursions[input], self.row, &self.held, responses);
         }
     }
 
-    /// Decaying start terms and the same times t.
-    fn starts(&mut self, signals: &mut Mat<f64>) {
-        let width = self.modal.mode_signals();
-        let mut offset = 0;
-        for (mode, (decay, hold)) in self.modal.modes.iter().zip(self.decays.iter_mut().zip(&self.holds)) {
-            for k in 0..signals.nrows() {
-                let t = (self.row + k) as f64 * self.step_s;
-                signals[(k, offset)] = decay.re;
-                signals[(k, width + offset)] = t * decay.re;
-                if !mode.real {
-                    signals[(k, offset + 1)] = decay.im;
-                    signals[(k, width + offset + 1)] = t * decay.im;
-                }
-                *decay *= hold.decay;
-            }
-            offset += if mode.real { 1 } else { 2 };
-        }
+    /// Decaying start terms and the same times t, which is their derivative with respect to the pole.
+    fn starts(&mut self, count: usize) {
+        let mut signals: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
+        self.held.clear();
+        self.held.resize(count + 1, 0.0);
+        respond(&mut self.decays, self.row, &self.held, &mut signals);
     }
+}
+
+/// Samples from `row` on; at the first of all, the recursions stand where they are.
+fn respond(recursions: &mut [Recursion], row: usize, held: &[f64], signals: &mut [&mut [f64]]) {
+    if row > 0 {
+        return recursion::advance(recursions, held, signals);
+    }
+    recursion::now(recursions, signals);
+    let mut later: Vec<&mut [f64]> = signals.iter_mut().map(|signal| &mut signal[1..]).collect();
+    recursion::advance(recursions, &held[1..], &mut later);
 }
 
 /// Outputs whose offset is estimated.
@@ -508,66 +467,4 @@ fn with_constant_forces(
     };
     let slopes = slopes.iter().zip(free).map(|(slope, parameter)| extend(slope, *parameter)).collect();
     (extended, slopes)
-}
-
-/// Eigenvalues, eigenvectors and their inverse; `None` where they are too close to defective.
-fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, DMatrix<C>)> {
-    let n = matrix.nrows();
-    let scale = balance(matrix);
-    let balanced = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * scale[j] / scale[i]);
-    let eigen = balanced.eigen().ok()?;
-    let poles: Vec<C> = (0..n).map(|i| eigen.S()[i]).collect();
-    // Two poles at zero (two free angles) come out as rounding of the fastest.
-    let rounding = 1e-13 * poles.iter().fold(0.0_f64, |most, pole| most.max(pole.norm()));
-    for i in 0..n {
-        for j in 0..i {
-            let gap = (poles[i] - poles[j]).norm();
-            if gap <= rounding + LEAST_GAP * poles[i].norm().max(poles[j].norm()) {
-                return None;
-            }
-        }
-    }
-    let vectors = DMatrix::from_fn(n, n, |i, j| eigen.U()[(i, j)]);
-    let inverse = vectors.clone().try_inverse()?;
-    let condition = vectors.norm() * inverse.norm();
-    if condition.is_nan() || condition > MOST_SKEWED {
-        return None;
-    }
-    let vectors = DMatrix::from_fn(n, n, |i, j| vectors[(i, j)] * scale[i]);
-    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / scale[j]);
-    Some((poles, vectors, inverse))
-}
-
-/// Powers of two that bring rows and columns to like size (Parlett and Reinsch 1969): wind-ups of 1e-5 rad and
-/// speeds of 100 rad/s stand in one state.
-fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
-    let n = matrix.nrows();
-    let mut scale = vec![1.0; n];
-    for _ in 0..20 {
-        let mut done = true;
-        for i in 0..n {
-            let others = || (0..n).filter(|j| *j != i);
-            let column: f64 = others().map(|j| (matrix[(j, i)] * scale[i] / scale[j]).abs()).sum();
-            let row: f64 = others().map(|j| (matrix[(i, j)] * scale[j] / scale[i]).abs()).sum();
-            if column > 0.0 && row > 0.0 {
-                let factor = (row / column).sqrt().log2().round().exp2();
-                done &= factor == 1.0;
-                scale[i] *= factor;
-            }
-        }
-        if done {
-            break;
-        }
-    }
-    scale
-}
-
-fn representatives(poles: &[C]) -> Vec<Mode> {
-    let modes = poles.iter().enumerate().filter(|(_, pole)| pole.im >= 0.0);
-    modes
-        .map(|(index, pole)| {
-            let real = pole.im == 0.0;
-            Mode { index, pole: *pole, weight: if real { 1.0 } else { 2.0 }, real }
-        })
-        .collect()
 }

@@ -1,0 +1,150 @@
+//! Products of a block of signals with a small matrix: what a general library spends on packing is the whole work here.
+
+use faer::{MatMut, MatRef};
+use pulp::{Simd, WithSimd};
+
+/// Most columns of the product that are made in one reading of the signals; their sums stay in registers.
+const TILE: usize = 6;
+
+/// Signals over some samples, one after the other.
+pub(crate) struct Signals {
+    samples: usize,
+    values: Vec<f64>,
+}
+
+impl Signals {
+    pub(crate) fn new(samples: usize, signals: usize) -> Self {
+        Self { samples, values: vec![0.0; samples * signals] }
+    }
+
+    /// The first `count` samples of each signal.
+    pub(crate) fn iter_mut(&mut self, count: usize) -> impl Iterator<Item = &mut [f64]> {
+        self.values.chunks_mut(self.samples.max(1)).map(move |signal| &mut signal[..count])
+    }
+}
+
+/// Signals to columns.
+pub(crate) struct Combination {
+    columns: usize,
+    /// Signal by signal.
+    weights: Vec<f64>,
+}
+
+impl Combination {
+    /// From a matrix of signals x columns.
+    pub(crate) fn new(matrix: MatRef<'_, f64>) -> Self {
+        let columns = matrix.ncols();
+        let weights = (0..matrix.nrows()).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
+        Self { columns, weights: weights.collect() }
+    }
+
+    /// Adds the combination of the signals' first samples to `target`, a row for each; its columns lie each in one piece.
+    pub(crate) fn add(&self, signals: &Signals, target: MatMut<'_, f64>) {
+        pulp::Arch::new().dispatch(Add { combination: self, signals, target });
+    }
+}
+
+struct Add<'a> {
+    combination: &'a Combination,
+    signals: &'a Signals,
+    target: MatMut<'a, f64>,
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { combination, signals, target } = self;
+        debug_assert_eq!(target.ncols(), combination.columns);
+        debug_assert!(target.nrows() <= signals.samples);
+        let mut columns =
+            target.col_iter_mut().filter_map(|column| Some(column.try_as_col_major_mut()?.as_slice_mut()));
+        for first in (0..combination.columns).step_by(TILE) {
+            match combination.columns - first {
+                1 => tile::<S, 1>(simd, combination, signals, first, &mut columns),
+                2 => tile::<S, 2>(simd, combination, signals, first, &mut columns),
+                3 => tile::<S, 3>(simd, combination, signals, first, &mut columns),
+                4 => tile::<S, 4>(simd, combination, signals, first, &mut columns),
+                5 => tile::<S, 5>(simd, combination, signals, first, &mut columns),
+                _ => tile::<S, TILE>(simd, combination, signals, first, &mut columns),
+            }
+        }
+    }
+}
+
+/// The next `W` columns, of which `first` is the index of the first.
+#[inline(always)]
+fn tile<'t, S: Simd, const W: usize>(
+    simd: S,
+    combination: &Combination,
+    signals: &Signals,
+    first: usize,
+    columns: &mut impl Iterator<Item = &'t mut [f64]>,
+) {
+    let mut columns: [&mut [f64]; W] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+    let count = columns[0].len();
+    let step = 2 * S::F64_LANES;
+    let whole = count / step * step;
+    let weights = || combination.weights.chunks_exact(combination.columns).map(|row| &row[first..first + W]);
+    for k in (0..whole).step_by(step) {
+        let mut sums: [[S::f64s; 2]; W] = std::array::from_fn(|c| two::<S>(&columns[c][k..k + step]));
+        for (signal, weights) in signals.values.chunks_exact(signals.samples).zip(weights()) {
+            let x = two::<S>(&signal[k..k + step]);
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                let weight = simd.splat_f64s(*weight);
+                *sum = [simd.mul_add_e_f64s(x[0], weight, sum[0]), simd.mul_add_e_f64s(x[1], weight, sum[1])];
+            }
+        }
+        for (column, sum) in columns.iter_mut().zip(sums) {
+            S::as_mut_simd_f64s(&mut column[k..k + step]).0.copy_from_slice(&sum);
+        }
+    }
+    for (column, c) in columns.iter_mut().zip(0..) {
+        for (signal, weights) in signals.values.chunks_exact(signals.samples).zip(weights()) {
+            for (y, x) in column[whole..].iter_mut().zip(&signal[whole..count]) {
+                let weight: f64 = weights[c];
+                *y += weight * x;
+            }
+        }
+    }
+}
+
+/// Two vectors' worth of values.
+#[inline(always)]
+fn two<S: Simd>(values: &[f64]) -> [S::f64s; 2] {
+    let vectors = S::as_simd_f64s(values).0;
+    [vectors[0], vectors[1]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+
+    #[test]
+    fn any_size_is_combined() {
+        for (samples, inputs, columns) in
+            [(1, 1, 1), (7, 3, 2), (8, 2, 6), (31, 5, 7), (64, 0, 3), (40, 4, 13)]
+        {
+            let value = |i: usize, j: usize| ((i * 7 + j * 13 + 3) % 101) as f64 / 50.0 - 1.0;
+            let matrix = Mat::from_fn(inputs, columns, |i, j| value(j, i));
+            let mut signals = Signals::new(samples + 3, inputs);
+            for (j, signal) in signals.iter_mut(samples).enumerate() {
+                signal.iter_mut().enumerate().for_each(|(k, x)| *x = value(k, j));
+            }
+            let mut target = Mat::from_fn(samples, columns, |i, j| (i + j) as f64);
+            Combination::new(matrix.as_ref()).add(&signals, target.as_mut());
+            for k in 0..samples {
+                for c in 0..columns {
+                    let expected: f64 =
+                        (0..inputs).map(|j| value(k, j) * matrix[(j, c)]).sum::<f64>() + (k + c) as f64;
+                    assert!(
+                        (target[(k, c)] - expected).abs() < 1e-12,
+                        "{samples} {inputs} {columns}: {k} {c}"
+                    );
+                }
+            }
+        }
+    }
+}
