@@ -38,19 +38,24 @@ impl Combination {
         Self { columns, weights: weights.collect() }
     }
 
-    /// Adds the combination of the signals' first samples to `target`, a row for each; its columns lie each in one piece.
+    /// Makes `target` the combination of the signals' first samples, a row for each; its columns lie each in one piece.
+    pub(crate) fn write(&self, signals: &Signals, target: MatMut<'_, f64>) {
+        pulp::Arch::new().dispatch(Product::<false> { combination: self, signals, target });
+    }
+
+    /// Adds it to `target`.
     pub(crate) fn add(&self, signals: &Signals, target: MatMut<'_, f64>) {
-        pulp::Arch::new().dispatch(Add { combination: self, signals, target });
+        pulp::Arch::new().dispatch(Product::<true> { combination: self, signals, target });
     }
 }
 
-struct Add<'a> {
+struct Product<'a, const ADD: bool> {
     combination: &'a Combination,
     signals: &'a Signals,
     target: MatMut<'a, f64>,
 }
 
-impl WithSimd for Add<'_> {
+impl<const ADD: bool> WithSimd for Product<'_, ADD> {
     type Output = ();
 
     #[inline(always)]
@@ -62,12 +67,12 @@ impl WithSimd for Add<'_> {
             target.col_iter_mut().filter_map(|column| Some(column.try_as_col_major_mut()?.as_slice_mut()));
         for first in (0..combination.columns).step_by(TILE) {
             match combination.columns - first {
-                1 => tile::<S, 1>(simd, combination, signals, first, &mut columns),
-                2 => tile::<S, 2>(simd, combination, signals, first, &mut columns),
-                3 => tile::<S, 3>(simd, combination, signals, first, &mut columns),
-                4 => tile::<S, 4>(simd, combination, signals, first, &mut columns),
-                5 => tile::<S, 5>(simd, combination, signals, first, &mut columns),
-                _ => tile::<S, TILE>(simd, combination, signals, first, &mut columns),
+                1 => tile::<S, ADD, 1>(simd, combination, signals, first, &mut columns),
+                2 => tile::<S, ADD, 2>(simd, combination, signals, first, &mut columns),
+                3 => tile::<S, ADD, 3>(simd, combination, signals, first, &mut columns),
+                4 => tile::<S, ADD, 4>(simd, combination, signals, first, &mut columns),
+                5 => tile::<S, ADD, 5>(simd, combination, signals, first, &mut columns),
+                _ => tile::<S, ADD, TILE>(simd, combination, signals, first, &mut columns),
             }
         }
     }
@@ -75,7 +80,7 @@ impl WithSimd for Add<'_> {
 
 /// The next `W` columns, of which `first` is the index of the first.
 #[inline(always)]
-fn tile<'t, S: Simd, const W: usize>(
+fn tile<'t, S: Simd, const ADD: bool, const W: usize>(
     simd: S,
     combination: &Combination,
     signals: &Signals,
@@ -88,7 +93,10 @@ fn tile<'t, S: Simd, const W: usize>(
     let whole = count / step * step;
     let weights = || combination.weights.chunks_exact(combination.columns).map(|row| &row[first..first + W]);
     for k in (0..whole).step_by(step) {
-        let mut sums: [[S::f64s; 2]; W] = std::array::from_fn(|c| two::<S>(&columns[c][k..k + step]));
+        let mut sums: [[S::f64s; 2]; W] = [[simd.splat_f64s(0.0); 2]; W];
+        if ADD {
+            sums = std::array::from_fn(|c| two::<S>(&columns[c][k..k + step]));
+        }
         for (signal, weights) in signals.values.chunks_exact(signals.samples).zip(weights()) {
             let x = two::<S>(&signal[k..k + step]);
             for (sum, weight) in sums.iter_mut().zip(weights) {
@@ -101,6 +109,9 @@ fn tile<'t, S: Simd, const W: usize>(
         }
     }
     for (column, c) in columns.iter_mut().zip(0..) {
+        if !ADD {
+            column[whole..].fill(0.0);
+        }
         for (signal, weights) in signals.values.chunks_exact(signals.samples).zip(weights()) {
             for (y, x) in column[whole..].iter_mut().zip(&signal[whole..count]) {
                 let weight: f64 = weights[c];
@@ -133,15 +144,21 @@ mod tests {
             for (j, signal) in signals.iter_mut(samples).enumerate() {
                 signal.iter_mut().enumerate().for_each(|(k, x)| *x = value(k, j));
             }
-            let mut target = Mat::from_fn(samples, columns, |i, j| (i + j) as f64);
-            Combination::new(matrix.as_ref()).add(&signals, target.as_mut());
+            let combination = Combination::new(matrix.as_ref());
+            let mut sum = Mat::from_fn(samples, columns, |i, j| (i + j) as f64);
+            let mut alone = sum.clone();
+            combination.add(&signals, sum.as_mut());
+            combination.write(&signals, alone.as_mut());
             for k in 0..samples {
                 for c in 0..columns {
-                    let expected: f64 =
-                        (0..inputs).map(|j| value(k, j) * matrix[(j, c)]).sum::<f64>() + (k + c) as f64;
+                    let expected: f64 = (0..inputs).map(|j| value(k, j) * matrix[(j, c)]).sum();
                     assert!(
-                        (target[(k, c)] - expected).abs() < 1e-12,
+                        (alone[(k, c)] - expected).abs() < 1e-12,
                         "{samples} {inputs} {columns}: {k} {c}"
+                    );
+                    assert!(
+                        (sum[(k, c)] - expected - (k + c) as f64).abs() < 1e-12,
+                        "{samples} {inputs} {columns}"
                     );
                 }
             }

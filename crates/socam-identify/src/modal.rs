@@ -348,12 +348,15 @@ impl<'m> Run<'m> {
         let (free, local) = (self.modal.slopes.len(), locals.len());
         let alive = self.decaying || !self.offsets.is_empty();
         rows.take(count, alive, &weights.noise_std, &measured, |output, mut target| {
-            target.rb_mut().fill(0.0);
+            let forced = &self.modal.forced[output];
             if self.decaying {
-                self.start[output].add(&self.starts, target.rb_mut());
+                self.start[output].write(&self.starts, target.rb_mut());
+                forced.add(&self.forced, target.rb_mut().subcols_mut(local, free + 1));
+            } else {
+                let skipped = if alive { local } else { 0 };
+                target.rb_mut().subcols_mut(0, skipped).fill(0.0);
+                forced.write(&self.forced, target.rb_mut().subcols_mut(skipped, free + 1));
             }
-            let skipped = if alive { local } else { 0 };
-            self.modal.forced[output].add(&self.forced, target.rb_mut().subcols_mut(skipped, free + 1));
             if let Some(position) = self.offsets.iter().position(|channel| *channel == output) {
                 let column = local - self.offsets.len() + position;
                 let unit = 1.0 / weights.noise_std[output];
