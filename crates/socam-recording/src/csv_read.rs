@@ -1,14 +1,16 @@
 //! CSV recordings, streamed: `t_s` first, then one column per channel named with its unit.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use csv::ByteRecord;
 
 use crate::Channel;
-use crate::dataset::{EndOfRows, Table, Warning};
+use crate::dataset::Warning;
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
+use crate::rows::{EndOfRows, Layout, Place};
+use crate::table::Table;
 
 /// Bytes asked from the system at a time.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -30,9 +32,18 @@ struct CsvColumn {
     text: Option<(u64, String)>,
 }
 
+/// Where a table's channels stand in its lines.
+#[derive(Debug, Clone)]
+pub(crate) struct CsvLayout {
+    /// Cells in every line.
+    cells: usize,
+    /// Cell of each channel.
+    channels: Vec<(usize, Channel)>,
+}
+
 impl CsvRows {
-    /// Reads the header. `wanted`: which of the channels to read; all when `None`.
-    pub(crate) fn open(path: &Path, wanted: Option<&[usize]>) -> Result<Self> {
+    /// Reads the header.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
         let mut lines = CsvLines::open(path)?;
         let header = lines.header("t_s")?;
         let mut named = Vec::new();
@@ -40,38 +51,42 @@ impl CsvRows {
         for (cell, column) in header.iter().enumerate().skip(1) {
             match Channel::from_column_name(column) {
                 Some(channel) => named.push((cell, channel)),
-                None => warnings.push((cell, column.clone())),
+                None => warnings.push(Warning::ColumnWithoutUnit { column: column.clone() }),
             }
-        }
-        if let Some(wanted) = wanted {
-            named = wanted.iter().filter_map(|&i| named.get(i).cloned()).collect();
         }
         if named.is_empty() {
             return Err(RecordingError::NoChannels { path: path.into() });
         }
-        let (columns, channels) = named
-            .into_iter()
-            .map(|(cell, channel)| {
-                let column = CsvColumn { cell, numbers: false, text: None };
-                (column, channel)
-            })
-            .unzip();
-        Ok(Self {
-            lines,
-            channels,
-            columns,
-            warnings: warnings.into_iter().map(|(_, column)| Warning::ColumnWithoutUnit { column }).collect(),
-            previous_s: f64::NEG_INFINITY,
-        })
+        Ok(Self::new(lines, named, warnings, false))
+    }
+
+    /// Reads some of the channels again, from some line on.
+    pub(crate) fn resume(path: &Path, layout: &CsvLayout, columns: &[usize], place: Place) -> Result<Self> {
+        let mut lines = CsvLines::open(path)?;
+        lines.cells = layout.cells;
+        lines.seek(place)?;
+        let named = columns.iter().map(|column| layout.channels[*column].clone()).collect();
+        Ok(Self::new(lines, named, Vec::new(), true))
+    }
+
+    fn new(lines: CsvLines, named: Vec<(usize, Channel)>, warnings: Vec<Warning>, numbers: bool) -> Self {
+        let column = |(cell, channel)| (CsvColumn { cell, numbers, text: None }, channel);
+        let (columns, channels) = named.into_iter().map(column).unzip();
+        Self { lines, channels, columns, warnings, previous_s: f64::NEG_INFINITY }
+    }
+
+    /// Where the next row starts.
+    pub(crate) fn place(&self) -> Place {
+        self.lines.place()
     }
 
     pub(crate) fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
-    /// Appends at most `limit` rows; false at the file's end.
-    pub(crate) fn read(&mut self, table: &mut Table, limit: usize) -> Result<bool> {
-        for _ in 0..limit {
+    /// Appends at most `rows` rows; false at the file's end.
+    pub(crate) fn read(&mut self, table: &mut Table, rows: usize) -> Result<bool> {
+        for _ in 0..rows {
             if !self.lines.next()? {
                 return Ok(false);
             }
@@ -99,19 +114,29 @@ impl CsvRows {
 
     /// Which columns turned out to be text or empty, in words and by number.
     pub(crate) fn finish(self) -> EndOfRows {
-        let mut end = EndOfRows { warnings: self.warnings, ..EndOfRows::default() };
+        let mut unusable = Vec::new();
+        let mut warnings = self.warnings;
         for (index, (column, channel)) in self.columns.iter().zip(&self.channels).enumerate() {
             if column.numbers {
                 continue;
             }
-            end.unusable.push(index);
+            unusable.push(index);
             let name = channel.column_name();
-            end.warnings.push(match column.text {
+            warnings.push(match column.text {
                 Some(_) => Warning::TextColumn { column: name },
                 None => Warning::EmptyColumn { column: name },
             });
         }
-        end
+        let cells = self.columns.iter().map(|column| column.cell);
+        let layout = CsvLayout { cells: self.lines.cells, channels: cells.zip(self.channels).collect() };
+        EndOfRows {
+            layout: Layout::Csv(layout),
+            unusable,
+            warnings,
+            lost_samples: 0,
+            cut: None,
+            contents: None,
+        }
     }
 }
 
@@ -166,6 +191,8 @@ pub(crate) fn number(cell: &[u8], column: &str) -> Result<Option<f64>, LineProbl
 pub(crate) struct CsvLines {
     path: PathBuf,
     reader: csv::Reader<BufReader<File>>,
+    /// Bytes before the first line: a byte order mark.
+    skipped: u64,
     cells: usize,
     /// The line last read.
     pub(crate) record: ByteRecord,
@@ -177,13 +204,30 @@ impl CsvLines {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| RecordingError::io(path, "open", e))?;
         let mut file = BufReader::with_capacity(BUFFER_BYTES, file);
-        skip_byte_order_mark(&mut file).map_err(|e| RecordingError::io(path, "read", e))?;
+        let skipped = skip_byte_order_mark(&mut file).map_err(|e| RecordingError::io(path, "read", e))?;
         let reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .buffer_capacity(BUFFER_BYTES)
             .from_reader(file);
-        Ok(Self { path: path.into(), reader, cells: 0, record: ByteRecord::new(), line: 0 })
+        Ok(Self { path: path.into(), reader, skipped, cells: 0, record: ByteRecord::new(), line: 0 })
+    }
+
+    /// Where the line that is read next starts.
+    pub(crate) fn place(&self) -> Place {
+        let position = self.reader.position();
+        Place { byte: position.byte(), line: position.line() }
+    }
+
+    /// Goes on at a place of this file.
+    pub(crate) fn seek(&mut self, place: Place) -> Result<()> {
+        let mut position = csv::Position::new();
+        position.set_byte(place.byte).set_line(place.line);
+        let byte = SeekFrom::Start(self.skipped + place.byte);
+        self.reader.seek_raw(byte, position).map_err(|e| match e.into_kind() {
+            csv::ErrorKind::Io(e) => RecordingError::io(&self.path, "read", e),
+            _ => self.error(LineProblem::NotText),
+        })
     }
 
     /// Reads the header; its first column must be `first`.
@@ -233,10 +277,12 @@ impl CsvLines {
     }
 }
 
-fn skip_byte_order_mark(file: &mut BufReader<File>) -> std::io::Result<()> {
+/// Returns its length.
+fn skip_byte_order_mark(file: &mut BufReader<File>) -> std::io::Result<u64> {
     use std::io::BufRead;
     if file.fill_buf()?.starts_with(b"\xef\xbb\xbf") {
         file.read_exact(&mut [0; 3])?;
+        return Ok(3);
     }
-    Ok(())
+    Ok(0)
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use socam_core::scaling::Sensor;
 
 use crate::calibration_file::Calibration;
-use crate::dataset::Table;
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
+use crate::table::Table;
 use crate::{Channel, Unit};
 
 /// Columns of the program's log: four inputs, then the command.

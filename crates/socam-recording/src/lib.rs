@@ -18,11 +18,13 @@ mod legacy;
 mod log;
 mod output_file;
 mod profile_file;
+mod rows;
 mod segments;
 mod selection;
 mod settings;
 mod statistics;
 mod steady;
+mod table;
 mod unit;
 
 pub use calibration_file::{CalibratedChannel, Calibration, Safety, SpeedGains};
@@ -31,11 +33,14 @@ pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
-pub use log::read::{AttachmentInfo, LogContents, read_attachments};
+pub use log::read::read_attachments;
 pub use log::record::{Recorder, RecordingSummary};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::{Attachment, RecordingHeader};
-pub use log::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
+pub use log::{
+    AttachmentInfo, EVENT_TOPIC, LogContents, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC,
+    SUMMARY_NAME,
+};
 pub use output_file::OutputFile;
 pub use profile_file::{Course, ProfileFile};
 pub use segments::{GAP_STEPS, Segment};

@@ -19,7 +19,7 @@ pub struct Statistics {
     pub std: Option<f64>,
 }
 
-/// Welford's running moments: no cancellation when the mean is large.
+/// Moments of blocks, put together by Chan's formula: no cancellation when the mean is large.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Running {
     count: u64,
@@ -35,18 +35,28 @@ impl Running {
         Self { count: 0, missing: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, squares: 0.0 }
     }
 
-    /// Takes a value; NaN counts as missing.
-    pub(crate) fn push(&mut self, value: f64) {
-        if value.is_nan() {
-            self.missing += 1;
+    /// Takes values; NaN counts as missing.
+    pub(crate) fn take(&mut self, values: &[f64]) {
+        let present = || values.iter().copied().filter(|value| !value.is_nan());
+        let Some(near) = present().next() else {
+            self.missing += values.len() as u64;
             return;
+        };
+        let (mut count, mut sum) = (0, 0.0);
+        for value in present() {
+            count += 1;
+            sum += value - near;
+            self.min = self.min.min(value);
+            self.max = self.max.max(value);
         }
-        self.count += 1;
-        self.min = self.min.min(value);
-        self.max = self.max.max(value);
-        let delta = value - self.mean;
-        self.mean += delta / self.count as f64;
-        self.squares += delta * (value - self.mean);
+        self.missing += values.len() as u64 - count;
+        let mean = near + sum / count as f64;
+        let squares: f64 = present().map(|value| (value - mean) * (value - mean)).sum();
+        let (own, theirs) = (self.count as f64, count as f64);
+        let delta = mean - self.mean;
+        self.mean += delta * theirs / (own + theirs);
+        self.squares += squares + delta * delta * own * theirs / (own + theirs);
+        self.count += count;
     }
 
     pub(crate) fn finish(self) -> Statistics {

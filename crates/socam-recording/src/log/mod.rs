@@ -1,11 +1,15 @@
 //! MCAP logs: their schemas, the crash-safe recorder, and the streaming reader.
 
+pub(crate) mod decode;
 pub(crate) mod read;
 pub(crate) mod record;
+mod records;
 pub(crate) mod sample;
 pub(crate) mod schema;
 pub(crate) mod sink;
 pub(crate) mod writer;
+
+pub use decode::{AttachmentInfo, LogContents};
 
 /// Profile named in the header of every log.
 pub const PROFILE: &str = "socam";

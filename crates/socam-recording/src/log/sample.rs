@@ -1,8 +1,6 @@
 //! Messages of a log: their values, and their protobuf bytes written and read by hand (ten thousand a second).
 
-use prost::encoding::{
-    DecodeContext, WireType, decode_key, decode_varint, encode_key, encode_varint, skip_field,
-};
+use prost::encoding::{DecodeContext, WireType, encode_key, encode_varint, skip_field};
 
 use super::schema::{DEVICE_TIME_NS, EXACT_TIME_S, FIRST_CHANNEL, FLAGS, RAW_COUNTS, SEQUENCE};
 
@@ -113,26 +111,52 @@ pub(crate) enum Field<'a> {
 }
 
 /// Calls `take` with each field of a message; `None` when the bytes are no protobuf.
+#[inline]
 pub(crate) fn fields(mut bytes: &[u8], mut take: impl FnMut(u32, Field<'_>)) -> Option<()> {
     while !bytes.is_empty() {
-        let (number, wire) = decode_key(&mut bytes).ok()?;
-        match wire {
-            WireType::Varint => take(number, Field::Varint(decode_varint(&mut bytes).ok()?)),
-            WireType::SixtyFourBit => {
+        let key = u32::try_from(varint(&mut bytes)?).ok()?;
+        let number = key >> 3;
+        match key & 7 {
+            _ if number == 0 => return None,
+            0 => take(number, Field::Varint(varint(&mut bytes)?)),
+            1 => {
                 let (value, rest) = bytes.split_first_chunk()?;
                 bytes = rest;
                 take(number, Field::Double(f64::from_le_bytes(*value)));
             }
-            WireType::LengthDelimited => {
-                let length = usize::try_from(decode_varint(&mut bytes).ok()?).ok()?;
+            2 => {
+                let length = usize::try_from(varint(&mut bytes)?).ok()?;
                 let (content, rest) = bytes.split_at_checked(length)?;
                 bytes = rest;
                 take(number, Field::Bytes(content));
             }
-            other => skip_field(other, number, &mut bytes, DecodeContext::default()).ok()?,
+            other => {
+                let wire = WireType::try_from(u64::from(other)).ok()?;
+                skip_field(wire, number, &mut bytes, DecodeContext::default()).ok()?;
+            }
         }
     }
     Some(())
+}
+
+/// A varint of up to ten bytes; mostly it is one or two.
+#[inline]
+fn varint(bytes: &mut &[u8]) -> Option<u64> {
+    let (first, rest) = bytes.split_first()?;
+    *bytes = rest;
+    if *first < 0x80 {
+        return Some(u64::from(*first));
+    }
+    let mut value = u64::from(first & 0x7f);
+    for shift in (7..64).step_by(7) {
+        let (byte, rest) = bytes.split_first()?;
+        *bytes = rest;
+        value |= u64::from(byte & 0x7f) << shift;
+        if *byte < 0x80 {
+            return Some(value);
+        }
+    }
+    None
 }
 
 pub(crate) fn decode_status(bytes: &[u8]) -> Option<Status> {

@@ -1,0 +1,59 @@
+//! What is said of a recording besides its rows: where it was cut off, and what was left aside.
+
+/// Where a recording that was cut off ends, and what is known to be missing.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Cut {
+    /// The byte after the last whole record.
+    pub byte: u64,
+    /// Bytes after it that could not be used.
+    pub unused_bytes: u64,
+    /// What is missing, in words.
+    pub missing: String,
+}
+
+/// Something left aside on opening; not an error, but somebody should know.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A column of text.
+    #[error("column `{column}` is text and is left aside")]
+    TextColumn {
+        /// The column's name.
+        column: String,
+    },
+    /// A column whose name has no unit.
+    #[error("column `{column}` names no unit and is left aside (end its name in one of {suffixes})", suffixes = crate::Unit::ALL.map(crate::Unit::suffix).join(" "))]
+    ColumnWithoutUnit {
+        /// The column's name.
+        column: String,
+    },
+    /// A column that has a unit but not one value.
+    #[error("column `{column}` holds no value and is left aside")]
+    EmptyColumn {
+        /// The column's name.
+        column: String,
+    },
+    /// A recording that was cut off.
+    #[error("the recording is cut off: {missing}")]
+    CutOff {
+        /// What is missing, in words.
+        missing: String,
+    },
+    /// A part of a log that does not fit its checksum.
+    #[error("{bytes} damaged bytes at byte {byte} are left out; the samples in them are missing")]
+    Damaged {
+        /// Where the part starts.
+        byte: u64,
+        /// Its length, bytes.
+        bytes: u64,
+    },
+    /// Samples that never reached the recording.
+    #[error("{samples} samples were lost while recording (by their sequence numbers)")]
+    LostSamples {
+        /// How many.
+        samples: u64,
+    },
+    /// Anything a reader of one format has to say.
+    #[error("{0}")]
+    Note(String),
+}

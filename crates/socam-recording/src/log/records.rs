@@ -1,0 +1,162 @@
+//! Whole records of a log file, one at a time, and the records inside its chunks.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use mcap::records::op;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use crate::error::{RecordingError, Result};
+
+/// Bytes asked from the system at a time.
+const BUFFER_BYTES: usize = 1 << 18;
+
+/// Largest record read into memory (chunks are 1 MiB; attachments are small files).
+const RECORD_BYTES: u64 = 128 << 20;
+
+/// Opcode and length before every record.
+pub(crate) const RECORD_HEAD: u64 = 9;
+
+/// Whole records of a file, one at a time, skipping those that are not wanted.
+pub(crate) struct Records {
+    pub(crate) path: PathBuf,
+    file: BufReader<File>,
+    pub(crate) length: u64,
+    /// Where the next record starts.
+    pub(crate) position: u64,
+    body: Vec<u8>,
+}
+
+pub(crate) enum Next<'a> {
+    Record {
+        opcode: u8,
+        byte: u64,
+        body: &'a [u8],
+    },
+    /// The end as it should be.
+    End,
+    /// The file stops, or stops making sense, at this byte.
+    Cut(u64),
+}
+
+impl Records {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let open = || -> io::Result<(BufReader<File>, u64, [u8; 8])> {
+            let file = File::open(path)?;
+            let length = file.metadata()?.len();
+            let mut file = BufReader::with_capacity(BUFFER_BYTES, file);
+            let mut magic = [0; 8];
+            file.read_exact(&mut magic)?;
+            Ok((file, length, magic))
+        };
+        let (file, length, magic) = open().map_err(|e| RecordingError::io(path, "read", e))?;
+        if magic != *mcap::MAGIC {
+            return Err(RecordingError::Byte {
+                path: path.into(),
+                byte: 0,
+                problem: "expected the beginning of an MCAP log; this is another kind of file".into(),
+            });
+        }
+        Ok(Self { path: path.into(), file, length, position: 8, body: Vec::new() })
+    }
+
+    /// Goes on at a record that starts at this byte.
+    pub(crate) fn seek(&mut self, byte: u64) -> Result<()> {
+        self.position = byte;
+        self.read(|file| file.seek(SeekFrom::Start(byte)).map(drop))
+    }
+
+    /// The next record; its body is empty unless `wanted`.
+    pub(crate) fn next(&mut self, wanted: impl Fn(u8) -> bool) -> Result<Next<'_>> {
+        let byte = self.position;
+        let left = self.length.saturating_sub(byte);
+        if left < RECORD_HEAD {
+            return Ok(Next::Cut(byte));
+        }
+        let mut head = [0; RECORD_HEAD as usize];
+        self.read(|file| file.read_exact(&mut head))?;
+        let opcode = head[0];
+        let length =
+            u64::from_le_bytes([head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8]]);
+        if opcode == 0 || length > left - RECORD_HEAD {
+            return Ok(Next::Cut(byte));
+        }
+        if opcode == op::FOOTER {
+            let end = byte + RECORD_HEAD + length + mcap::MAGIC.len() as u64;
+            return Ok(if end <= self.length { Next::End } else { Next::Cut(byte) });
+        }
+        self.body.clear();
+        if wanted(opcode) {
+            if length > RECORD_BYTES {
+                return Err(RecordingError::Byte {
+                    path: self.path.clone(),
+                    byte,
+                    problem: format!(
+                        "a record of {length} bytes; expected at most {RECORD_BYTES}: rewrite the log with smaller chunks"
+                    ),
+                });
+            }
+            self.body.resize(length as usize, 0);
+            let mut body = std::mem::take(&mut self.body);
+            self.read(|file| file.read_exact(&mut body))?;
+            self.body = body;
+        } else {
+            self.read(|file| file.seek_relative(length as i64))?;
+        }
+        self.position = byte + RECORD_HEAD + length;
+        Ok(Next::Record { opcode, byte, body: &self.body })
+    }
+
+    fn read(&mut self, read: impl FnOnce(&mut BufReader<File>) -> io::Result<()>) -> Result<()> {
+        read(&mut self.file).map_err(|e| RecordingError::io(&self.path, "read", e))
+    }
+}
+
+/// Opens chunks: decompresses, verifies the checksum, and gives out the records inside.
+pub(crate) struct ChunkOpener {
+    reader: LinearReader,
+}
+
+impl ChunkOpener {
+    pub(crate) fn new() -> Self {
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(RECORD_BYTES as usize);
+        Self { reader: LinearReader::new_with_options(options) }
+    }
+
+    /// Calls `take` with each record of a chunk; `None` when the chunk or a record in it is damaged.
+    pub(crate) fn open(&mut self, body: &[u8], mut take: impl FnMut(u8, &[u8]) -> Option<()>) -> Option<()> {
+        let whole = self.feed(body, &mut take);
+        if whole.is_none() {
+            *self = Self::new();
+        }
+        whole
+    }
+
+    fn feed(&mut self, body: &[u8], take: &mut impl FnMut(u8, &[u8]) -> Option<()>) -> Option<()> {
+        let mut head = [0; RECORD_HEAD as usize];
+        head[0] = op::CHUNK;
+        head[1..].copy_from_slice(&(body.len() as u64).to_le_bytes());
+        let mut given: [&[u8]; 2] = [&head, body];
+        while let Some(event) = self.reader.next_event() {
+            match event.ok()? {
+                LinearReadEvent::Record { opcode, data } => take(opcode, data)?,
+                LinearReadEvent::ReadRequest(need) => {
+                    let from = given.iter_mut().find(|bytes| !bytes.is_empty());
+                    let Some(from) = from else {
+                        return Some(());
+                    };
+                    let (now, later) = from.split_at(need.min(from.len()));
+                    *from = later;
+                    self.reader.insert(now.len()).copy_from_slice(now);
+                    self.reader.notify_read(now.len());
+                }
+            }
+        }
+        Some(())
+    }
+}
