@@ -1,5 +1,7 @@
 //! Recordings as the fit reads them: uninterrupted stretches with every input present, block by block.
 
+use std::ops::Range;
+
 use socam_model::{Channel, Model};
 use socam_recording::Dataset;
 
@@ -7,6 +9,10 @@ use crate::{IdentifyError, Intersample};
 
 /// Fewest samples worth a start state of its own.
 const MIN_ROWS: u64 = 20;
+
+/// Longest stretch where start states are free: longer runs are cut, so that one long recording uses all cores. Among so many
+/// samples a start state of its own costs nothing.
+pub(crate) const PIECE_ROWS: u64 = 250_000;
 
 /// Consecutive rows of a recording at a steady rate, inputs complete.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +22,28 @@ pub(crate) struct Stretch {
     pub(crate) first_row: u64,
     pub(crate) rows: u64,
     pub(crate) sample_time_s: f64,
+    /// The uninterrupted rows that it is all or a piece of.
+    pub(crate) run: Range<u64>,
+}
+
+impl Stretch {
+    /// Whether nothing comes before it without a gap.
+    pub(crate) fn begins_run(&self) -> bool {
+        self.first_row == self.run.start
+    }
+
+    /// The run in pieces of like length, none longer than `longest`.
+    fn pieces(self, longest: u64) -> impl Iterator<Item = Self> {
+        let Range { start, end } = self.run;
+        let count = (end - start).div_ceil(longest);
+        let edge =
+            move |piece: u64| start + (end - start) / count * piece + ((end - start) % count).min(piece);
+        (0..count).map(move |piece| Self {
+            first_row: edge(piece),
+            rows: edge(piece + 1) - edge(piece),
+            ..self.clone()
+        })
+    }
 }
 
 /// Some rows of a stretch in SI.
@@ -35,10 +63,11 @@ impl Chunk {
     }
 }
 
-/// Finds the stretches of all recordings and checks that each can be used.
+/// Finds the stretches of all recordings, none longer than `longest`, and checks that each recording can be used.
 pub(crate) fn stretches(
     model: &Model,
     datasets: &[Dataset],
+    longest: u64,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Stretch>, IdentifyError> {
     let mut all = Vec::new();
@@ -46,52 +75,67 @@ pub(crate) fn stretches(
         for channel in model.outputs() {
             dataset.channel_index(&channel.column)?;
         }
-        let found = stretches_of(model, dataset, recording)?;
-        let usable: Vec<Stretch> = found.iter().filter(|s| s.rows >= MIN_ROWS).cloned().collect();
+        let runs = runs(model, dataset, recording)?;
+        let (usable, short): (Vec<Stretch>, Vec<Stretch>) =
+            runs.into_iter().partition(|run| run.rows >= MIN_ROWS);
         if usable.is_empty() {
-            let rows = found.iter().map(|s| s.rows).max().unwrap_or(0);
+            let rows = short.iter().map(|run| run.rows).max().unwrap_or(0);
             return Err(IdentifyError::TooShort { recording: dataset.name().into(), rows, needed: MIN_ROWS });
         }
-        if usable.len() > 1 {
+        let gaps = usable.len() + short.len() - 1;
+        if gaps > 0 {
             warnings.push(format!(
-                "{}: {} gaps; each part was given a start state of its own",
+                "{}: {gaps} {}; each part was given a start state of its own",
                 dataset.name(),
-                usable.len() - 1
+                if gaps == 1 { "gap" } else { "gaps" },
             ));
         }
-        all.extend(usable);
+        if !short.is_empty() {
+            warnings.push(format!(
+                "{}: {} of the parts between gaps have fewer than {MIN_ROWS} samples and were left out, {} samples in all",
+                dataset.name(),
+                short.len(),
+                short.iter().map(|run| run.rows).sum::<u64>(),
+            ));
+        }
+        all.extend(usable.into_iter().flat_map(|run| run.pieces(longest)));
     }
     Ok(all)
 }
 
-fn stretches_of(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Stretch>, IdentifyError> {
+/// Rows without a gap in time or a missing input.
+fn runs(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Stretch>, IdentifyError> {
     let inputs = model.inputs().map(|channel| dataset.channel_index(&channel.column));
     let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
-    let mut found: Vec<Stretch> = Vec::new();
-    let mut open = false;
-    let mut segment = usize::MAX;
-    for block in dataset.blocks()? {
+    let run = |segment: usize, rows: Range<u64>| Stretch {
+        recording,
+        first_row: rows.start,
+        rows: rows.end - rows.start,
+        sample_time_s: dataset.segments()[segment].sample_time_s,
+        run: rows,
+    };
+    if inputs.iter().all(|input| dataset.statistics()[*input].missing == 0) {
+        let segments = dataset.segments().iter().enumerate();
+        return Ok(segments.map(|(index, s)| run(index, s.first_row..s.end_row())).collect());
+    }
+    let mut found = Vec::new();
+    let mut open: Option<(usize, Range<u64>)> = None;
+    for block in dataset.blocks_in(0..dataset.rows(), &inputs)? {
         let block = block?;
-        open &= block.segment == segment;
-        segment = block.segment;
-        let sample_time_s = dataset.segments()[segment].sample_time_s;
-        let complete = inputs.iter().all(|index| block.columns[*index].is_complete());
         for row in 0..block.rows() {
-            if complete || inputs.iter().all(|index| block.columns[*index].get(row).is_some()) {
-                if !open {
-                    let first_row = block.first_row + row as u64;
-                    found.push(Stretch { recording, first_row, rows: 0, sample_time_s });
-                    open = true;
+            let complete = block.columns.iter().all(|column| column.get(row).is_some());
+            let at = block.first_row + row as u64;
+            match &mut open {
+                Some((segment, rows)) if complete && *segment == block.segment => rows.end = at + 1,
+                _ => {
+                    let next = complete.then_some((block.segment, at..at + 1));
+                    found.extend(std::mem::replace(&mut open, next));
                 }
-                if let Some(last) = found.last_mut() {
-                    last.rows += 1;
-                }
-            } else {
-                open = false;
             }
         }
     }
-    Ok(found)
+    found.extend(open);
+    Ok(found.into_iter().map(|(segment, rows)| run(segment, rows)).collect())
 }
 
 /// Calls `use_chunk` with the rows of a stretch, in order.
@@ -102,94 +146,154 @@ pub(crate) fn read(
     intersample: Intersample,
     mut use_chunk: impl FnMut(&Chunk),
 ) -> Result<(), IdentifyError> {
-    let bind =
-        |channel: &Channel| Ok((dataset.channel_index(&channel.column)?, channel.scale, channel.offset));
-    let inputs = model.inputs().map(bind).collect::<Result<Vec<_>, IdentifyError>>()?;
-    let outputs = model.outputs().map(bind).collect::<Result<Vec<_>, IdentifyError>>()?;
-    let end = stretch.first_row + stretch.rows;
-    // Sharpening needs the next samples: rows are held back until those are there.
-    let mut pending = Chunk {
-        inputs: vec![Vec::new(); inputs.len()],
-        outputs: vec![Vec::new(); outputs.len()],
-        ..Chunk::default()
+    let channels: Vec<&Channel> = model.inputs().chain(model.outputs()).collect();
+    let columns = channels.iter().map(|channel| dataset.channel_index(&channel.column));
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    let inputs = model.inputs().count();
+    // Sharpening needs the samples before and after; a piece of a run has those of its neighbours.
+    let reach = match intersample {
+        Intersample::Linear => 0,
+        Intersample::BandLimited => REACH as u64,
     };
-    let mut before: Vec<Vec<f64>> = vec![Vec::new(); inputs.len()];
-    for block in dataset.blocks()? {
+    let end = stretch.first_row + stretch.rows;
+    let first = stretch.run.start.max(stretch.first_row.saturating_sub(reach));
+    let last = stretch.run.end.min(end + reach);
+    let mut window = vec![Vec::new(); channels.len()];
+    // Row of the recording at which the window starts, and the next to hand over.
+    let (mut start, mut next) = (first, stretch.first_row);
+    for block in dataset.blocks_in(first..last, &columns)? {
         let block = block?;
-        let (first, last) = (block.first_row, block.first_row + block.rows() as u64);
-        if last <= stretch.first_row {
+        for ((values, column), channel) in window.iter_mut().zip(&block.columns).zip(&channels) {
+            values.extend(column.values().iter().map(|value| channel.scale * value + channel.offset));
+        }
+        let read = block.first_row + block.rows() as u64;
+        let ready = if read == last { end } else { read.saturating_sub(reach).min(end) };
+        if ready <= next {
             continue;
         }
-        if first >= end {
-            break;
-        }
-        let from = stretch.first_row.saturating_sub(first) as usize;
-        let to = (end.min(last) - first) as usize;
-        let append = |target: &mut [Vec<f64>], channels: &[(usize, f64, f64)]| {
-            for (column, (index, scale, offset)) in target.iter_mut().zip(channels) {
-                column.extend(
-                    block.columns[*index].values()[from..to].iter().map(|value| scale * value + offset),
-                );
-            }
+        let rows = (next - start) as usize..(ready - start) as usize;
+        let part =
+            |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
+        let held = |values: &Vec<f64>| match intersample {
+            Intersample::Linear => values[rows.clone()].to_vec(),
+            Intersample::BandLimited => sharpen(values, rows.clone()),
         };
-        append(&mut pending.inputs, &inputs);
-        append(&mut pending.outputs, &outputs);
-        let keep = if last < end { SHARPENING.len() } else { 0 };
-        emit(&mut pending, &mut before, keep, intersample, &mut use_chunk);
+        use_chunk(&Chunk {
+            inputs: part(&window[..inputs]),
+            held: window[..inputs].iter().map(held).collect(),
+            outputs: part(&window[inputs..]),
+        });
+        next = ready;
+        let keep = next.saturating_sub(reach).max(start);
+        window.iter_mut().for_each(|values| drop(values.drain(..(keep - start) as usize)));
+        start = keep;
     }
     Ok(())
 }
 
-/// Hands over all but the last `keep` rows of `pending`; `before` holds the rows that went before them.
-fn emit(
-    pending: &mut Chunk,
-    before: &mut [Vec<f64>],
-    keep: usize,
-    intersample: Intersample,
-    use_chunk: &mut impl FnMut(&Chunk),
-) {
-    let rows = pending.rows().saturating_sub(keep);
-    if rows == 0 {
-        return;
-    }
-    let held = |(input, before): (&Vec<f64>, &Vec<f64>)| match intersample {
-        Intersample::Linear => input[..rows].to_vec(),
-        Intersample::BandLimited => sharpen(before, input, rows),
-    };
-    pending.held = pending.inputs.iter().zip(before.iter()).map(held).collect();
-    let tail = |columns: &mut Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        columns.iter_mut().map(|column| column.split_off(rows)).collect()
-    };
-    let rest = (tail(&mut pending.inputs), tail(&mut pending.outputs));
-    for (before, input) in before.iter_mut().zip(&pending.inputs) {
-        before.extend_from_slice(input);
-        before.drain(..before.len().saturating_sub(SHARPENING.len()));
-    }
-    use_chunk(pending);
-    (pending.inputs, pending.outputs) = rest;
-}
+/// Samples to either side that sharpening looks at.
+const REACH: usize = SHARPENING.len();
 
 /// Straight lines between samples pass a tone at x rad per sample with the gain (sin(x/2)/(x/2))^2. Its inverse in
 /// powers of d = 2 - 2 cos x, that is, of second differences, begins 1 + d/12 + d^2/90 + d^3/560: exact to a part in
 /// 1e5 up to a tenth of the sampling rate, 1e-3 up to a fifth.
 const SHARPENING: [f64; 3] = [1.0 / 12.0, 1.0 / 90.0, 1.0 / 560.0];
 
-/// The first `rows` of `input` sharpened; `before` are the samples that went before. Towards the ends of a stretch,
-/// where neighbours are missing, fewer powers are used.
-fn sharpen(before: &[f64], input: &[f64], rows: usize) -> Vec<f64> {
-    let all: Vec<f64> = before.iter().chain(input).copied().collect();
-    (0..rows)
-        .map(|row| {
-            let k = before.len() + row;
-            let reach = SHARPENING.len().min(k).min(all.len() - 1 - k);
-            // d^n by repeated differencing of the window around k.
-            let mut window: Vec<f64> = all[k - reach..=k + reach].to_vec();
-            let mut sharp = all[k];
-            for weight in &SHARPENING[..reach] {
-                window = window.windows(3).map(|w| 2.0 * w[1] - w[0] - w[2]).collect();
-                sharp += weight * window[window.len() / 2];
+/// Some rows of `values` sharpened. Where neighbours are missing, towards the ends of `values`, fewer powers are used.
+fn sharpen(values: &[f64], rows: Range<usize>) -> Vec<f64> {
+    let [first, second, third] = SHARPENING;
+    let pair = |k: usize, n: usize| values[k - n] + values[k + n];
+    let sharp = |k: usize| {
+        let value = values[k];
+        let reach = REACH.min(k).min(values.len() - 1 - k);
+        let mut sharp = value;
+        if reach >= 1 {
+            sharp += first * (2.0 * value - pair(k, 1));
+        }
+        if reach >= 2 {
+            sharp += second * (6.0 * value - 4.0 * pair(k, 1) + pair(k, 2));
+        }
+        if reach >= 3 {
+            sharp += third * (20.0 * value - 15.0 * pair(k, 1) + 6.0 * pair(k, 2) - pair(k, 3));
+        }
+        sharp
+    };
+    rows.map(sharp).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use socam_recording::{Channel, Unit};
+
+    use super::*;
+
+    /// A dataset of the two-mass model's channels whose values tell their rows; some rows are missing, some inputs.
+    fn numbered(rows: u64, missing: impl Fn(u64) -> bool, blind: impl Fn(u64) -> bool) -> (Model, Dataset) {
+        let model = Model::builtin("speed-o-cam").unwrap();
+        let there: Vec<u64> = (0..rows).filter(|row| !missing(*row)).collect();
+        let time_s = there.iter().map(|row| *row as f64 / 1000.0).collect();
+        let units = [Unit::RadPerS, Unit::RadPerS, Unit::Nm, Unit::Nm];
+        let names = ["motor_speed", "output_speed", "torque_in", "torque_out"];
+        let channels = names.iter().zip(units).map(|(name, unit)| Channel::new(*name, unit)).collect();
+        let value = |row: u64| ((row * row) % 1009) as f64;
+        let input = there.iter().map(|row| if blind(*row) { f64::NAN } else { value(*row) }).collect();
+        let output = |k: u64| there.iter().map(|row| (row * 4 + k) as f64).collect();
+        let columns = vec![input, output(1), output(2), output(3)];
+        (model, Dataset::from_columns("numbered", channels, time_s, columns).unwrap())
+    }
+
+    fn read_all(
+        model: &Model,
+        data: &Dataset,
+        stretches: &[Stretch],
+        intersample: Intersample,
+    ) -> [Vec<f64>; 3] {
+        let mut all = [const { Vec::new() }; 3];
+        for stretch in stretches {
+            let before = all[0].len();
+            read(model, data, stretch, intersample, |chunk| {
+                assert!(chunk.outputs.iter().chain(&chunk.held).all(|column| column.len() == chunk.rows()));
+                all[0].extend_from_slice(&chunk.inputs[0]);
+                all[1].extend_from_slice(&chunk.held[0]);
+                all[2].extend_from_slice(&chunk.outputs[1]);
+            })
+            .unwrap();
+            assert_eq!((all[0].len() - before) as u64, stretch.rows);
+        }
+        all
+    }
+
+    #[test]
+    fn cutting_loses_no_row_and_changes_no_input() {
+        let (model, data) = numbered(20_000, |row| row == 12_000, |row| row == 15_000 || row == 15_005);
+        let one = std::slice::from_ref(&data);
+        for intersample in [Intersample::Linear, Intersample::BandLimited] {
+            let whole = stretches(&model, one, u64::MAX, &mut Vec::new()).unwrap();
+            assert_eq!(whole.iter().map(|s| s.rows).collect::<Vec<_>>(), [12_000, 2999, 4994]);
+            let expected = read_all(&model, &data, &whole, intersample);
+            for longest in [1000, 4096, 4999, 7001, 12_000] {
+                let mut warnings = Vec::new();
+                let pieces = stretches(&model, one, longest, &mut warnings).unwrap();
+                let least = |run: &Range<u64>| (run.end - run.start).min(longest / 2);
+                assert!(pieces.iter().all(|piece| piece.rows <= longest && piece.rows >= least(&piece.run)));
+                assert_eq!(read_all(&model, &data, &pieces, intersample), expected, "{longest}");
+                assert!(warnings[0].contains("3 gaps"), "{warnings:?}");
+                assert!(warnings[1].contains("1 of the parts"), "{warnings:?}");
+                assert!(warnings[1].contains("4 samples"), "{warnings:?}");
+                assert_eq!(pieces.iter().filter(|piece| piece.begins_run()).count(), 3);
             }
-            sharp
-        })
-        .collect()
+        }
+    }
+
+    #[test]
+    fn sharpening_undoes_what_straight_lines_take_from_a_tone() {
+        let x = 0.6_f64;
+        let tone: Vec<f64> = (0..50).map(|k| (x * f64::from(k) + 0.3).sin()).collect();
+        let gain = ((0.5 * x).sin() / (0.5 * x)).powi(2);
+        let sharp = sharpen(&tone, 0..50);
+        for (k, tolerance) in [(0, 0.1), (1, 5e-3), (2, 5e-4), (3, 1e-4), (25, 1e-4), (46, 1e-4), (49, 0.1)] {
+            assert!((sharp[k] * gain - tone[k]).abs() < tolerance, "{k}");
+        }
+        assert_eq!(sharpen(&[3.0], 0..1), [3.0]);
+    }
 }

@@ -134,7 +134,9 @@ pub(crate) fn run(
         };
         Ok(if finite { rows.finish() } else { None })
     };
-    let results: Result<Vec<_>, _> = (0..problem.stretches.len()).into_par_iter().map(one).collect();
+    // One at a time: whoever is free takes the next.
+    let stretches = (0..problem.stretches.len()).into_par_iter().with_max_len(1);
+    let results: Result<Vec<_>, _> = stretches.map(one).collect();
     Ok(results?.into_iter().collect())
 }
 

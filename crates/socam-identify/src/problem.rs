@@ -124,7 +124,12 @@ impl<'a> Problem<'a> {
         }
         check(model, &options)?;
         let mut warnings = Vec::new();
-        let stretches = feed::stretches(model, datasets, &mut warnings)?;
+        // A piece in the middle of a motion is not in equilibrium.
+        let longest = match options.start_state {
+            StartState::Free => feed::PIECE_ROWS,
+            StartState::Equilibrium => u64::MAX,
+        };
+        let stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
         let measured_speed = model.inputs().any(|channel| channel.quantity == Quantity::Speed);
         let default = if measured_speed { Intersample::BandLimited } else { Intersample::Linear };
         let intersample = options.intersample.unwrap_or(default);

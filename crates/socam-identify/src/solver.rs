@@ -233,8 +233,9 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
     if problem.options.starts <= 1 {
         return with_locals(first);
     }
+    let runs = problem.stretches.iter().filter(|stretch| stretch.begins_run());
     let short = Problem {
-        stretches: problem.stretches.iter().take(RACE_STRETCHES).map(|s| feed_head(s, RACE_ROWS)).collect(),
+        stretches: runs.take(RACE_STRETCHES).map(|s| feed_head(s, RACE_ROWS)).collect(),
         model: problem.model,
         datasets: problem.datasets,
         free: problem.free.clone(),

@@ -6,7 +6,7 @@ use socam_model::{BUILTIN, Model};
 use socam_recording::{Channel, Dataset, Unit};
 
 use crate::{
-    Constraint, Intersample, Noise, Options, Problem, StartState, evaluate, output_error,
+    Constraint, Intersample, Noise, Options, Problem, StartState, evaluate, feed, output_error,
     pass::{self, Point, Weights},
 };
 
@@ -355,17 +355,25 @@ fn gaps_and_missing_values_are_survived() {
 
 #[test]
 fn the_same_digits_whatever_the_number_of_threads() {
-    let data = [bench(TRUTH, 2.0, 1.0, 1), bench(TRUTH, 2.0, 1.0, 2), bench(TRUTH, 2.0, 1.0, 3)];
-    let model = model(|text| text);
+    let data = [bench(TRUTH, 2.0, 1.0, 1), bench(TRUTH, 3.0, 1.0, 2), bench(TRUTH, 0.7, 1.0, 3)];
+    let model =
+        model(|text| text.replace("at = \"coupling_1\"", "at = \"coupling_1\"\nestimate_offset = true"));
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            output_error(&Problem::new(&model, &data, Options { starts: 2, ..Options::default() }).unwrap())
-                .unwrap()
-                .point
+            let options = Options { starts: 2, ..Options::default() };
+            let mut problem = Problem::new(&model, &data, options).unwrap();
+            problem.stretches = feed::stretches(&model, &data, 450, &mut Vec::new()).unwrap();
+            assert!(problem.stretches.len() > 10);
+            let mut result = output_error(&problem).unwrap();
+            result.cpu_s = 0.0;
+            let point: Vec<u64> = result.point.iter().map(|value| value.to_bits()).collect();
+            (serde_json::to_string(&result).unwrap(), point)
         })
     };
-    assert_eq!(run(1), run(3));
+    let alone = run(1);
+    assert_eq!(alone, run(2));
+    assert_eq!(alone, run(3));
 }
 
 #[test]
