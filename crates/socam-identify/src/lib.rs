@@ -14,9 +14,11 @@
 mod combinations;
 mod combine;
 mod error;
+mod exponential;
 mod feed;
 mod filters;
 mod inverse_dynamics;
+mod laws;
 mod modal;
 mod modes;
 mod pass;
@@ -25,10 +27,12 @@ mod problem;
 mod recursion;
 mod reflect;
 mod report;
+mod sensitivity;
 mod solver;
 mod start;
 mod stepper;
 mod triangle;
+mod walker;
 
 #[cfg(test)]
 mod tests;

@@ -56,7 +56,7 @@ pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, 
 
 /// Powers of two that bring rows and columns to like size (Parlett and Reinsch 1969): wind-ups of 1e-5 rad and
 /// speeds of 100 rad/s stand in one state.
-fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
+pub(crate) fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scale = vec![1.0; n];
     for _ in 0..20 {

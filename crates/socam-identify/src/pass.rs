@@ -130,7 +130,7 @@ pub(crate) fn run(
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
             None => Stepper::new(problem, &equations, &slopes, point, weights, stretch.sample_time_s)
-                .map_or(Ok(false), |mut stepper| stepper.predict(problem, index, point, &mut rows))?,
+                .map_or(Ok(false), |stepper| stepper.predict(problem, index, point, &mut rows))?,
         };
         Ok(if finite { rows.finish() } else { None })
     };

@@ -1,0 +1,397 @@
+//! Exact steps of a model's linear part, with their slopes.
+//!
+//! Over a step, inputs move in a straight line and the laws' forces along a parabola through their values at its start,
+//! middle and end. What the step leads to is then linear in xi = [x, u at both ends, f at start, middle and end], by maps made of
+//! the functions phi_1 to phi_3 of the exponential (collocation of Lobatto's kind, fourth order: Hochbruck and Ostermann 2005,
+//! doi:10.1016/j.apnum.2004.08.005). However stiff the drivetrain, only the forces are approximated.
+
+use nalgebra::DMatrix;
+use socam_model::Equations;
+
+use crate::modes::balance;
+
+/// Steps are a sample or down to this many times halved parts of one.
+pub(crate) const HALVINGS: usize = 10;
+
+/// Terms of the series; at norms up to a half the next one is below rounding.
+const TERMS: usize = 13;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sizes {
+    pub(crate) states: usize,
+    pub(crate) inputs: usize,
+    pub(crate) ports: usize,
+    pub(crate) free: usize,
+}
+
+impl Sizes {
+    pub(crate) fn new(equations: &Equations, free: usize) -> Self {
+        Self {
+            states: equations.state.nrows(),
+            inputs: equations.input.ncols(),
+            ports: equations.ports.len(),
+            free,
+        }
+    }
+
+    /// Length of xi.
+    pub(crate) fn width(self) -> usize {
+        self.forces() + 3 * self.ports
+    }
+
+    /// Where the force at a step's start stands in xi.
+    pub(crate) fn forces(self) -> usize {
+        self.states + 2 * self.inputs
+    }
+
+    /// Where the forces stand that a step has to find: those in its middle, then those at its end.
+    pub(crate) fn sought(self) -> usize {
+        self.forces() + self.ports
+    }
+}
+
+/// Numbers in whole vectors: so many slopes are stored for so many parameters, zeros last.
+pub(crate) const fn padded(count: usize) -> usize {
+    count.next_multiple_of(4)
+}
+
+/// A step of one length. Its rows: states at the end, speeds of the ports in the middle and at the end, then at a
+/// quarter and at three quarters.
+pub(crate) struct Level {
+    /// Column by column, [`Level::stride`] values from one to the next.
+    pub(crate) columns: Vec<f64>,
+    pub(crate) stride: usize,
+    /// The rows but the last `2 ports`, one after the other.
+    pub(crate) rows: Vec<f64>,
+    /// Their slopes: for each row and each entry of xi, one number per free parameter, [`padded`].
+    pub(crate) slopes: Vec<f64>,
+    /// Speeds in the middle and at the end by forces there.
+    pub(crate) coupling: Vec<f64>,
+    /// What a constant force of each port adds to the speed of each by the end.
+    pub(crate) gain: Vec<f64>,
+}
+
+/// From a whole sample to its finest part; `None` where the exponential overflows.
+pub(crate) fn levels(equations: &Equations, slopes: &[Equations], sample_time_s: f64) -> Option<Vec<Level>> {
+    let sizes = Sizes::new(equations, slopes.len());
+    // Speeds within the finest level's step are reached by two levels more.
+    let stored = if sizes.ports == 0 { 1 } else { HALVINGS + 3 };
+    let scale = balance(&equations.state);
+    let balanced = |e: &Equations| {
+        DMatrix::from_fn(sizes.states, sizes.states, |i, j| e.state[(i, j)] * scale[j] / scale[i])
+    };
+    let size = balanced(equations).row_iter().map(|row| row.lp_norm(1)).fold(0.0, f64::max) * sample_time_s;
+    if !size.is_finite() {
+        return None;
+    }
+    let needed = (2.0 * size).max(1.0).log2().ceil() as usize;
+    let halvings = needed.max(stored - 1);
+    let driven = |e: &Equations| {
+        let both = |i: usize, j: usize| {
+            let value = if j < sizes.inputs { e.input[(i, j)] } else { e.force[(i, j - sizes.inputs)] };
+            value / scale[i]
+        };
+        DMatrix::from_fn(sizes.states, sizes.inputs + sizes.ports, both)
+    };
+    let step_s = sample_time_s * 0.5_f64.powi(halvings as i32);
+    let linear = |e: &Equations| Linear { state: balanced(e) * step_s, drive: driven(e) * step_s };
+    let mut steps =
+        vec![Step::finest(&linear(equations), &slopes.iter().map(linear).collect::<Vec<_>>(), sizes)];
+    for _ in 0..halvings {
+        let doubled = steps[steps.len() - 1].doubled(sizes);
+        steps.push(doubled);
+    }
+    let mut steps = steps.split_off(halvings + 1 - stored);
+    steps.reverse();
+    steps.iter_mut().for_each(|step| step.unscale(&scale));
+    if !steps[0].value.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    if sizes.ports == 0 {
+        return Some(vec![Level::new(&[(&steps[0].value, &steps[0].slopes)], sizes)]);
+    }
+    Some(
+        (0..=HALVINGS).map(|level| with_speeds(equations, slopes, &steps[level..level + 3], sizes)).collect(),
+    )
+}
+
+/// A h and [B H] h, or their slopes.
+struct Linear {
+    state: DMatrix<f64>,
+    drive: DMatrix<f64>,
+}
+
+/// The state at a step's end by xi, and its slopes.
+struct Step {
+    value: DMatrix<f64>,
+    slopes: Vec<DMatrix<f64>>,
+}
+
+impl Step {
+    /// By the series of phi_3, from which the others follow: phi_k = 1/k! + A phi_(k+1).
+    fn finest(linear: &Linear, slopes: &[Linear], sizes: Sizes) -> Self {
+        let (n, a) = (sizes.states, &linear.state);
+        let unit = |value: f64| DMatrix::from_diagonal_element(n, n, value);
+        let factorials: Vec<f64> = (0..TERMS + 4)
+            .scan(1.0, |factorial, k| {
+                *factorial *= f64::from(k.max(1) as u32);
+                Some(*factorial)
+            })
+            .collect();
+        let up = |phi: &DMatrix<f64>, d: &mut [DMatrix<f64>], constant: f64| {
+            for (d, slope) in d.iter_mut().zip(slopes) {
+                *d = &slope.state * phi + a * &*d;
+            }
+            a * phi + unit(constant)
+        };
+        let mut phi = unit(1.0 / factorials[TERMS + 3]);
+        let mut d = vec![DMatrix::zeros(n, n); slopes.len()];
+        for term in (0..TERMS).rev() {
+            phi = up(&phi, &mut d, 1.0 / factorials[term + 3]);
+        }
+        let mut all = vec![(phi, d.clone())];
+        for k in [2, 1, 0] {
+            let phi = up(&all[all.len() - 1].0, &mut d, 1.0 / factorials[k]);
+            all.push((phi, d.clone()));
+        }
+        all.reverse();
+        let along = |weights: [f64; 3], pick: &dyn Fn(usize) -> DMatrix<f64>| {
+            (1..=3).map(|k| pick(k) * weights[k - 1]).fold(DMatrix::zeros(n, n), |sum, term| sum + term)
+        };
+        // Integrals against straight lines through 0 and 1, against parabolas through 0, 1/2 and 1.
+        let (lines, parabolas) =
+            ([[1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], [[1.0, -3.0, 4.0], [0.0, 4.0, -8.0], [0.0, -1.0, 4.0]]);
+        let gather = |phi: &DMatrix<f64>, drive: &dyn Fn([f64; 3]) -> DMatrix<f64>| {
+            let mut map = DMatrix::zeros(n, sizes.width());
+            map.columns_mut(0, n).copy_from(phi);
+            for (i, weights) in lines.iter().enumerate() {
+                let driven = drive(*weights);
+                map.columns_mut(n + i * sizes.inputs, sizes.inputs)
+                    .copy_from(&driven.columns(0, sizes.inputs));
+            }
+            for (i, weights) in parabolas.iter().enumerate() {
+                let driven = drive(*weights);
+                map.columns_mut(sizes.forces() + i * sizes.ports, sizes.ports)
+                    .copy_from(&driven.columns(sizes.inputs, sizes.ports));
+            }
+            map
+        };
+        let value = gather(&all[0].0, &|weights| along(weights, &|k| all[k].0.clone()) * &linear.drive);
+        let slopes = slopes.iter().enumerate().map(|(j, slope)| {
+            gather(&all[0].1[j], &|weights| {
+                along(weights, &|k| all[k].1[j].clone()) * &linear.drive
+                    + along(weights, &|k| all[k].0.clone()) * &slope.drive
+            })
+        });
+        Self { slopes: slopes.collect(), value }
+    }
+
+    /// Two such steps, as one.
+    fn doubled(&self, sizes: Sizes) -> Self {
+        let after = |first: &DMatrix<f64>, last: &DMatrix<f64>| {
+            let mut map = last.columns(0, sizes.states) * halved(first, 0, sizes);
+            add_driven(&mut map, last, sizes);
+            map
+        };
+        let slopes = self.slopes.iter().map(|slope| {
+            let inner = halved(slope, 0, sizes);
+            after(&self.value, slope) + self.value.columns(0, sizes.states) * inner
+        });
+        Self { slopes: slopes.collect(), value: after(&self.value, &self.value) }
+    }
+
+    fn unscale(&mut self, scale: &[f64]) {
+        for map in std::iter::once(&mut self.value).chain(&mut self.slopes) {
+            for i in 0..map.nrows() {
+                for j in 0..map.ncols() {
+                    map[(i, j)] *= scale[i] / scale.get(j).copied().unwrap_or(1.0);
+                }
+            }
+        }
+    }
+}
+
+/// Adds what acts in the second half of a step twice as long.
+fn add_driven(map: &mut DMatrix<f64>, last: &DMatrix<f64>, sizes: Sizes) {
+    let driven = halved(last, 1, sizes);
+    let n = sizes.states;
+    let mut target = map.columns_mut(n, sizes.width() - n);
+    target += driven.columns(n, sizes.width() - n);
+}
+
+/// A map by the xi of the first (0) or second (1) half of a step, by that of the whole.
+fn halved(map: &DMatrix<f64>, half: usize, sizes: Sizes) -> DMatrix<f64> {
+    let mut whole = DMatrix::zeros(map.nrows(), map.ncols());
+    whole.columns_mut(0, sizes.states).copy_from(&map.columns(0, sizes.states));
+    // Values at the ends of the half, by those at the ends of the whole; then also in their middles.
+    let lines = [[[1.0, 0.0], [0.5, 0.5]], [[0.5, 0.5], [0.0, 1.0]]];
+    let parabolas = [
+        [[1.0, 0.0, 0.0], [0.375, 0.75, -0.125], [0.0, 1.0, 0.0]],
+        [[0.0, 1.0, 0.0], [-0.125, 0.75, 0.375], [0.0, 0.0, 1.0]],
+    ];
+    let mut spread = |first: usize, count: usize, from: usize, weights: &[f64]| {
+        for (to, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            for j in 0..count {
+                let part = map.column(first + from * count + j) * *weight;
+                let mut target = whole.column_mut(first + to * count + j);
+                target += part;
+            }
+        }
+    };
+    for (from, weights) in lines[half].iter().enumerate() {
+        spread(sizes.states, sizes.inputs, from, weights);
+    }
+    for (from, weights) in parabolas[half].iter().enumerate() {
+        spread(sizes.forces(), sizes.ports, from, weights);
+    }
+    whole
+}
+
+/// The level of the first of three steps, each half as long as the one before.
+fn with_speeds(equations: &Equations, slopes: &[Equations], steps: &[Step], sizes: Sizes) -> Level {
+    let n = sizes.states;
+    let (half, quarter) = (&steps[1], &steps[2]);
+    let to_half = halved(&half.value, 0, sizes);
+    let to_half_slopes: Vec<_> = half.slopes.iter().map(|slope| halved(slope, 0, sizes)).collect();
+    let to_quarter = halved(&halved(&quarter.value, 0, sizes), 0, sizes);
+    let mut to_three = quarter.value.columns(0, n) * &to_half;
+    let driven = halved(&halved(&quarter.value, 0, sizes), 1, sizes);
+    let mut target = to_three.columns_mut(n, sizes.width() - n);
+    target += driven.columns(n, sizes.width() - n);
+    // V x + W u + U f, with u and f at a share of the step.
+    let seen = |e: &Equations, x: &DMatrix<f64>, share: f64| {
+        let mut rows = &e.port * x;
+        let parabola =
+            [(1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)];
+        for (i, weight) in [1.0 - share, share].into_iter().enumerate() {
+            let mut target = rows.columns_mut(n + i * sizes.inputs, sizes.inputs);
+            target += &e.port_input * weight;
+        }
+        for (i, weight) in parabola.into_iter().enumerate() {
+            let mut target = rows.columns_mut(sizes.forces() + i * sizes.ports, sizes.ports);
+            target += &e.port_force * weight;
+        }
+        rows
+    };
+    let both = |x: &DMatrix<f64>, x_slopes: &[DMatrix<f64>], share: f64| {
+        let slopes =
+            slopes.iter().zip(x_slopes).map(|(d, x_slope)| seen(d, x, share) + &equations.port * x_slope);
+        (seen(equations, x, share), slopes.collect::<Vec<_>>())
+    };
+    let middle = both(&to_half, &to_half_slopes, 0.5);
+    let end = both(&steps[0].value, &steps[0].slopes, 1.0);
+    let mut level =
+        Level::new(&[(&steps[0].value, &steps[0].slopes), (&middle.0, &middle.1), (&end.0, &end.1)], sizes);
+    level.add_rows(&[seen(equations, &to_quarter, 0.25), seen(equations, &to_three, 0.75)], sizes);
+    level
+}
+
+impl Level {
+    fn new(parts: &[(&DMatrix<f64>, &Vec<DMatrix<f64>>)], sizes: Sizes) -> Self {
+        let width = sizes.width();
+        let (mut rows, mut slopes) = (Vec::new(), Vec::new());
+        for (value, value_slopes) in parts {
+            for i in 0..value.nrows() {
+                for l in 0..width {
+                    rows.push(value[(i, l)]);
+                    slopes.extend(value_slopes.iter().map(|slope| slope[(i, l)]));
+                    slopes.resize(padded(slopes.len()), 0.0);
+                }
+            }
+        }
+        let (ports, sought) = (sizes.ports, sizes.sought());
+        let speed = |row: usize, l: usize| rows[(sizes.states + row) * width + l];
+        let coupling = (0..2 * ports).flat_map(|i| (0..2 * ports).map(move |j| (i, sought + j)));
+        let gain = (0..ports * ports).map(|k| (ports + k / ports.max(1), sizes.forces() + k % ports.max(1)));
+        let mut level = Self {
+            coupling: coupling.map(|(i, l)| speed(i, l)).collect(),
+            gain: gain
+                .map(|(i, l)| (speed(i, l) + speed(i, l + ports) + speed(i, l + 2 * ports)).abs())
+                .collect(),
+            columns: Vec::new(),
+            stride: 0,
+            rows,
+            slopes,
+        };
+        level.add_rows(&[], sizes);
+        level
+    }
+
+    /// Arranges all rows in columns, `more` of them last.
+    fn add_rows(&mut self, more: &[DMatrix<f64>], sizes: Sizes) {
+        let width = sizes.width();
+        let own = self.rows.len() / width.max(1);
+        let count = own + more.iter().map(DMatrix::nrows).sum::<usize>();
+        self.stride = padded(count);
+        self.columns = vec![0.0; self.stride * width];
+        for (l, column) in self.columns.chunks_exact_mut(self.stride.max(1)).enumerate() {
+            let kept = self.rows.iter().skip(l).step_by(width).copied();
+            let more = more.iter().flat_map(|part| part.column(l).iter().copied().collect::<Vec<_>>());
+            column.iter_mut().zip(kept.chain(more)).for_each(|(target, value)| *target = value);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use socam_model::Model;
+
+    /// By the exponential of the augmented matrix, which other people wrote.
+    #[test]
+    fn steps_of_all_lengths_are_exponentials() {
+        let model = Model::builtin("speed-o-cam").unwrap();
+        let mut equations = model.equations(&model.values()).unwrap();
+        // A port at the first speed, so that forces are mapped too.
+        let n = equations.state.nrows();
+        equations.force = DMatrix::from_fn(n, 1, |i, _| if i + 1 == n { 70.0 } else { 0.0 });
+        equations.port = DMatrix::from_fn(1, n, |_, j| if j + 1 == n { 1.0 } else { 0.0 });
+        equations.port_input = DMatrix::zeros(1, 1);
+        equations.port_force = DMatrix::zeros(1, 1);
+        let effect = socam_model::effects::find("coulomb_friction").unwrap();
+        equations.ports = vec![socam_model::Port { effect, place: String::new(), parameters: vec![0, 1] }];
+        let sizes = Sizes { states: n, inputs: 1, ports: 1, free: 0 };
+        let step_s = 1e-3;
+        let levels = levels(&equations, &[], step_s).unwrap();
+        for (index, level) in levels.iter().enumerate() {
+            let h = step_s * 0.5_f64.powi(index as i32);
+            // x' = A x + B u + H f, u' = u1, f' = f1, f1' = f2, over unit time.
+            let size = n + 5;
+            let mut generator = DMatrix::zeros(size, size);
+            generator.view_mut((0, 0), (n, n)).copy_from(&(&equations.state * h));
+            generator.view_mut((0, n), (n, 1)).copy_from(&(&equations.input * h));
+            generator.view_mut((0, n + 2), (n, 1)).copy_from(&(&equations.force * h));
+            generator[(n, n + 1)] = 1.0;
+            generator[(n + 2, n + 3)] = 1.0;
+            generator[(n + 3, n + 4)] = 1.0;
+            let whole = generator.exp();
+            // Derivatives at the start of the line and the parabola through unit values at their nodes.
+            let starts: [&[f64]; 5] =
+                [&[1.0, -1.0], &[0.0, 1.0], &[1.0, -3.0, 4.0], &[0.0, 4.0, -8.0], &[0.0, -1.0, 4.0]];
+            for i in 0..n {
+                let size = whole.row(i).amax();
+                let got = |l: usize| level.rows[i * sizes.width() + l];
+                for l in 0..n {
+                    assert!((got(l) - whole[(i, l)]).abs() < 1e-9 * size, "level {index}: {i} {l}");
+                }
+                for (l, start) in starts.iter().enumerate() {
+                    let first = if l < 2 { n } else { n + 2 };
+                    let expected: f64 =
+                        start.iter().enumerate().map(|(k, s)| s * whole[(i, first + k)]).sum();
+                    assert!((got(n + l) - expected).abs() < 1e-9 * size, "level {index}: {i} drive {l}");
+                }
+            }
+            // Speeds are those of the states: at the end, and in the middle as one level further ends.
+            for l in 0..sizes.width() {
+                assert!(
+                    (level.rows[(n + 1) * sizes.width() + l] - level.rows[(n - 1) * sizes.width() + l]).abs()
+                        < 1e-12
+                );
+                if l < n && index + 1 < levels.len() {
+                    let further = levels[index + 1].rows[(n - 1) * sizes.width() + l];
+                    assert!((level.rows[n * sizes.width() + l] - further).abs() < 1e-12);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! Sensitivities of a model's state, forces and outputs with respect to parameters and start state, step by step.
+
+use pulp::{Simd, WithSimd};
+use socam_model::{Equations, effects::Response};
+
+use crate::{
+    exponential::{Sizes, padded},
+    laws::{self, Law},
+    walker::{Taken, Walker},
+};
+
+/// What does not change along a stretch.
+pub(crate) struct Constants {
+    sizes: Sizes,
+    /// Per output, its factors of [x, f].
+    outputs: Vec<Vec<f64>>,
+    /// Per output and entry of [x, u, f], the slopes of its factor, filled up to whole vectors.
+    output_slopes: Vec<Vec<f64>>,
+}
+
+impl Constants {
+    pub(crate) fn new(equations: &Equations, slopes: &[Equations]) -> Self {
+        let sizes = Sizes::new(equations, slopes.len());
+        let each = |o: usize| {
+            let entries = |e: &Equations| -> Vec<f64> {
+                let (x, u, f) = (e.output.row(o), e.feedthrough.row(o), e.force_output.row(o));
+                x.iter().chain(u.iter()).chain(f.iter()).copied().collect()
+            };
+            let mut moved = vec![0.0; (sizes.states + sizes.inputs + sizes.ports) * padded(sizes.free)];
+            for (j, slope) in slopes.iter().enumerate() {
+                let places = moved.iter_mut().skip(j).step_by(padded(sizes.free));
+                places.zip(entries(slope)).for_each(|(place, value)| *place = value);
+            }
+            let kept =
+                equations.output.row(o).iter().chain(equations.force_output.row(o).iter()).copied().collect();
+            (kept, moved)
+        };
+        let (outputs, output_slopes) = (0..equations.output.nrows()).map(each).unzip();
+        Self { sizes, outputs, output_slopes }
+    }
+}
+
+/// Columns are the free parameters, then, while it shows, the start state; each part is filled up to whole vectors.
+pub(crate) struct Sensitivity<'s> {
+    constants: &'s Constants,
+    laws: &'s [Law],
+    start: usize,
+    columns: usize,
+    /// Of the states, then of the forces at a step's start, middle and end; row by row.
+    rows: Vec<f64>,
+    /// Of the states at the end of a step, then of the speeds in its middle and at its end.
+    next: Vec<f64>,
+    matrix: Vec<f64>,
+    /// [x, u, f] of an observation.
+    entries: Vec<f64>,
+}
+
+impl<'s> Sensitivity<'s> {
+    /// Where a walker stands before its first step, `inputs` as it saw them. The state moves by `moved` with each free parameter,
+    /// and, where it is unknown, with itself.
+    pub(crate) fn new(
+        constants: &'s Constants,
+        laws: &'s [Law],
+        (equations, slopes): (&Equations, &[Equations]),
+        walker: &Walker<'_>,
+        inputs: &[f64],
+        moved: Option<&[nalgebra::DVector<f64>]>,
+    ) -> Self {
+        let s = constants.sizes;
+        let start = if moved.is_some() { 0 } else { s.states };
+        let columns = padded(s.free) + padded(start);
+        let mut this = Self {
+            constants,
+            laws,
+            start,
+            columns,
+            rows: vec![0.0; (s.states + 3 * s.ports) * columns],
+            next: vec![0.0; (s.states + 2 * s.ports) * columns],
+            matrix: Vec::new(),
+            entries: Vec::new(),
+        };
+        for i in 0..start {
+            this.rows[i * columns + padded(s.free) + i] = 1.0;
+        }
+        for (j, slope) in moved.into_iter().flatten().enumerate() {
+            for i in 0..s.states {
+                this.rows[i * columns + j] = slope[i];
+            }
+        }
+        // The speeds as they would be without the forces, by the states that move and by the equations that do.
+        for p in 0..s.ports {
+            let speed = &mut this.next[(s.states + p) * columns..][..columns];
+            for (i, row) in this.rows.chunks_exact(columns.max(1)).take(s.states).enumerate() {
+                speed.iter_mut().zip(row).for_each(|(v, x)| *v += equations.port[(p, i)] * x);
+            }
+            for (v, slope) in speed.iter_mut().zip(slopes) {
+                let state = walker.state().iter().enumerate().map(|(i, x)| slope.port[(p, i)] * x);
+                let input = inputs.iter().enumerate().map(|(i, u)| slope.port_input[(p, i)] * u);
+                let force = walker.forces().iter().enumerate().map(|(q, f)| slope.port_force[(p, q)] * f);
+                *v += state.sum::<f64>() + input.sum::<f64>() + force.sum::<f64>();
+            }
+        }
+        let coupling: Vec<f64> =
+            (0..s.ports * s.ports).map(|k| equations.port_force[(k / s.ports, k % s.ports)]).collect();
+        let speeds = &mut this.next[s.states * columns..][..s.ports * columns];
+        let forces = &mut this.rows[s.states * columns..][..s.ports * columns];
+        follow(laws, walker.responses(), &coupling, speeds, forces, &mut this.matrix);
+        this
+    }
+
+    /// Whether those with respect to the start state are kept.
+    pub(crate) fn starting(&self) -> bool {
+        self.start > 0
+    }
+
+    /// From now on without those with respect to the start state.
+    pub(crate) fn drop_start(&mut self) {
+        let (old, new) = (self.columns, padded(self.constants.sizes.free));
+        for rows in [&mut self.rows, &mut self.next] {
+            *rows = rows.chunks_exact(old.max(1)).flat_map(|row| &row[..new]).copied().collect();
+        }
+        (self.start, self.columns) = (0, new);
+    }
+
+    /// After a step.
+    pub(crate) fn advance(&mut self, taken: &Taken<'_>) {
+        let s = self.constants.sizes;
+        if self.columns == 0 {
+            return;
+        }
+        let at_start = s.states + s.ports;
+        // Speeds without the forces that follow them.
+        pulp::Arch::new().dispatch(Rows {
+            sensitivity: self,
+            taken,
+            first: s.states,
+            count: 2 * s.ports,
+            known: at_start,
+        });
+        let (_, speeds) = self.next.split_at_mut(s.states * self.columns);
+        let (_, forces) = self.rows.split_at_mut(at_start * self.columns);
+        follow(self.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.matrix);
+        let known = at_start + 2 * s.ports;
+        pulp::Arch::new().dispatch(Rows { sensitivity: self, taken, first: 0, count: s.states, known });
+        let (states, forces) = self.rows.split_at_mut(s.states * self.columns);
+        states.copy_from_slice(&self.next[..states.len()]);
+        forces.copy_within(2 * s.ports * self.columns.., 0);
+    }
+
+    /// Slopes of one output now: with respect to the free parameters, then to the start state, each part filled up.
+    pub(crate) fn observe(
+        &mut self,
+        output: usize,
+        walker: &Walker<'_>,
+        inputs: &[f64],
+        slopes: &mut Vec<f64>,
+    ) {
+        let s = self.constants.sizes;
+        self.entries.clear();
+        self.entries.extend(walker.state().iter().chain(inputs).chain(walker.forces()));
+        let from = slopes.len();
+        slopes.resize(from + self.columns, 0.0);
+        let target = &mut slopes[from..];
+        pulp::Arch::new().dispatch(Sum {
+            factors: &self.constants.outputs[output],
+            rows: &self.rows[..(s.states + s.ports) * self.columns],
+            stride: self.columns,
+            target: &mut *target,
+        });
+        let free = padded(s.free);
+        pulp::Arch::new().dispatch(Sum {
+            factors: &self.entries,
+            rows: &self.constants.output_slopes[output],
+            stride: free,
+            target: &mut target[..free],
+        });
+    }
+
+    pub(crate) fn columns(&self) -> usize {
+        self.columns
+    }
+}
+
+/// Given how speeds would move without the forces, moves them with the forces, and the forces with them: v = v0 + C f and
+/// f = L v + q, where q is how the laws move with their own parameters.
+fn follow(
+    laws: &[Law],
+    responses: &[Response],
+    coupling: &[f64],
+    speeds: &mut [f64],
+    forces: &mut [f64],
+    matrix: &mut Vec<f64>,
+) {
+    let count = responses.len();
+    if count == 0 {
+        return;
+    }
+    let columns = speeds.len() / count;
+    for (k, response) in responses.iter().enumerate() {
+        for (position, column) in &laws[k % laws.len()].free {
+            for i in 0..count {
+                speeds[i * columns + column] +=
+                    coupling[i * count + k] * response.slope_parameters[*position];
+            }
+        }
+    }
+    laws::stiffness(coupling, responses, matrix);
+    // A singular matrix is no motion at all; the overflow that made it is found in the prediction.
+    if !laws::solve(matrix, speeds, columns) {
+        speeds.fill(0.0);
+    }
+    let each = forces.chunks_exact_mut(columns).zip(speeds.chunks_exact(columns)).zip(responses);
+    for (k, ((force, speed), response)) in each.enumerate() {
+        force.iter_mut().zip(speed).for_each(|(f, v)| *f = response.slope_speed * v);
+        for (position, column) in &laws[k % laws.len()].free {
+            force[*column] += response.slope_parameters[*position];
+        }
+    }
+}
+
+/// Rows `first..` of a step, by the first `known` rows of sensitivities: states, then forces.
+struct Rows<'a, 's> {
+    sensitivity: &'a mut Sensitivity<'s>,
+    taken: &'a Taken<'a>,
+    first: usize,
+    count: usize,
+    known: usize,
+}
+
+impl WithSimd for Rows<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { sensitivity, taken, first, count, known } = self;
+        let s = sensitivity.constants.sizes;
+        let (width, columns, free) = (s.width(), sensitivity.columns, padded(s.free));
+        let (states, forces) = sensitivity.rows[..known * columns].split_at(s.states * columns);
+        for i in first..first + count {
+            let map = &taken.level.rows[i * width..(i + 1) * width];
+            let target = &mut sensitivity.next[i * columns..(i + 1) * columns];
+            target.fill(0.0);
+            add(simd, &map[..s.states], states, columns, target);
+            add(simd, &map[s.forces()..], forces, columns, target);
+            let slopes = &taken.level.slopes[i * width * free..(i + 1) * width * free];
+            add(simd, taken.xi, slopes, free, &mut target[..free]);
+        }
+    }
+}
+
+/// Adds rows, each times its factor, to `target`.
+struct Sum<'a> {
+    factors: &'a [f64],
+    rows: &'a [f64],
+    stride: usize,
+    target: &'a mut [f64],
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        add(simd, self.factors, self.rows, self.stride, self.target);
+    }
+}
+
+#[inline(always)]
+fn add<S: Simd>(simd: S, factors: &[f64], rows: &[f64], stride: usize, target: &mut [f64]) {
+    if stride == 0 {
+        return;
+    }
+    let target = S::as_mut_simd_f64s(target).0;
+    let mut done = 0;
+    while done < target.len() {
+        done += match target.len() - done {
+            1 => add_some::<S, 1>(simd, factors, rows, stride, target, done),
+            2 => add_some::<S, 2>(simd, factors, rows, stride, target, done),
+            3 => add_some::<S, 3>(simd, factors, rows, stride, target, done),
+            _ => add_some::<S, 4>(simd, factors, rows, stride, target, done),
+        };
+    }
+}
+
+/// `W` vectors from `first` on; answers `W`.
+#[inline(always)]
+fn add_some<S: Simd, const W: usize>(
+    simd: S,
+    factors: &[f64],
+    rows: &[f64],
+    stride: usize,
+    target: &mut [S::f64s],
+    first: usize,
+) -> usize {
+    let target = &mut target[first..first + W];
+    let mut sums: [S::f64s; W] = std::array::from_fn(|w| target[w]);
+    for (factor, row) in factors.iter().zip(rows.chunks_exact(stride)) {
+        let (factor, row) = (simd.splat_f64s(*factor), &S::as_simd_f64s(row).0[first..first + W]);
+        for (sum, value) in sums.iter_mut().zip(row) {
+            *sum = simd.mul_add_e_f64s(factor, *value, *sum);
+        }
+    }
+    target.copy_from_slice(&sums);
+    W
+}
