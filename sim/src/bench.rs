@@ -159,6 +159,11 @@ fn shaft_of(model: &Model, place: &str) -> String {
     spring.map_or_else(|| place.to_owned(), |spring| model.nodes[spring.from].name.clone())
 }
 
+/// Conversions between two samples. A sample is the mean of those in the last two sampling intervals, those in the middle
+/// counting most: so a converter that is faster than the sampling keeps what lies about the sampling frequency (the steps
+/// of the command) from passing for something slow. It does so on all channels alike, which changes nothing between them.
+const CONVERSIONS: u32 = 4;
+
 /// What a sensor is attached to.
 #[derive(Debug, Clone, Copy)]
 enum Source {
@@ -179,6 +184,8 @@ pub(crate) struct Bench<'p> {
     /// Outputs that are speeds of watched shafts, and the shafts' angles, rad.
     shafts: Vec<(usize, f64)>,
     settles_at: f64,
+    /// What the conversions since the last sample add to the next one.
+    rising: Vec<f64>,
 }
 
 /// One input of the board: what is measured, how it is falsified, how it is read.
@@ -196,6 +203,7 @@ impl<'p> Bench<'p> {
         let calibration = &setup.calibration;
         let first_shaft = 1 + model.outputs().count();
         let shafts = 0..setup.watched_nodes().len();
+        let outputs = first_shaft + shafts.len();
         let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
             source: source(setup, &channel.channel),
             flaws: flaws(setup, &channel.channel),
@@ -205,9 +213,10 @@ impl<'p> Bench<'p> {
             trajectory: plant.start()?,
             drive: setup.drive.clone(),
             inputs: inputs.collect(),
-            outputs: vec![0.0; first_shaft + shafts.len()],
+            outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
             settles_at: 0.0,
+            rising: vec![0.0; outputs],
         })
     }
 
@@ -216,15 +225,27 @@ impl<'p> Bench<'p> {
         self.settles_at = if enabled { self.drive.settles_at(volts) } else { 0.0 };
     }
 
-    /// Lets time pass up to `to_s`, and reads all sensors at that instant. Channels without a sensor read 0.
+    /// Lets time pass up to `to_s`, and reads all sensors: each a mean, see [`CONVERSIONS`]. Channels without a
+    /// sensor read 0.
     pub(crate) fn sample(&mut self, to_s: f64, counts: &mut [i16]) -> Result<(), SimError> {
-        let step_s = to_s - self.trajectory.time_s();
-        let before: Vec<f64> = self.shafts.iter().map(|(row, _)| self.outputs[*row]).collect();
-        self.trajectory.hold(to_s, &[self.settles_at])?;
-        self.trajectory.outputs(&mut self.outputs);
-        for ((row, angle_rad), before) in self.shafts.iter_mut().zip(before) {
-            *angle_rad += 0.5 * (before + self.outputs[*row]) * step_s;
+        let from_s = self.trajectory.time_s();
+        let step_s = to_s - from_s;
+        let blank = vec![0.0; self.outputs.len()];
+        let mut rising = std::mem::replace(&mut self.rising, blank);
+        let mut falling = vec![0.0; self.outputs.len()];
+        for conversion in 1..=CONVERSIONS {
+            let share = f64::from(conversion) / f64::from(CONVERSIONS);
+            let at_s = if conversion == CONVERSIONS { to_s } else { from_s + step_s * share };
+            self.trajectory.hold(at_s, &[self.settles_at])?;
+            self.trajectory.outputs(&mut self.outputs);
+            for (row, value) in self.outputs.iter().enumerate() {
+                falling[row] += value * (1.0 - share) / f64::from(CONVERSIONS);
+                self.rising[row] += value * share / f64::from(CONVERSIONS);
+            }
         }
+        rising.iter_mut().zip(falling).for_each(|(mean, late)| *mean += late);
+        self.outputs.copy_from_slice(&rising);
+        self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += rising[*row] * step_s);
         counts.fill(0);
         for (count, input) in counts.iter_mut().zip(&mut self.inputs) {
             let mut value = match input.source {

@@ -8,7 +8,9 @@
 use std::{error::Error, path::Path};
 
 use serde_json::Value;
-use socam_identify::{Identification, Intersample, Noise, Options, Problem, StartState, output_error};
+use socam_identify::{
+    Identification, Intersample, Noise, NoiseLevels, Options, Problem, StartState, output_error,
+};
 use socam_model::{BUILTIN, Model};
 use socam_recording::Dataset;
 
@@ -81,7 +83,7 @@ fn solve(folder: &Path, truth: &Value, kind: &str) -> Result<Identification, Box
     let paths = files.iter().filter_map(Value::as_str).map(|file| folder.join("data").join(file));
     let datasets = paths.map(|path| Dataset::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let options = Options {
-        noise: Noise::Given(numbers(&format!("sigma_{kind}"))),
+        noise: Noise::Given(NoiseLevels { outputs: numbers(&format!("sigma_{kind}")), inputs: vec![0.0] }),
         start_state: StartState::Equilibrium,
         intersample: Some(Intersample::Linear),
         starts: 1,

@@ -17,8 +17,10 @@ mod error;
 mod exponential;
 mod feed;
 mod filters;
+mod input_noise;
 mod inverse_dynamics;
 mod laws;
+mod levels;
 mod modal;
 mod modes;
 mod pass;
@@ -33,6 +35,7 @@ mod start;
 mod stepper;
 mod triangle;
 mod walker;
+mod whitener;
 
 #[cfg(test)]
 mod tests;
@@ -45,3 +48,4 @@ pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
 pub use solver::{evaluate, output_error};
+pub use whitener::NoiseLevels;

@@ -185,7 +185,7 @@ impl Modal {
         index: usize,
         point: &Point,
         weights: &Weights,
-        rows: &mut Rows,
+        rows: &mut Rows<'_>,
     ) -> Result<bool, IdentifyError> {
         let stretch = &problem.stretches[index];
         let mut run = Run::new(self, stretch.sample_time_s, offset_channels(problem), rows.capacity());
@@ -317,7 +317,7 @@ impl<'m> Run<'m> {
         }
     }
 
-    fn chunk(&mut self, chunk: &Chunk, weights: &Weights, locals: &[f64], rows: &mut Rows) -> bool {
+    fn chunk(&mut self, chunk: &Chunk, weights: &Weights, locals: &[f64], rows: &mut Rows<'_>) -> bool {
         let capacity = rows.capacity();
         let mut finite = true;
         let mut from = 0;
@@ -336,7 +336,7 @@ impl<'m> Run<'m> {
         count: usize,
         weights: &Weights,
         locals: &[f64],
-        rows: &mut Rows,
+        rows: &mut Rows<'_>,
     ) -> bool {
         self.forced(chunk, from, count);
         self.decaying = self.decaying && self.decays.iter().any(|decay| decay.size() > DECAYED);

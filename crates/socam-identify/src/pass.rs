@@ -1,16 +1,20 @@
 //! One pass over the data at given parameters: for each stretch, the triangular factor of residuals and slopes.
 
+use std::sync::Arc;
+
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use socam_model::Equations;
 
 use crate::{
     IdentifyError, feed,
+    levels::{self, Probe, Score},
     modal::Modal,
     problem::{Problem, StartState},
     start,
     stepper::Stepper,
     triangle::{self, Triangle},
+    whitener::{Filtered, Whitener},
 };
 
 /// Unknowns at which a pass is made.
@@ -31,9 +35,15 @@ pub(crate) struct StretchResult {
     pub(crate) pivots: Vec<Option<usize>>,
     /// Per output: sum of squared residuals (SI), their number, and sums over the measured values.
     pub(crate) channels: Vec<ChannelSums>,
+    /// Sum of squared residuals as they were weighted.
+    pub(crate) weighted_squares: f64,
+    /// Samples, each counted by the share of its outputs that were measured.
+    pub(crate) samples: f64,
     /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
     /// [local | free]. Only when asked for.
     pub(crate) scores: Vec<Vec<f64>>,
+    /// What the residuals say of the noise levels; only when asked for.
+    pub(crate) levels: Option<Score>,
 }
 
 impl StretchResult {
@@ -99,14 +109,50 @@ impl ChannelSums {
 }
 
 /// How residuals and slopes are weighted in a pass.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(crate) struct Weights {
     /// Noise standard deviation of each output, SI.
     pub(crate) noise_std: Vec<f64>,
+    /// Of each input.
+    pub(crate) input_std: Vec<f64>,
     /// Slopes with respect to free parameter j are multiplied by `scales[j]`.
     pub(crate) scales: Vec<f64>,
     /// Whether block scores are wanted.
     pub(crate) scores: bool,
+    /// What a noisy input calls for, one for each sample time; empty where none is noisy.
+    pub(crate) colours: Arc<Vec<Colour>>,
+    /// Noise levels under test, one set for each sample time; empty where none are.
+    pub(crate) probes: Arc<Vec<(f64, Probe)>>,
+}
+
+/// What a noisy input calls for at one sample time.
+#[derive(Debug, Clone)]
+pub(crate) struct Colour {
+    pub(crate) sample_time_s: f64,
+    /// Makes residuals white.
+    pub(crate) whitener: Whitener,
+    /// What input noise adds to slope times residual per sample, SI: it stands in both. Per free parameter.
+    pub(crate) bias: Vec<f64>,
+    /// Free parameters, SI, at which all this was found.
+    pub(crate) at: Vec<f64>,
+}
+
+impl Weights {
+    /// White noise of the outputs, no other.
+    pub(crate) fn white(noise_std: Vec<f64>, scales: Vec<f64>) -> Self {
+        Self {
+            noise_std,
+            input_std: Vec::new(),
+            scales,
+            scores: false,
+            colours: Arc::default(),
+            probes: Arc::default(),
+        }
+    }
+
+    pub(crate) fn colour(&self, sample_time_s: f64) -> Option<&Colour> {
+        self.colours.iter().find(|colour| colour.sample_time_s == sample_time_s)
+    }
 }
 
 /// The whole pass; `None` where the prediction overflowed.
@@ -184,32 +230,47 @@ fn first_samples(
 }
 
 /// Takes predictions and slopes, sample by sample or block by block, and folds them.
-pub(crate) struct Rows {
+pub(crate) struct Rows<'w> {
     locals: usize,
     globals: usize,
     with_locals: Triangle,
     without_locals: Triangle,
     channels: Vec<ChannelSums>,
+    weighted_squares: f64,
+    samples: f64,
+    whitener: Option<(&'w Whitener, Filtered)>,
+    course: Option<levels::Course<'w>>,
     scores: Option<Scores>,
+    present: Vec<bool>,
 }
 
-impl Rows {
-    fn new(problem: &Problem<'_>, sample_time_s: f64, weights: &Weights, locals: usize) -> Self {
+impl<'w> Rows<'w> {
+    fn new(problem: &Problem<'_>, sample_time_s: f64, weights: &'w Weights, locals: usize) -> Self {
         let globals = problem.free.len();
         let outputs = problem.outputs();
-        let block_rows = (SCORE_BLOCK_S / sample_time_s).ceil().max(1.0) as usize;
+        let colour = weights.colour(sample_time_s);
+        let bias = colour.map_or_else(Vec::new, |colour| {
+            colour.bias.iter().zip(&weights.scales).map(|(bias, scale)| bias * scale).collect()
+        });
+        let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
         Self {
             locals,
             globals,
             with_locals: Triangle::new(locals + globals + 1),
             without_locals: Triangle::new(globals + 1),
             channels: vec![ChannelSums::default(); outputs],
+            weighted_squares: 0.0,
+            samples: 0.0,
+            whitener: colour.map(|c| (&c.whitener, c.whitener.rest(locals + globals + 1))),
+            course: probe.map(|(_, probe)| probe.start()),
             scores: weights.scores.then(|| Scores {
-                block_rows,
+                block_rows: (SCORE_BLOCK_S / sample_time_s).ceil().max(1.0) as usize,
                 row: 0,
                 sums: Vec::new(),
                 width: locals + globals,
+                bias,
             }),
+            present: Vec::new(),
         }
     }
 
@@ -237,11 +298,13 @@ impl Rows {
         };
         let mut target = triangle.rows_mut(rows * outputs);
         let mut finite = true;
+        self.present.clear();
         for (output, sums) in self.channels.iter_mut().enumerate() {
             let mut block = target.rb_mut().subrows_mut(output * rows, rows);
             fill(output, block.rb_mut());
             let std = noise_std[output];
             for (k, value) in measured[output].iter().enumerate() {
+                self.present.push(!value.is_nan());
                 if value.is_nan() {
                     block.rb_mut().row_mut(k).fill(0.0);
                     continue;
@@ -255,8 +318,17 @@ impl Rows {
             }
             finite &= sums.residual_squares.is_finite();
         }
+        if let Some(course) = &mut self.course {
+            follow(course, target.as_ref().col(columns - 1), rows, &self.present);
+        }
+        let skipped = if alive { 0 } else { self.locals };
+        if let Some((whitener, state)) = &mut self.whitener {
+            whitener.apply(state, target.rb_mut(), rows, skipped, &self.present);
+        }
+        self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
+        self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;
         if let Some(scores) = &mut self.scores {
-            scores.take(target.as_ref(), rows, outputs, if alive { 0 } else { self.locals });
+            scores.take(target.as_ref(), rows, &self.present, skipped);
         }
         finite
     }
@@ -273,35 +345,68 @@ impl Rows {
         let pivots = triangle::eliminate(&mut factor, self.locals, shows);
         let scores = self.scores.map(|scores| scores.sums).unwrap_or_default();
         let finite = factor.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
-        finite.then_some(StretchResult { factor, pivots, channels: self.channels, scores })
+        let finite = finite && self.weighted_squares.is_finite();
+        finite.then_some(StretchResult {
+            factor,
+            pivots,
+            channels: self.channels,
+            weighted_squares: self.weighted_squares,
+            samples: self.samples,
+            scores,
+            levels: self.course.map(|course| course.score),
+        })
+    }
+}
+
+/// Shows a block's residuals to the filters that judge noise levels.
+fn follow(
+    course: &mut levels::Course<'_>,
+    residuals: faer::ColRef<'_, f64>,
+    samples: usize,
+    present: &[bool],
+) {
+    let outputs = present.len() / samples.max(1);
+    for k in 0..samples {
+        let rows = || (0..outputs).map(|o| o * samples + k);
+        let residual: Vec<f64> = rows().map(|row| residuals[row]).collect();
+        let here: Vec<bool> = rows().map(|row| present[row]).collect();
+        course.take(&residual, &here);
     }
 }
 
 use faer::reborrow::ReborrowMut;
 
-/// Block sums of slopes times residuals.
+/// Block sums of slopes times residuals, less what input noise adds to them.
 struct Scores {
     block_rows: usize,
     row: usize,
     sums: Vec<Vec<f64>>,
     width: usize,
+    /// Per free parameter and sample; empty where no input is noisy.
+    bias: Vec<f64>,
 }
 
 impl Scores {
-    fn take(&mut self, rows: MatRef<'_, f64>, samples: usize, outputs: usize, skipped: usize) {
+    fn take(&mut self, rows: MatRef<'_, f64>, samples: usize, present: &[bool], skipped: usize) {
         let last = rows.ncols() - 1;
+        let outputs = present.len() / samples.max(1);
         for k in 0..samples {
             let block = (self.row + k) / self.block_rows;
             if block >= self.sums.len() {
                 self.sums.push(vec![0.0; self.width]);
             }
+            let sums = &mut self.sums[block];
             for output in 0..outputs {
                 let row = output * samples + k;
                 let residual = rows[(row, last)];
                 for j in 0..last {
-                    self.sums[block][skipped + j] += rows[(row, j)] * residual;
+                    sums[skipped + j] += rows[(row, j)] * residual;
                 }
             }
+            let here = (0..outputs).filter(|output| present[output * samples + k]).count();
+            let share = here as f64 / outputs as f64;
+            let free = self.width - self.bias.len();
+            sums[free..].iter_mut().zip(&self.bias).for_each(|(sum, bias)| *sum -= bias * share);
         }
         self.row += samples;
     }

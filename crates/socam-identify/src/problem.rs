@@ -6,6 +6,7 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError,
     feed::{self, Stretch},
+    whitener::NoiseLevels,
 };
 
 /// How an input moves between its samples.
@@ -22,10 +23,11 @@ pub enum Intersample {
 /// What is assumed of sensor noise: white, independent between channels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Noise {
-    /// One standard deviation per output channel, estimated from the residuals.
+    /// Levels are estimated from the data: those of the outputs, and those of measured speeds that drive the model. Other
+    /// inputs are taken as known exactly.
     Estimated,
-    /// Known standard deviations, SI, one per output channel.
-    Given(Vec<f64>),
+    /// Known levels.
+    Given(NoiseLevels),
 }
 
 /// Where each uninterrupted stretch of data starts from.
@@ -146,16 +148,21 @@ impl<'a> Problem<'a> {
 fn check(model: &Model, options: &Options) -> Result<(), IdentifyError> {
     let refuse = |text: String| Err(IdentifyError::Option(text));
     if let Noise::Given(given) = &options.noise {
-        let outputs = model.outputs().count();
-        if given.len() != outputs {
-            return refuse(format!(
-                "{} noise levels for the {outputs} outputs of {}",
-                given.len(),
-                model.name
-            ));
-        }
-        if let Some(std) = given.iter().find(|std| !(std.is_finite() && **std > 0.0)) {
-            return refuse(format!("a noise level is {std}, but it must be positive"));
+        let sizes = [
+            ("outputs", model.outputs().count(), &given.outputs, f64::MIN_POSITIVE),
+            ("inputs", model.inputs().count(), &given.inputs, 0.0),
+        ];
+        for (kind, count, stds, least) in sizes {
+            if stds.len() != count {
+                return refuse(format!(
+                    "{} noise levels for the {count} {kind} of {}",
+                    stds.len(),
+                    model.name
+                ));
+            }
+            if let Some(std) = stds.iter().find(|std| !(std.is_finite() && **std >= least)) {
+                return refuse(format!("a noise level of the {kind} is {std}, but it must be positive"));
+            }
         }
     }
     for constraint in &options.constraints {

@@ -8,11 +8,13 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::{
     IdentifyError,
     combinations::{self, Combination},
+    input_noise,
     modal::offset_channels,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
     solver::{Descent, Race},
     triangle,
+    whitener::NoiseLevels,
 };
 
 /// Version of [`Identification`]'s JSON form.
@@ -220,13 +222,16 @@ pub(crate) fn identification(
     races: &[Race],
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
-    let weights = crate::pass::Weights { scores: true, ..descent.weights.clone() };
+    let levels =
+        NoiseLevels { outputs: descent.weights.noise_std.clone(), inputs: descent.weights.input_std.clone() };
+    let colours = input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?;
+    let weights = crate::pass::Weights { scores: true, colours, ..descent.weights.clone() };
     if let Some(results) = pass::run(problem, &descent.point, &weights)? {
         descent.results = results;
     }
     let results = &descent.results;
     let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results);
-    let cost = 0.5 * crate::solver::data_cost(&weights, results);
+    let cost = 0.5 * results.iter().map(|result| result.weighted_squares).sum::<f64>();
     let twins = exchangeable(problem, &descent)?;
     let cpu_s = clock.seconds();
     let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
@@ -315,7 +320,7 @@ fn uncertainty(
     results: &[StretchResult],
 ) -> Uncertainty {
     let free = problem.free.len();
-    let weights = pass::Weights { noise_std: Vec::new(), scales: scales.to_vec(), scores: false };
+    let weights = pass::Weights::white(Vec::new(), scales.to_vec());
     // From steps in scales to steps in parts of each parameter's present size.
     let size = |j: usize| match point.values[problem.free[j]].abs() {
         0.0 => scales[j],
@@ -433,7 +438,7 @@ fn exchangeable(problem: &Problem<'_>, descent: &Descent) -> Result<Vec<(usize, 
             let bounds = problem.model.parameters[index].bounds;
             (bounds.0..=bounds.1).contains(&values[index])
         });
-        let own = crate::solver::data_cost(&descent.weights, &descent.results);
+        let own = crate::solver::data_cost(problem, &descent.point, &descent.weights, &descent.results);
         let swapped = if inside { crate::solver::cost_at(problem, descent, values)? } else { None };
         if swapped.is_some_and(|cost| cost - own < CHANCE) {
             found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));

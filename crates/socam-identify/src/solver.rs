@@ -11,11 +11,12 @@ use rand_chacha::{
 };
 
 use crate::{
-    IdentifyError, combinations,
+    IdentifyError, combinations, input_noise, levels,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
     triangle,
+    whitener::NoiseLevels,
 };
 
 /// A descent ends when an undamped step promises to lower the cost (a sum of squares in noise units) by less than
@@ -35,6 +36,8 @@ const LARGEST_RELIEF: f64 = 0.03;
 const COARSE_TOLERANCE: f64 = 10.0;
 /// Noise levels are settled when they change by less than this fraction.
 const NOISE_SETTLED: f64 = 0.01;
+/// Descents between which noise levels are judged anew.
+const MOST_ROUNDS: usize = 6;
 /// Steps of the start states when only they are fitted.
 const MOST_START_STEPS: usize = 20;
 /// Samples per recording, and recordings, on which starts compete.
@@ -74,7 +77,7 @@ pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyEr
     let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
     let weights = first_weights(problem, &point)?;
     let results = pass::run(problem, &point, &weights)?.ok_or_else(diverged)?;
-    let cost = data_cost(&weights, &results);
+    let cost = data_cost(problem, &point, &weights, &results);
     let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
     let channels = at.channels();
@@ -90,7 +93,7 @@ pub(crate) fn cost_at(
 ) -> Result<Option<f64>, IdentifyError> {
     let point = Point { values, locals: from.point.locals.clone() };
     let Some(results) = pass::run(problem, &point, &from.weights)? else { return Ok(None) };
-    let cost = data_cost(&from.weights, &results);
+    let cost = data_cost(problem, &point, &from.weights, &results);
     let weights = from.weights.clone();
     let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
@@ -104,7 +107,7 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     for _ in 0..MOST_START_STEPS {
         let trial = moved(problem, at, &still);
         let Some(results) = pass::run(problem, &trial, &at.weights)? else { break };
-        let cost = data_cost(&at.weights, &results);
+        let cost = data_cost(problem, &trial, &at.weights, &results);
         if cost >= at.cost * (1.0 - 1e-9) {
             break;
         }
@@ -159,9 +162,9 @@ fn scales(problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
 /// Noise levels to begin with: those given, or a fiftieth of each channel's movement.
 fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, IdentifyError> {
     let scales = scales(problem, &point.values);
-    let mut weights = Weights { noise_std: vec![1.0; problem.outputs()], scales, scores: false };
+    let mut weights = Weights::white(vec![1.0; problem.outputs()], scales);
     match &problem.options.noise {
-        Noise::Given(given) => weights.noise_std.clone_from(given),
+        Noise::Given(given) => weights.noise_std.clone_from(&given.outputs),
         Noise::Estimated => {
             let Some(results) = pass::run(problem, point, &weights)? else {
                 return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
@@ -189,33 +192,64 @@ fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
 
 /// Descends, takes the noise levels from the residuals, and again until both agree.
 fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
-    let mut weights = first_weights(problem, &point)?;
-    if matches!(problem.options.noise, Noise::Given(_)) {
+    let weights = first_weights(problem, &point)?;
+    let most = match &problem.options.noise {
+        Noise::Given(given) => given.inputs.clone(),
+        Noise::Estimated => input_noise::most(problem)?,
+    };
+    if matches!(problem.options.noise, Noise::Given(_)) && most.iter().all(|std| *std == 0.0) {
         return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations);
     }
-    let known: Vec<bool> = problem.model.outputs().map(|channel| channel.noise_std.is_some()).collect();
-    let mut point = point;
-    let mut iterations = 0;
-    let mut round = 0;
-    loop {
-        let tolerance = if round == 0 { COARSE_TOLERANCE } else { TOLERANCE };
-        let mut descent = descend(problem, point, weights, tolerance, problem.options.max_iterations)?;
+    let mut descent = descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations)?;
+    let mut iterations = descent.iterations;
+    for round in 1..=MOST_ROUNDS {
+        let before = NoiseLevels {
+            outputs: descent.weights.noise_std.clone(),
+            inputs: descent.weights.input_std.clone(),
+        };
+        let levels = judged_levels(problem, &descent, &most)?;
+        let settled = round > 1 && alike(&before, &levels);
+        if settled && (levels.inputs.iter().all(|std| *std == 0.0) || round > 2) {
+            break;
+        }
+        let weights = Weights {
+            input_std: levels.inputs.clone(),
+            colours: input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?,
+            ..Weights::white(levels.outputs, scales(problem, &descent.point.values))
+        };
+        descent = descend(problem, descent.point, weights, TOLERANCE, problem.options.max_iterations)?;
         iterations += descent.iterations;
-        let mut settled = round > 0;
-        let mut next = descent.weights.clone();
-        for (index, channel) in descent.channels().iter().enumerate().filter(|(index, _)| !known[*index]) {
-            let std = floor(channel.rms(), channel);
-            settled &= (std / next.noise_std[index] - 1.0).abs() < NOISE_SETTLED;
-            next.noise_std[index] = std;
-        }
-        if settled || round >= 6 {
-            descent.iterations = iterations;
-            return Ok(descent);
-        }
-        next.scales = scales(problem, &descent.point.values);
-        (point, weights) = (descent.point, next);
-        round += 1;
     }
+    descent.iterations = iterations;
+    Ok(descent)
+}
+
+/// Noise levels that the residuals of a descent speak for.
+fn judged_levels(
+    problem: &Problem<'_>,
+    descent: &Descent,
+    most: &[f64],
+) -> Result<NoiseLevels, IdentifyError> {
+    if let Noise::Given(given) = &problem.options.noise {
+        return Ok(given.clone());
+    }
+    let known: Vec<Option<f64>> = problem.model.outputs().map(|channel| channel.noise_std).collect();
+    let channels = descent.channels();
+    let rms =
+        channels.iter().zip(&known).map(|(channel, known)| known.unwrap_or(floor(channel.rms(), channel)));
+    let first_time = descent.weights.input_std.is_empty();
+    let start = NoiseLevels {
+        outputs: if first_time { rms.collect() } else { descent.weights.noise_std.clone() },
+        inputs: if first_time { most.to_vec() } else { descent.weights.input_std.clone() },
+    };
+    if start.in_the_input() { levels::likeliest(problem, &descent.point, start, most) } else { Ok(start) }
+}
+
+/// Whether two sets of levels differ by less than matters.
+fn alike(a: &NoiseLevels, b: &NoiseLevels) -> bool {
+    let pairs = a.outputs.iter().chain(&a.inputs).zip(b.outputs.iter().chain(&b.inputs));
+    a.inputs.len() == b.inputs.len()
+        && pairs.fold(true, |alike, (a, b)| alike && (a - b).abs() <= NOISE_SETTLED * b)
 }
 
 /// What one start of the race came to.
@@ -290,7 +324,23 @@ fn global_factor(
 ) -> Mat<f64> {
     let information = information_factor(problem, point, weights, results);
     let anchors = anchor_rows(problem, point, weights);
-    triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), problem.free.len() + 1)
+    let free = problem.free.len();
+    let mut factor = triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), free + 1);
+    // R' r loses what input noise adds to it: r moves by R'^-1 times that.
+    let bias = match weights.colours.first() {
+        Some(colour) => bias_at(problem, &colour.at, &bias(problem, weights, results), &point.values),
+        None => Vec::new(),
+    };
+    let norms = triangle::lengths(factor.as_ref(), free);
+    let mut shift = vec![0.0; free];
+    for (i, bias) in bias.iter().enumerate() {
+        let known: f64 = (0..i).map(|k| factor[(k, i)] * shift[k]).sum();
+        if factor[(i, i)].abs() > 1e-12 * norms[i] {
+            shift[i] = (bias * weights.scales[i] - known) / factor[(i, i)];
+        }
+    }
+    shift.iter().enumerate().for_each(|(i, shift)| factor[(i, free)] -= shift);
+    factor
 }
 
 /// What the data say of the free parameters, with priors but without anchors: what intervals are made of.
@@ -334,16 +384,82 @@ pub(crate) fn prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights
     rows
 }
 
-/// Sum of squared residuals in noise units.
-pub(crate) fn data_cost(weights: &Weights, results: &[StretchResult]) -> f64 {
-    let channels = channel_sums(results);
-    channels.iter().zip(&weights.noise_std).map(|(c, std)| c.residual_squares / (std * std)).sum()
+/// Sum of squared residuals as weighted, less what input noise has of its slope: see [`Colour::bias`].
+pub(crate) fn data_cost(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    results: &[StretchResult],
+) -> f64 {
+    let squares: f64 = results.iter().map(|result| result.weighted_squares).sum();
+    let slopes = bias(problem, weights, results);
+    let Some(colour) = weights.colours.first() else { return squares };
+    let along = coordinates_from(problem, &colour.at, &point.values);
+    squares - 2.0 * slopes.iter().zip(along).map(|(slope, moved)| slope * moved).sum::<f64>()
+}
+
+/// The tangent steps that lead from `at` (free parameters) to `values` (all), along the coordinates in which steps are straight.
+fn coordinates_from(problem: &Problem<'_>, at: &[f64], values: &[f64]) -> Vec<f64> {
+    let position = |index: usize| problem.free.iter().position(|free| *free == index);
+    let mut steps: Vec<f64> = problem
+        .free
+        .iter()
+        .zip(at)
+        .map(|(index, at)| curve(problem, *index).towards(*at, values[*index]))
+        .collect();
+    for spring in &problem.model.springs {
+        let Some(j) = spring.damping.and_then(position) else { continue };
+        let Some(i) = position(spring.stiffness) else { continue };
+        if curve(problem, spring.stiffness) == Curve::Inverse {
+            // See `carry_dampings`.
+            let (k, c) = (at[i], at[j]);
+            let straight = values[problem.free[j]] * (k / values[problem.free[i]]).powi(2) - c;
+            steps[j] = straight + 2.0 * c * steps[i] / k;
+        }
+    }
+    steps
+}
+
+/// What input noise adds to slopes times residuals over all stretches, SI, per free parameter, in the tangents of the point
+/// at which it was found; empty where no input is noisy.
+fn bias(problem: &Problem<'_>, weights: &Weights, results: &[StretchResult]) -> Vec<f64> {
+    if weights.colours.is_empty() {
+        return Vec::new();
+    }
+    let mut sum = vec![0.0; problem.free.len()];
+    for (stretch, result) in problem.stretches.iter().zip(results) {
+        if let Some(colour) = weights.colour(stretch.sample_time_s) {
+            sum.iter_mut().zip(&colour.bias).for_each(|(sum, bias)| *sum += bias * result.samples);
+        }
+    }
+    sum
+}
+
+/// [`bias`] in the tangents of another point: what it is constant in are the straight coordinates.
+fn bias_at(problem: &Problem<'_>, at: &[f64], bias: &[f64], values: &[f64]) -> Vec<f64> {
+    let position = |index: usize| problem.free.iter().position(|free| *free == index);
+    let mut turned = bias.to_vec();
+    for spring in &problem.model.springs {
+        let Some(i) = position(spring.stiffness) else { continue };
+        if curve(problem, spring.stiffness) == Curve::Straight {
+            continue;
+        }
+        let (k, now) = (at[i], values[spring.stiffness]);
+        let shrunk = (k / now).powi(2);
+        turned[i] = bias[i] * shrunk;
+        if let Some(j) = spring.damping.and_then(position) {
+            let (c, c_now) = (at[j], values[problem.free[j]]);
+            turned[i] += 2.0 * bias[j] * shrunk * (c / k - c_now / now);
+            turned[j] = bias[j] * shrunk;
+        }
+    }
+    turned
 }
 
 /// The same with what priors and anchors add.
 fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, results: &[StretchResult]) -> f64 {
     let pull = |rows: Mat<f64>| rows.as_ref().col(problem.free.len()).squared_norm_l2();
-    data_cost(weights, results)
+    data_cost(problem, point, weights, results)
         + pull(prior_rows(problem, point, weights))
         + pull(anchor_rows(problem, point, weights))
 }
@@ -368,7 +484,7 @@ fn descend(
         at.iterations += 1;
         let promise = |damping: f64| {
             let step = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping)?;
-            let predicted = at.cost - predicted_cost(factor.as_ref(), &step);
+            let predicted = promised_gain(factor.as_ref(), &step);
             Some((step, predicted))
         };
         // Damping shortens steps along a valley to nothing; only an undamped step that gains nothing is the end.
@@ -411,15 +527,14 @@ fn descend(
     Ok(at)
 }
 
-/// Cost that the linear picture promises after a step in scaled parameters.
-fn predicted_cost(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
+/// What the linear picture promises to gain by a step in scaled parameters.
+fn promised_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
     let free = step.len();
-    (0..=free)
-        .map(|i| {
-            let row: f64 = factor[(i, free)] + (i..free).map(|j| factor[(i, j)] * step[j]).sum::<f64>();
-            row * row
-        })
-        .sum()
+    let row = |i: usize| {
+        let change: f64 = (i..free).map(|j| factor[(i, j)] * step[j]).sum();
+        -change * (2.0 * factor[(i, free)] + change)
+    };
+    (0..free).map(row).sum()
 }
 
 /// The point after a step, local unknowns following.

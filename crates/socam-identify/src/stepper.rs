@@ -63,7 +63,7 @@ impl<'a> Stepper<'a> {
         problem: &Problem<'_>,
         index: usize,
         point: &Point,
-        rows: &mut Rows,
+        rows: &mut Rows<'_>,
     ) -> Result<bool, IdentifyError> {
         let stretch = &problem.stretches[index];
         let offsets = offset_channels(problem);
@@ -178,7 +178,7 @@ impl Run<'_> {
     }
 
     /// Folds a block of samples that have been observed.
-    fn hand_over(&mut self, count: usize, measured: &[&[f64]], rows: &mut Rows) -> bool {
+    fn hand_over(&mut self, count: usize, measured: &[&[f64]], rows: &mut Rows<'_>) -> bool {
         let starting = self.sensitivity.starting();
         let alive = starting || !self.offsets.is_empty();
         let finite = rows.take(count, alive, &self.weights.noise_std, measured, |output, target| {

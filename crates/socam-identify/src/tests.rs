@@ -6,7 +6,7 @@ use socam_model::{BUILTIN, Model};
 use socam_recording::{Channel, Dataset, Unit};
 
 use crate::{
-    Constraint, Intersample, Noise, Options, Problem, StartState, evaluate, feed, output_error,
+    Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, evaluate, feed, output_error,
     pass::{self, Point, Weights},
 };
 
@@ -150,11 +150,8 @@ fn slope_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 
     let problem = Problem::new(model, &datasets, Options { start_state, ..Options::default() }).unwrap();
     let values = model.values();
     let point = Point { locals: pass::first_locals(&problem, &values).unwrap(), values };
-    let weights = Weights {
-        noise_std: vec![0.1; problem.outputs()],
-        scales: problem.free.iter().map(|index| point.values[*index].abs()).collect(),
-        scores: false,
-    };
+    let scales = problem.free.iter().map(|index| point.values[*index].abs()).collect();
+    let weights = Weights::white(vec![0.1; problem.outputs()], scales);
     let cost = |point: &Point| -> f64 {
         let results = pass::run(&problem, point, &weights).unwrap().unwrap();
         results.iter().flat_map(|r| &r.channels).map(|c| c.residual_squares / 0.01).sum()
@@ -391,6 +388,10 @@ fn input_that_cannot_be_used_is_named() {
     fixed.parameters.iter_mut().for_each(|parameter| parameter.fixed = true);
     let data = [bench(TRUTH, 0.1, 0.0, 1)];
     assert!(Problem::new(&fixed, &data, Options::default()).unwrap_err().to_string().contains("fixed"));
-    let known = Options { noise: Noise::Given(vec![0.02, 0.01, 0.05]), starts: 1, ..Options::default() };
+    let known = Options {
+        noise: Noise::Given(NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.0] }),
+        starts: 1,
+        ..Options::default()
+    };
     assert!(output_error(&Problem::new(&model, &data, known).unwrap()).is_ok());
 }

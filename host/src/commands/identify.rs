@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use socam_identify::{Fit, Identification, IdentifyError, Intersample, Noise, Options, Problem, StartState};
+use socam_identify::{
+    Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem, StartState,
+};
 use socam_model::{Model, Update};
 use socam_recording::{Dataset, OutputFile, RecordingError};
 
@@ -45,7 +47,7 @@ pub(crate) struct Args {
     /// How the input moves between samples [default: band-limited for a measured speed, linear for the rest]
     #[arg(long, value_enum)]
     between: Option<Between>,
-    /// Known standard deviation of a channel's noise (SI); may be repeated, then for every output channel
+    /// Known standard deviation of a channel's noise (SI); repeated for every output channel, and for inputs that are noisy
     #[arg(long, value_name = "CHANNEL=STD")]
     noise: Vec<String>,
     /// Number of different start values that compete
@@ -164,23 +166,30 @@ fn noise(given: &[String], model: &Model) -> anyhow::Result<Noise> {
     if given.is_empty() {
         return Ok(Noise::Estimated);
     }
-    let names: Vec<_> = model.outputs().map(|channel| channel.name.as_str()).collect();
-    let mut levels = vec![None; names.len()];
+    let outputs: Vec<_> = model.outputs().map(|channel| channel.name.as_str()).collect();
+    let inputs: Vec<_> = model.inputs().map(|channel| channel.name.as_str()).collect();
+    let mut levels = (vec![None; outputs.len()], vec![0.0; inputs.len()]);
     for text in given {
         let wrong = || {
             WrongArguments(format!(
-                "--noise {text}: expected CHANNEL=STD with one of {} and a positive number",
-                names.join(", ")
+                "--noise {text}: expected CHANNEL=STD with one of {}, {} and a positive number",
+                outputs.join(", "),
+                inputs.join(", ")
             ))
         };
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
-        let index = names.iter().position(|known| *known == name).ok_or_else(wrong)?;
-        levels[index] = value.parse().ok().filter(|std: &f64| *std > 0.0 && std.is_finite());
-        levels[index].ok_or_else(wrong)?;
+        let std: f64 =
+            value.parse().ok().filter(|std: &f64| *std > 0.0 && std.is_finite()).ok_or_else(wrong)?;
+        let position = |names: &[&str]| names.iter().position(|known| *known == name);
+        match (position(&outputs), position(&inputs)) {
+            (Some(output), _) => levels.0[output] = Some(std),
+            (None, Some(input)) => levels.1[input] = std,
+            (None, None) => return Err(wrong().into()),
+        }
     }
-    let levels: Option<Vec<f64>> = levels.into_iter().collect();
-    levels.map(Noise::Given).ok_or_else(|| {
-        WrongArguments(format!("--noise is needed for every output channel: {}", names.join(", "))).into()
+    let known: Option<Vec<f64>> = levels.0.into_iter().collect();
+    known.map(|outputs| Noise::Given(NoiseLevels { outputs, inputs: levels.1 })).ok_or_else(|| {
+        WrongArguments(format!("--noise is needed for every output channel: {}", outputs.join(", "))).into()
     })
 }
 

@@ -156,10 +156,11 @@ fn starts_and_options_that_cannot_be_meant_are_refused() {
     let k4 = model.parameter("k4").unwrap();
     outside.parameters[k4].value = 10.0 * model.parameters[k4].bounds.1;
     assert!(refused(&outside, Options::default()).starts_with("k4 starts at"));
-    for noise in [vec![0.1], vec![0.1, 0.0, 0.1], vec![f64::NAN; 3]] {
-        assert!(
-            refused(&model, Options { noise: Noise::Given(noise), ..Options::default() }).contains("noise")
-        );
+    let levels =
+        [(vec![0.1], 0.0), (vec![0.1, 0.0, 0.1], 0.0), (vec![f64::NAN; 3], 0.0), (vec![0.1; 3], -1.0)];
+    for (outputs, input) in levels {
+        let noise = Noise::Given(NoiseLevels { outputs, inputs: vec![input] });
+        assert!(refused(&model, Options { noise, ..Options::default() }).contains("noise"));
     }
     for (index, lower, upper) in [(99, 0.0, 1.0), (0, 1.0, 0.0)] {
         let constraints = vec![Constraint { terms: vec![(index, 1.0)], lower, upper }];

@@ -1,0 +1,237 @@
+//! Noise levels from the residuals: the likelihood of what the whitening filter leaves.
+//!
+//! At given parameters the residuals are Gaussian with a covariance that the levels of output and input noise make
+//! between them. Each pass takes the slope of their likelihood and its information with respect to the logarithms
+//! of the variances; Fisher's scoring does the rest in a few passes.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use socam_model::Equations;
+
+use crate::{
+    IdentifyError, Problem,
+    feed::Stretch,
+    input_noise,
+    pass::{self, Point, Weights},
+    whitener::{Filtered, NoiseLevels, Whitener},
+};
+
+/// Step of central differences in the logarithm of a variance.
+const STEP: f64 = 0.05;
+/// Longest move of a logarithm at once.
+const LONGEST: f64 = 1.5;
+/// Log-likelihood that a further step must promise.
+const LEAST_GAIN: f64 = 0.05;
+/// Rows of each of the first stretches on which the first steps are made, and their number.
+const FIRST_ROWS: u64 = 6000;
+const FIRST_STRETCHES: usize = 6;
+const FIRST_STEPS: usize = 12;
+/// Steps on all data.
+const MOST_STEPS: usize = 3;
+
+/// Levels of greatest likelihood at given parameters; inputs' stay below `most`, known ones where they are.
+pub(crate) fn likeliest(
+    problem: &Problem<'_>,
+    point: &Point,
+    start: NoiseLevels,
+    most: &[f64],
+) -> Result<NoiseLevels, IdentifyError> {
+    let mut kept: Vec<usize> = (0..problem.stretches.len()).collect();
+    let whole = without_slopes(problem, &kept, u64::MAX);
+    kept.truncate(FIRST_STRETCHES);
+    let head = without_slopes(problem, &kept, FIRST_ROWS);
+    let head_point = Point { values: point.values.clone(), locals: point.locals[..kept.len()].to_vec() };
+    let levels = climb(&head, &head_point, start, most, FIRST_STEPS)?;
+    climb(&whole, point, levels, most, MOST_STEPS)
+}
+
+/// The same problem with nothing to be estimated but start states.
+fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
+    let shortened = |index: &usize| {
+        let stretch = &problem.stretches[*index];
+        Stretch { rows: stretch.rows.min(rows), ..stretch.clone() }
+    };
+    Problem {
+        model: problem.model,
+        datasets: problem.datasets,
+        free: Vec::new(),
+        stretches: kept.iter().map(shortened).collect(),
+        options: problem.options.clone(),
+        intersample: problem.intersample,
+        warnings: Vec::new(),
+    }
+}
+
+fn climb(
+    problem: &Problem<'_>,
+    point: &Point,
+    start: NoiseLevels,
+    most: &[f64],
+    steps: usize,
+) -> Result<NoiseLevels, IdentifyError> {
+    let equations = problem.model.equations(&point.values)?;
+    let channels: Vec<_> = problem.model.outputs().chain(problem.model.inputs()).collect();
+    let outputs = start.outputs.len();
+    let mut levels = start;
+    for _ in 0..steps {
+        let noisy = |level: &usize| *level < outputs || levels.inputs[*level - outputs] > 0.0;
+        let open = |level: &usize| channels[*level].noise_std.is_none();
+        let sought: Vec<usize> = (0..channels.len()).filter(noisy).filter(open).collect();
+        let Some(score) = score(problem, point, &equations, &levels, &sought)? else { break };
+        let (step, gain) = score.step();
+        for (level, change) in sought.iter().zip(step) {
+            levels = scaled(&levels, *level, change);
+        }
+        levels.inputs.iter_mut().zip(most).for_each(|(std, most)| *std = std.min(*most));
+        if gain < LEAST_GAIN {
+            break;
+        }
+    }
+    Ok(levels)
+}
+
+/// One pass; `None` where a filter does not exist or the prediction overflows.
+fn score(
+    problem: &Problem<'_>,
+    point: &Point,
+    equations: &Equations,
+    levels: &NoiseLevels,
+    sought: &[usize],
+) -> Result<Option<Score>, IdentifyError> {
+    let units = &levels.outputs;
+    let probes: Option<Vec<_>> = input_noise::sample_times(problem)
+        .into_iter()
+        .map(|time_s| Some((time_s, Probe::new(equations, levels, sought, units, time_s)?)))
+        .collect();
+    let Some(probes) = probes else { return Ok(None) };
+    let weights = Weights { probes: Arc::new(probes), ..Weights::white(units.clone(), Vec::new()) };
+    let Some(results) = pass::run(problem, point, &weights)? else { return Ok(None) };
+    let mut sum = Score::new(sought.len());
+    results.iter().filter_map(|result| result.levels.as_ref()).for_each(|score| sum.add(score));
+    Ok(Some(sum))
+}
+
+/// Filters about one choice of levels.
+pub(crate) struct Probe {
+    centre: Whitener,
+    /// A little more and a little less of each level that is sought.
+    sides: Vec<[Whitener; 2]>,
+    /// Slope of the remainder's covariance by each level, in units of its root.
+    spreads: Vec<DMatrix<f64>>,
+}
+
+/// What residuals say of the levels.
+#[derive(Debug, Clone)]
+pub(crate) struct Score {
+    pub(crate) slope: DVector<f64>,
+    pub(crate) information: DMatrix<f64>,
+}
+
+impl Score {
+    pub(crate) fn new(levels: usize) -> Self {
+        Self { slope: DVector::zeros(levels), information: DMatrix::zeros(levels, levels) }
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.slope += &other.slope;
+        self.information += &other.information;
+    }
+
+    /// Changes of the logarithms of the variances, and what they promise to gain of log-likelihood.
+    pub(crate) fn step(&self) -> (Vec<f64>, f64) {
+        let levels = self.slope.len();
+        // A level that leaves no trace stays where it is.
+        let information = &self.information + DMatrix::identity(levels, levels);
+        let step = information.lu().solve(&self.slope).unwrap_or_else(|| DVector::zeros(levels));
+        let step = step.map(|s| s.clamp(-LONGEST, LONGEST));
+        let gain = self.slope.dot(&step) - 0.5 * step.dot(&(&self.information * &step));
+        (step.as_slice().to_vec(), gain)
+    }
+}
+
+/// Position of a level: outputs first, then inputs.
+pub(crate) fn scaled(levels: &NoiseLevels, sought: usize, log_change: f64) -> NoiseLevels {
+    let mut levels = levels.clone();
+    let outputs = levels.outputs.len();
+    let std =
+        if sought < outputs { &mut levels.outputs[sought] } else { &mut levels.inputs[sought - outputs] };
+    *std *= (0.5 * log_change).exp();
+    levels
+}
+
+impl Probe {
+    /// `None` where one of the filters does not exist.
+    pub(crate) fn new(
+        equations: &Equations,
+        levels: &NoiseLevels,
+        sought: &[usize],
+        units: &[f64],
+        sample_time_s: f64,
+    ) -> Option<Self> {
+        let filter = |levels: &NoiseLevels| Whitener::new(equations, levels, units, sample_time_s);
+        let centre = filter(levels)?;
+        let root = centre.inverse_root();
+        let mut sides = Vec::new();
+        let mut spreads = Vec::new();
+        for level in sought {
+            let pair = [filter(&scaled(levels, *level, STEP))?, filter(&scaled(levels, *level, -STEP))?];
+            let slope = (&pair[0].covariance - &pair[1].covariance) / (2.0 * STEP);
+            spreads.push(&root * slope * root.transpose());
+            sides.push(pair);
+        }
+        Some(Self { centre, sides, spreads })
+    }
+
+    pub(crate) fn start(&self) -> Course<'_> {
+        let pair = |side: &[Whitener; 2]| [side[0].rest(1), side[1].rest(1)];
+        Course {
+            probe: self,
+            centre: self.centre.rest(1),
+            sides: self.sides.iter().map(pair).collect(),
+            score: Score::new(self.sides.len()),
+        }
+    }
+}
+
+/// The filters along one stretch.
+pub(crate) struct Course<'p> {
+    probe: &'p Probe,
+    centre: Filtered,
+    sides: Vec<[Filtered; 2]>,
+    pub(crate) score: Score,
+}
+
+impl Course<'_> {
+    /// Takes the residuals of one sample, one per output.
+    pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
+        let probe = self.probe;
+        let mut remainder = residual.to_vec();
+        probe.centre.advance(&mut self.centre, &mut remainder, 0, present);
+        let moved: Vec<Vec<f64>> = probe
+            .sides
+            .iter()
+            .zip(&mut self.sides)
+            .map(|(filters, states)| {
+                let [mut more, mut less] = [residual.to_vec(), residual.to_vec()];
+                filters[0].advance(&mut states[0], &mut more, 0, present);
+                filters[1].advance(&mut states[1], &mut less, 0, present);
+                let slope: Vec<f64> = more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect();
+                probe.centre.normalise(&slope)
+            })
+            .collect();
+        if present.contains(&false) {
+            return;
+        }
+        let white = DVector::from_vec(probe.centre.normalise(&remainder));
+        for (i, slope) in moved.iter().enumerate() {
+            let spread = &probe.spreads[i];
+            let along: f64 = white.iter().zip(slope).map(|(w, s)| w * s).sum();
+            self.score.slope[i] += 0.5 * ((white.transpose() * spread * &white)[0] - spread.trace()) - along;
+            for (j, other) in moved.iter().enumerate() {
+                let common: f64 = slope.iter().zip(other).map(|(a, b)| a * b).sum();
+                self.score.information[(i, j)] += 0.5 * spread.dot(&probe.spreads[j]) + common;
+            }
+        }
+    }
+}
