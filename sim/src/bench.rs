@@ -91,6 +91,7 @@ impl Setup {
             scale: 1.0,
             offset: 0.0,
             noise_std: None,
+            gain: None,
             estimate_offset: false,
             unit: "",
         });

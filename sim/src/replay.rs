@@ -181,7 +181,10 @@ impl Replay {
                 format!("no such place; it may act at {} {servo}", places.join(", ")),
             ));
         };
-        let gain = self.truth.values[servo.position_gain] * self.truth.values[servo.velocity_gain];
+        let of_channel = model.inputs().nth(input).and_then(|channel| channel.gain);
+        let gain = of_channel.map_or(1.0, |parameter| self.truth.values[parameter])
+            * self.truth.values[servo.position_gain]
+            * self.truth.values[servo.velocity_gain];
         Ok((input, 1.0 / gain))
     }
 
@@ -247,6 +250,7 @@ fn torque_on(disturbance: &Disturbance) -> Channel {
         scale: 1.0,
         offset: 0.0,
         noise_std: None,
+        gain: None,
         estimate_offset: false,
         unit: "",
     }

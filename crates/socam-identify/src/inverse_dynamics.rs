@@ -131,6 +131,9 @@ impl<'m> Axis<'m> {
         if !model.outputs().any(|channel| channel.quantity == Quantity::Angle && channel.at == inputs[0].at) {
             return Err(unsuited("it needs the angle or position measured where the torque or force acts"));
         }
+        if model.channels.iter().any(|channel| channel.gain.is_some()) {
+            return Err(unsuited("it takes channels as measured, without a gain; use output-error"));
+        }
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
         let mut axis = Self {

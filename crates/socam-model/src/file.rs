@@ -167,6 +167,7 @@ struct RawChannel {
     #[serde(default)]
     offset: f64,
     noise_std: Option<Spanned<f64>>,
+    gain: Option<Name>,
     #[serde(default)]
     estimate_offset: bool,
 }
@@ -551,6 +552,7 @@ impl Reader<'_> {
             );
             return self.fail(&name, message);
         }
+        let gain = raw.gain.map(|name| self.parameter(&name, Kind::Ratio)).transpose()?;
         let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
         let name = name.into_inner();
         Ok(Channel {
@@ -561,6 +563,7 @@ impl Reader<'_> {
             at: raw.at.into_inner(),
             scale: raw.scale,
             offset: raw.offset,
+            gain,
             noise_std: raw.noise_std.map(Spanned::into_inner),
             estimate_offset: raw.estimate_offset,
             unit,

@@ -196,6 +196,8 @@ pub struct Channel {
     pub scale: f64,
     /// See `scale`.
     pub offset: f64,
+    /// Parameter that multiplies it: an input acts `gain` times as measured, an output reads `gain` times what is there.
+    pub gain: Option<usize>,
     /// Standard deviation of its noise where known, SI.
     pub noise_std: Option<f64>,
     /// Whether its offset is to be estimated for each recording.

@@ -421,6 +421,10 @@ impl<'a, 'm> Motion<'a, 'm> {
         Scalar::constant(1.0, self.a.wrt.len())
     }
 
+    fn gain(&self, channel: &crate::Channel) -> Scalar {
+        channel.gain.map_or_else(|| self.one(), |parameter| self.a.scalar(parameter))
+    }
+
     fn solve(&mut self, damped: &[usize], prescribed: &[usize]) -> Result<(), ModelError> {
         let one = self.one();
         for (column, group) in self.angles.clone().into_iter().enumerate() {
@@ -473,7 +477,7 @@ impl<'a, 'm> Motion<'a, 'm> {
             };
             let group = self.a.group[node];
             debug_assert!(prescribed.contains(&group));
-            let motion = self.one().over(&self.a.lever[node]);
+            let motion = self.gain(channel).over(&self.a.lever[node]);
             let column = self.first_input() + index;
             self.velocity.add_at(group, column, &motion);
         }
@@ -487,11 +491,13 @@ impl<'a, 'm> Motion<'a, 'm> {
             match channel.quantity {
                 Quantity::Torque => {
                     if let Some(node) = self.a.model.nodes.iter().position(|node| node.name == channel.at) {
-                        force.add_at(self.a.group[node], column, &self.a.lever[node]);
+                        let torque = self.gain(channel).times(&self.a.lever[node]);
+                        force.add_at(self.a.group[node], column, &torque);
                     }
                 }
                 Quantity::Reference => {
                     if let Some((row, proportional, _)) = self.a.servo_terms() {
+                        let proportional = proportional.times(&self.gain(channel));
                         force.add_block(0, column, &row.transpose().scaled(&proportional));
                     }
                 }
@@ -593,6 +599,7 @@ impl<'a, 'm> Motion<'a, 'm> {
                     .minus(&row.times(&self.velocity).scaled(&derivative));
                 for (index, input) in model.inputs().enumerate() {
                     if input.quantity == Quantity::Reference {
+                        let proportional = proportional.times(&self.gain(input));
                         torque.add_at(0, self.first_input() + index, &proportional);
                     }
                 }
@@ -616,7 +623,7 @@ impl<'a, 'm> Motion<'a, 'm> {
         let outputs: Vec<_> = model.channels.iter().filter(|channel| channel.role == Role::Output).collect();
         let mut observed = Jet::zeros(outputs.len(), all.len(), count);
         for (row, channel) in outputs.iter().enumerate() {
-            observed.add_block(row, 0, &self.output_row(channel)?);
+            observed.add_block(row, 0, &self.output_row(channel)?.scaled(&self.gain(channel)));
         }
         let mut seen = Jet::zeros(self.ports, all.len(), count);
         for (row, used) in model.effects.iter().enumerate() {

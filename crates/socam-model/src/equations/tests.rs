@@ -230,6 +230,30 @@ fn slopes_agree_with_differences() {
     }
 }
 
+/// A gain counts once on the way in and once on the way out, and its slopes are what it multiplies.
+#[test]
+fn a_gain_multiplies_its_channel_alone() {
+    let plain = Model::builtin("two-mass").unwrap();
+    let parameter = |name| format!("{name} = {{ value = 1.25, unit = \"1\" }}\n\n[[nodes]]");
+    let text = plain.text.replacen("[[nodes]]", &parameter("drive"), 1);
+    let text = text.replacen("[[nodes]]", &parameter("tacho"), 1);
+    let text = text.replacen("[channels.motor_torque]", "[channels.motor_torque]\ngain = \"drive\"", 1);
+    let model =
+        Model::parse(&text.replacen("[channels.load_speed]", "[channels.load_speed]\ngain = \"tacho\"", 1));
+    let model = model.unwrap();
+    let wrt = ["drive", "tacho"].map(|name| model.parameter(name).unwrap());
+    let (scaled, slopes) = model.equations_with_slopes(&model.values(), &wrt).unwrap();
+    let plain = plain.equations(&plain.values()).unwrap();
+    let gains = nalgebra::DVector::from_row_slice(&[1.0, 1.25]);
+    let output = nalgebra::DMatrix::from_diagonal(&gains) * &plain.output;
+    assert!((&scaled.input - &plain.input * 1.25).amax() < 1e-9 && (&scaled.output - output).amax() < 1e-12);
+    assert_eq!(scaled.state, plain.state);
+    assert!((&slopes[0].input - &plain.input).amax() < 1e-9 && slopes[0].output.amax() == 0.0);
+    assert!((slopes[1].output.row(1) - plain.output.row(1)).amax() < 1e-12 && slopes[1].input.amax() == 0.0);
+    let other_unit = text.replacen("\"drive\"", "\"stiffness\"", 1);
+    assert!(Model::parse(&other_unit).unwrap_err().to_string().contains("stiffness"));
+}
+
 #[test]
 fn a_wrong_file_gets_line_key_and_what_was_expected() {
     let good = crate::BUILTIN[0].1;
