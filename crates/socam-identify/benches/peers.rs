@@ -5,23 +5,21 @@
 //! `optimum.json` and, if the peers were run there in the same hour, their `results.jsonl`: then the ratios are printed
 //! too. Without the variable it says so and does nothing. `-- nl` runs the one whose name contains that.
 
+mod common;
+
 use std::{error::Error, path::Path};
 
+use common::NAMES;
 use serde_json::Value;
 use socam_identify::{
     Identification, Intersample, Noise, NoiseLevels, Options, Problem, StartState, output_error,
 };
-use socam_model::{BUILTIN, Model};
 use socam_recording::Dataset;
 
 const RUNS: usize = 5;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Ok(folder) = std::env::var("SOCAM_BENCH") else {
-        println!("peers: skipped, SOCAM_BENCH names no folder with the reference problems");
-        return Ok(());
-    };
-    let folder = Path::new(&folder);
+    let Some(folder) = common::folder("peers") else { return Ok(()) };
     let truth: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
     let optimum: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("optimum.json"))?)?;
     let peers = std::fs::read_to_string(folder.join("results.jsonl")).unwrap_or_default();
@@ -32,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let mut runs = Vec::new();
         for _ in 0..RUNS {
-            runs.push(solve(folder, &truth, kind)?);
+            runs.push(solve(&folder, &truth, kind)?);
         }
         let mut cpu: Vec<f64> = runs.iter().map(|run| run.cpu_s).collect();
         cpu.sort_by(f64::total_cmp);
@@ -58,32 +56,26 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn solve(folder: &Path, truth: &Value, kind: &str) -> Result<Identification, Box<dyn Error>> {
-    let numbers = |key: &str| -> Vec<f64> {
-        truth[key].as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
-    };
-    let mut text = BUILTIN[0].1.to_owned();
-    if kind == "nl" {
-        text = text.replace("J2 = {", "Tc = { value = 0.6, unit = \"N m\", bounds = [0, 100] }\nws = { value = 0.05, unit = \"rad/s\", fixed = true }\nJ2 = {");
-        text.push_str("\n[[effects]]\neffect = \"coulomb_friction\"\nat = \"load_bearing\"\nparameters = { torque = \"Tc\", transition_speed = \"ws\" }\n");
+    let (known, mut values) =
+        (common::numbers(truth, "truth"), common::numbers(truth, &format!("p0_{kind}")));
+    let held = ["k2", "c3", "k3"];
+    for (i, _) in NAMES.iter().enumerate().filter(|(_, name)| held.contains(name)) {
+        values[i] = known[i];
     }
-    let mut model = Model::parse(&text)?;
-    let (fixed, start) = (numbers("truth"), numbers(&format!("p0_{kind}")));
-    for (i, name) in ["k1", "k2", "k3", "k4", "c2", "c3", "c4", "c5", "Tc"].iter().enumerate() {
-        let Some(index) = model.parameter(name) else { continue };
-        let held = ["k2", "c3", "k3"].contains(name);
-        model.parameters[index].fixed = held;
-        model.parameters[index].value = if held { fixed[i] } else { start[i] };
-    }
-    for (name, value) in truth["constants"].as_object().into_iter().flatten() {
-        if let (Some(index), Some(value)) = (model.parameter(name), value.as_f64()) {
-            model.parameters[index].value = value;
+    let mut model = common::model(truth, kind, &values)?;
+    for name in NAMES {
+        if let Some(index) = model.parameter(name) {
+            model.parameters[index].fixed = held.contains(&name);
         }
     }
     let files = truth[format!("files_{kind}")].as_array().ok_or("truth.json names no files")?;
     let paths = files.iter().filter_map(Value::as_str).map(|file| folder.join("data").join(file));
     let datasets = paths.map(|path| Dataset::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let options = Options {
-        noise: Noise::Given(NoiseLevels { outputs: numbers(&format!("sigma_{kind}")), inputs: vec![0.0] }),
+        noise: Noise::Given(NoiseLevels {
+            outputs: common::numbers(truth, &format!("sigma_{kind}")),
+            inputs: vec![0.0],
+        }),
         start_state: StartState::Equilibrium,
         intersample: Some(Intersample::Linear),
         starts: 1,

@@ -1,4 +1,5 @@
-//! Products of a block of signals with a small matrix: what a general library spends on packing is the whole work here.
+//! Products of small matrices with blocks of signals and with rows: what a general library spends on packing is the whole
+//! work here.
 
 use faer::{MatMut, MatRef};
 use pulp::{Simd, WithSimd};
@@ -126,6 +127,85 @@ fn tile<'t, S: Simd, const ADD: bool, const W: usize>(
 fn two<S: Simd>(values: &[f64]) -> [S::f64s; 2] {
     let vectors = S::as_simd_f64s(values).0;
     [vectors[0], vectors[1]]
+}
+
+/// Adds rows, each times its factor, to `target`. All are `stride` long, the target may be shorter, in whole vectors.
+pub(crate) fn add_rows(factors: &[f64], rows: &[f64], stride: usize, target: &mut [f64]) {
+    pulp::Arch::new().dispatch(AddRows { factors, rows, stride, target });
+}
+
+struct AddRows<'a> {
+    factors: &'a [f64],
+    rows: &'a [f64],
+    stride: usize,
+    target: &'a mut [f64],
+}
+
+impl WithSimd for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        sum_rows::<S, true, 1>(simd, [(self.factors, self.rows, self.stride)], 0, self.target);
+    }
+}
+
+/// Makes `target` the sum of all rows, each times its factor, from their entry `first` on; whole vectors. Each source names its
+/// factors, its rows and how far those are apart.
+#[inline(always)]
+pub(crate) fn write<S: Simd, const N: usize>(
+    simd: S,
+    sources: [(&[f64], &[f64], usize); N],
+    first: usize,
+    target: &mut [f64],
+) {
+    sum_rows::<S, false, N>(simd, sources, first, target);
+}
+
+#[inline(always)]
+fn sum_rows<S: Simd, const ADD: bool, const N: usize>(
+    simd: S,
+    sources: [(&[f64], &[f64], usize); N],
+    first: usize,
+    target: &mut [f64],
+) {
+    let target = S::as_mut_simd_f64s(target).0;
+    let mut done = 0;
+    while done < target.len() {
+        let from = first + done * S::F64_LANES;
+        let rest = &mut target[done..];
+        done += match rest.len() {
+            1 => sum_some::<S, ADD, N, 1>(simd, sources, from, rest),
+            2 => sum_some::<S, ADD, N, 2>(simd, sources, from, rest),
+            3 => sum_some::<S, ADD, N, 3>(simd, sources, from, rest),
+            _ => sum_some::<S, ADD, N, 4>(simd, sources, from, rest),
+        };
+    }
+}
+
+/// The first `W` vectors of `target`, by the rows' entries from `first` on; answers `W`.
+#[inline(always)]
+fn sum_some<S: Simd, const ADD: bool, const N: usize, const W: usize>(
+    simd: S,
+    sources: [(&[f64], &[f64], usize); N],
+    first: usize,
+    target: &mut [S::f64s],
+) -> usize {
+    let mut sums = [simd.splat_f64s(0.0); W];
+    if ADD {
+        sums.copy_from_slice(&target[..W]);
+    }
+    for (factors, rows, stride) in sources {
+        for (factor, row) in factors.iter().zip(rows.chunks_exact(stride)) {
+            let factor = simd.splat_f64s(*factor);
+            let row = &S::as_simd_f64s(&row[first..first + W * S::F64_LANES]).0[..W];
+            for (sum, value) in sums.iter_mut().zip(row) {
+                *sum = simd.mul_add_e_f64s(factor, *value, *sum);
+            }
+        }
+    }
+    target[..W].copy_from_slice(&sums);
+    W
 }
 
 #[cfg(test)]

@@ -200,7 +200,7 @@ const REACH: usize = SHARPENING.len();
 const SHARPENING: [f64; 3] = [1.0 / 12.0, 1.0 / 90.0, 1.0 / 560.0];
 
 /// Some rows of `values` sharpened. Where neighbours are missing, towards the ends of `values`, fewer powers are used.
-fn sharpen(values: &[f64], rows: Range<usize>) -> Vec<f64> {
+pub(crate) fn sharpen(values: &[f64], rows: Range<usize>) -> Vec<f64> {
     let [first, second, third] = SHARPENING;
     let pair = |k: usize, n: usize| values[k - n] + values[k + n];
     let sharp = |k: usize| {

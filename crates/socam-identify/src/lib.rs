@@ -25,6 +25,7 @@ mod modal;
 mod modes;
 mod pass;
 mod phi;
+mod predict;
 mod problem;
 mod recursion;
 mod reflect;
@@ -43,9 +44,11 @@ mod tests;
 pub use combinations::combination_values;
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
+pub use predict::{Prediction, Predictor, Start};
 pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
 pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
 pub use solver::{evaluate, output_error};
+pub use walker::DEFAULT_TOLERANCE;
 pub use whitener::NoiseLevels;

@@ -4,6 +4,7 @@ use pulp::{Simd, WithSimd};
 use socam_model::{Equations, effects::Response};
 
 use crate::{
+    combine,
     exponential::{Sizes, padded},
     laws::{self, Law},
     walker::{Taken, Walker},
@@ -161,19 +162,14 @@ impl<'s> Sensitivity<'s> {
         let from = slopes.len();
         slopes.resize(from + self.columns, 0.0);
         let target = &mut slopes[from..];
-        pulp::Arch::new().dispatch(Sum {
-            factors: &self.constants.outputs[output],
-            rows: &self.rows[..(s.states + s.ports) * self.columns],
-            stride: self.columns,
-            target: &mut *target,
-        });
+        combine::add_rows(
+            &self.constants.outputs[output],
+            &self.rows[..(s.states + s.ports) * self.columns],
+            self.columns,
+            &mut *target,
+        );
         let free = padded(s.free);
-        pulp::Arch::new().dispatch(Sum {
-            factors: &self.entries,
-            rows: &self.constants.output_slopes[output],
-            stride: free,
-            target: &mut target[..free],
-        });
+        combine::add_rows(&self.entries, &self.constants.output_slopes[output], free, &mut target[..free]);
     }
 
     pub(crate) fn columns(&self) -> usize {
@@ -239,67 +235,11 @@ impl WithSimd for Rows<'_, '_> {
         for i in first..first + count {
             let map = &taken.level.rows[i * width..(i + 1) * width];
             let target = &mut sensitivity.next[i * columns..(i + 1) * columns];
-            target.fill(0.0);
-            add(simd, &map[..s.states], states, columns, target);
-            add(simd, &map[s.forces()..], forces, columns, target);
             let slopes = &taken.level.slopes[i * width * free..(i + 1) * width * free];
-            add(simd, taken.xi, slopes, free, &mut target[..free]);
+            let own = [(&map[..s.states], states, columns), (&map[s.forces()..], forces, columns)];
+            let (moved, rest) = target.split_at_mut(free);
+            combine::write(simd, [own[0], own[1], (taken.xi, slopes, free)], 0, moved);
+            combine::write(simd, own, free, rest);
         }
     }
-}
-
-/// Adds rows, each times its factor, to `target`.
-struct Sum<'a> {
-    factors: &'a [f64],
-    rows: &'a [f64],
-    stride: usize,
-    target: &'a mut [f64],
-}
-
-impl WithSimd for Sum<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        add(simd, self.factors, self.rows, self.stride, self.target);
-    }
-}
-
-#[inline(always)]
-fn add<S: Simd>(simd: S, factors: &[f64], rows: &[f64], stride: usize, target: &mut [f64]) {
-    if stride == 0 {
-        return;
-    }
-    let target = S::as_mut_simd_f64s(target).0;
-    let mut done = 0;
-    while done < target.len() {
-        done += match target.len() - done {
-            1 => add_some::<S, 1>(simd, factors, rows, stride, target, done),
-            2 => add_some::<S, 2>(simd, factors, rows, stride, target, done),
-            3 => add_some::<S, 3>(simd, factors, rows, stride, target, done),
-            _ => add_some::<S, 4>(simd, factors, rows, stride, target, done),
-        };
-    }
-}
-
-/// `W` vectors from `first` on; answers `W`.
-#[inline(always)]
-fn add_some<S: Simd, const W: usize>(
-    simd: S,
-    factors: &[f64],
-    rows: &[f64],
-    stride: usize,
-    target: &mut [S::f64s],
-    first: usize,
-) -> usize {
-    let target = &mut target[first..first + W];
-    let mut sums: [S::f64s; W] = std::array::from_fn(|w| target[w]);
-    for (factor, row) in factors.iter().zip(rows.chunks_exact(stride)) {
-        let (factor, row) = (simd.splat_f64s(*factor), &S::as_simd_f64s(row).0[first..first + W]);
-        for (sum, value) in sums.iter_mut().zip(row) {
-            *sum = simd.mul_add_e_f64s(factor, *value, *sum);
-        }
-    }
-    target.copy_from_slice(&sums);
-    W
 }

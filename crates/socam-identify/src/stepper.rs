@@ -16,12 +16,9 @@ use crate::{
     problem::{Problem, StartState},
     sensitivity::{Constants, Sensitivity},
     start,
-    walker::Walker,
+    walker::{DEFAULT_TOLERANCE, Walker},
 };
 
-/// Allowed error of a step in the speed that a law sees, relative to the largest such speed. Far below what sensors resolve;
-/// each factor of 32 costs twice the steps, and only where a law bends.
-const TOLERANCE: f64 = 1e-7;
 /// Start terms whose effect has shrunk to this are over.
 const DECAYED: f64 = 1e-13;
 
@@ -126,7 +123,7 @@ impl<'a> Stepper<'a> {
             let state = x.map_or_else(|| vec![0.0; states], |x| x.iter().copied().collect());
             (state, Some(moved.unwrap_or_default()))
         };
-        let walker = Walker::new(equations, &self.levels, &self.laws, TOLERANCE, &state, inputs);
+        let walker = Walker::new(equations, &self.levels, &self.laws, DEFAULT_TOLERANCE, &state, inputs);
         let model = (equations, slopes);
         let sensitivity =
             Sensitivity::new(&self.constants, &self.laws, model, &walker, inputs, moved.as_deref());
