@@ -170,13 +170,24 @@ pub(crate) fn run(
     };
     let linear = is_linear(&equations, &point.values);
     let modal = if linear { Modal::new(problem, &equations, &slopes, point, weights) } else { None };
+    // One for each sample time: to make it costs more than a short stretch takes.
+    let mut steppers: Vec<(f64, Option<Stepper<'_>>)> = Vec::new();
+    for stretch in problem.stretches.iter().filter(|_| modal.is_none()) {
+        let time_s = stretch.sample_time_s;
+        if steppers.iter().all(|(known_s, _)| *known_s != time_s) {
+            let stepper = Stepper::new(problem, &equations, &slopes, point, weights, time_s);
+            steppers.push((time_s, stepper));
+        }
+    }
     let one = |index: usize| -> Result<Option<StretchResult>, IdentifyError> {
-        let stretch = &problem.stretches[index];
-        let mut rows = Rows::new(problem, stretch.sample_time_s, weights, point.locals[index].len());
+        let time_s = problem.stretches[index].sample_time_s;
+        let mut rows = Rows::new(problem, time_s, weights, point.locals[index].len());
+        let stepper = || steppers.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
-            None => Stepper::new(problem, &equations, &slopes, point, weights, stretch.sample_time_s)
-                .map_or(Ok(false), |stepper| stepper.predict(problem, index, point, &mut rows))?,
+            None => {
+                stepper().map_or(Ok(false), |stepper| stepper.predict(problem, index, point, &mut rows))?
+            }
         };
         Ok(if finite { rows.finish() } else { None })
     };
