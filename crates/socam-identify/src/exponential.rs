@@ -1,7 +1,7 @@
 //! Exact steps of a model's linear part, with their slopes.
 //!
-//! Over a step, inputs move in a straight line and the laws' forces along a parabola through their values at its start,
-//! middle and end. What the step leads to is then linear in xi = [x, u at both ends, f at start, middle and end], by maps made of
+//! Over a step, inputs and the laws' forces move along parabolas through their values at its start, middle and end. What the
+//! step leads to is then linear in xi = [x, u at start, middle and end, f at start, middle and end], by maps made of
 //! the functions phi_1 to phi_3 of the exponential (collocation of Lobatto's kind, fourth order: Hochbruck and Ostermann 2005,
 //! doi:10.1016/j.apnum.2004.08.005). However stiff the drivetrain, only the forces are approximated.
 
@@ -41,7 +41,7 @@ impl Sizes {
 
     /// Where the force at a step's start stands in xi.
     pub(crate) fn forces(self) -> usize {
-        self.states + 2 * self.inputs
+        self.states + 3 * self.inputs
     }
 
     /// Where the forces stand that a step has to find: those in its middle, then those at its end.
@@ -158,19 +158,15 @@ impl Step {
         let along = |weights: [f64; 3], pick: &dyn Fn(usize) -> DMatrix<f64>| {
             (1..=3).map(|k| pick(k) * weights[k - 1]).fold(DMatrix::zeros(n, n), |sum, term| sum + term)
         };
-        // Integrals against straight lines through 0 and 1, against parabolas through 0, 1/2 and 1.
-        let (lines, parabolas) =
-            ([[1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], [[1.0, -3.0, 4.0], [0.0, 4.0, -8.0], [0.0, -1.0, 4.0]]);
+        // Integrals against the parabolas that are 1 at one of 0, 1/2 and 1, and 0 at the others.
+        let parabolas = [[1.0, -3.0, 4.0], [0.0, 4.0, -8.0], [0.0, -1.0, 4.0]];
         let gather = |phi: &DMatrix<f64>, drive: &dyn Fn([f64; 3]) -> DMatrix<f64>| {
             let mut map = DMatrix::zeros(n, sizes.width());
             map.columns_mut(0, n).copy_from(phi);
-            for (i, weights) in lines.iter().enumerate() {
+            for (i, weights) in parabolas.iter().enumerate() {
                 let driven = drive(*weights);
                 map.columns_mut(n + i * sizes.inputs, sizes.inputs)
                     .copy_from(&driven.columns(0, sizes.inputs));
-            }
-            for (i, weights) in parabolas.iter().enumerate() {
-                let driven = drive(*weights);
                 map.columns_mut(sizes.forces() + i * sizes.ports, sizes.ports)
                     .copy_from(&driven.columns(sizes.inputs, sizes.ports));
             }
@@ -223,8 +219,7 @@ fn add_driven(map: &mut DMatrix<f64>, last: &DMatrix<f64>, sizes: Sizes) {
 fn halved(map: &DMatrix<f64>, half: usize, sizes: Sizes) -> DMatrix<f64> {
     let mut whole = DMatrix::zeros(map.nrows(), map.ncols());
     whole.columns_mut(0, sizes.states).copy_from(&map.columns(0, sizes.states));
-    // Values at the ends of the half, by those at the ends of the whole; then also in their middles.
-    let lines = [[[1.0, 0.0], [0.5, 0.5]], [[0.5, 0.5], [0.0, 1.0]]];
+    // Values at start, middle and end of the half, by those of the whole.
     let parabolas = [
         [[1.0, 0.0, 0.0], [0.375, 0.75, -0.125], [0.0, 1.0, 0.0]],
         [[0.0, 1.0, 0.0], [-0.125, 0.75, 0.375], [0.0, 0.0, 1.0]],
@@ -238,10 +233,8 @@ fn halved(map: &DMatrix<f64>, half: usize, sizes: Sizes) -> DMatrix<f64> {
             }
         }
     };
-    for (from, weights) in lines[half].iter().enumerate() {
-        spread(sizes.states, sizes.inputs, from, weights);
-    }
     for (from, weights) in parabolas[half].iter().enumerate() {
+        spread(sizes.states, sizes.inputs, from, weights);
         spread(sizes.forces(), sizes.ports, from, weights);
     }
     whole
@@ -263,11 +256,9 @@ fn with_speeds(equations: &Equations, slopes: &[Equations], steps: &[Step], size
         let mut rows = &e.port * x;
         let parabola =
             [(1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)];
-        for (i, weight) in [1.0 - share, share].into_iter().enumerate() {
+        for (i, weight) in parabola.into_iter().enumerate() {
             let mut target = rows.columns_mut(n + i * sizes.inputs, sizes.inputs);
             target += &e.port_input * weight;
-        }
-        for (i, weight) in parabola.into_iter().enumerate() {
             let mut target = rows.columns_mut(sizes.forces() + i * sizes.ports, sizes.ports);
             target += &e.port_force * weight;
         }
@@ -355,27 +346,26 @@ mod tests {
         let levels = levels(&equations, &[], step_s).unwrap();
         for (index, level) in levels.iter().enumerate() {
             let h = step_s * 0.5_f64.powi(index as i32);
-            // x' = A x + B u + H f, u' = u1, f' = f1, f1' = f2, over unit time.
-            let size = n + 5;
+            // x' = A x + B u + H f, u' = u1, u1' = u2, f' = f1, f1' = f2, over unit time.
+            let size = n + 6;
             let mut generator = DMatrix::zeros(size, size);
             generator.view_mut((0, 0), (n, n)).copy_from(&(&equations.state * h));
             generator.view_mut((0, n), (n, 1)).copy_from(&(&equations.input * h));
-            generator.view_mut((0, n + 2), (n, 1)).copy_from(&(&equations.force * h));
-            generator[(n, n + 1)] = 1.0;
-            generator[(n + 2, n + 3)] = 1.0;
-            generator[(n + 3, n + 4)] = 1.0;
+            generator.view_mut((0, n + 3), (n, 1)).copy_from(&(&equations.force * h));
+            for k in [n, n + 1, n + 3, n + 4] {
+                generator[(k, k + 1)] = 1.0;
+            }
             let whole = generator.exp();
-            // Derivatives at the start of the line and the parabola through unit values at their nodes.
-            let starts: [&[f64]; 5] =
-                [&[1.0, -1.0], &[0.0, 1.0], &[1.0, -3.0, 4.0], &[0.0, 4.0, -8.0], &[0.0, -1.0, 4.0]];
+            // Derivatives at the start of the parabolas through unit values at their nodes.
+            let starts = [[1.0, -3.0, 4.0], [0.0, 4.0, -8.0], [0.0, -1.0, 4.0]];
             for i in 0..n {
                 let size = whole.row(i).amax();
                 let got = |l: usize| level.rows[i * sizes.width() + l];
                 for l in 0..n {
                     assert!((got(l) - whole[(i, l)]).abs() < 1e-9 * size, "level {index}: {i} {l}");
                 }
-                for (l, start) in starts.iter().enumerate() {
-                    let first = if l < 2 { n } else { n + 2 };
+                for (l, start) in starts.iter().cycle().take(6).enumerate() {
+                    let first = if l < 3 { n } else { n + 3 };
                     let expected: f64 =
                         start.iter().enumerate().map(|(k, s)| s * whole[(i, first + k)]).sum();
                     assert!((got(n + l) - expected).abs() < 1e-9 * size, "level {index}: {i} drive {l}");

@@ -5,7 +5,7 @@ use std::ops::Range;
 use socam_model::{Channel, Model};
 use socam_recording::Dataset;
 
-use crate::{IdentifyError, Intersample};
+use crate::{IdentifyError, Intersample, between};
 
 /// Fewest samples worth a start state of its own.
 const MIN_ROWS: u64 = 20;
@@ -51,7 +51,8 @@ impl Stretch {
 pub(crate) struct Chunk {
     /// One vector per input, as measured.
     pub(crate) inputs: Vec<Vec<f64>>,
-    /// The same, as the hold between samples wants it.
+    /// Coefficients of its course between samples, from some before the first row to some after the last: see
+    /// [`between::coefficients`].
     pub(crate) held: Vec<Vec<f64>>,
     /// One vector per output; NaN where missing.
     pub(crate) outputs: Vec<Vec<f64>>,
@@ -150,11 +151,8 @@ pub(crate) fn read(
     let columns = channels.iter().map(|channel| dataset.channel_index(&channel.column));
     let columns = columns.collect::<Result<Vec<_>, _>>()?;
     let inputs = model.inputs().count();
-    // Sharpening needs the samples before and after; a piece of a run has those of its neighbours.
-    let reach = match intersample {
-        Intersample::Linear => 0,
-        Intersample::BandLimited => REACH as u64,
-    };
+    // A spline needs the samples before and after; a piece of a run has those of its neighbours.
+    let reach = between::reach(intersample) as u64;
     let end = stretch.first_row + stretch.rows;
     let first = stretch.run.start.max(stretch.first_row.saturating_sub(reach));
     let last = stretch.run.end.min(end + reach);
@@ -174,10 +172,7 @@ pub(crate) fn read(
         let rows = (next - start) as usize..(ready - start) as usize;
         let part =
             |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
-        let held = |values: &Vec<f64>| match intersample {
-            Intersample::Linear => values[rows.clone()].to_vec(),
-            Intersample::BandLimited => sharpen(values, rows.clone()),
-        };
+        let held = |values: &Vec<f64>| between::coefficients(values, rows.clone(), intersample);
         use_chunk(&Chunk {
             inputs: part(&window[..inputs]),
             held: window[..inputs].iter().map(held).collect(),
@@ -189,36 +184,6 @@ pub(crate) fn read(
         start = keep;
     }
     Ok(())
-}
-
-/// Samples to either side that sharpening looks at.
-const REACH: usize = SHARPENING.len();
-
-/// Straight lines between samples pass a tone at x rad per sample with the gain (sin(x/2)/(x/2))^2. Its inverse in
-/// powers of d = 2 - 2 cos x, that is, of second differences, begins 1 + d/12 + d^2/90 + d^3/560: exact to a part in
-/// 1e5 up to a tenth of the sampling rate, 1e-3 up to a fifth.
-const SHARPENING: [f64; 3] = [1.0 / 12.0, 1.0 / 90.0, 1.0 / 560.0];
-
-/// Some rows of `values` sharpened. Where neighbours are missing, towards the ends of `values`, fewer powers are used.
-pub(crate) fn sharpen(values: &[f64], rows: Range<usize>) -> Vec<f64> {
-    let [first, second, third] = SHARPENING;
-    let pair = |k: usize, n: usize| values[k - n] + values[k + n];
-    let sharp = |k: usize| {
-        let value = values[k];
-        let reach = REACH.min(k).min(values.len() - 1 - k);
-        let mut sharp = value;
-        if reach >= 1 {
-            sharp += first * (2.0 * value - pair(k, 1));
-        }
-        if reach >= 2 {
-            sharp += second * (6.0 * value - 4.0 * pair(k, 1) + pair(k, 2));
-        }
-        if reach >= 3 {
-            sharp += third * (20.0 * value - 15.0 * pair(k, 1) + 6.0 * pair(k, 2) - pair(k, 3));
-        }
-        sharp
-    };
-    rows.map(sharp).collect()
 }
 
 #[cfg(test)]
@@ -252,9 +217,11 @@ mod tests {
         for stretch in stretches {
             let before = all[0].len();
             read(model, data, stretch, intersample, |chunk| {
-                assert!(chunk.outputs.iter().chain(&chunk.held).all(|column| column.len() == chunk.rows()));
+                assert!(chunk.outputs.iter().all(|column| column.len() == chunk.rows()));
+                let before = between::margin(intersample) + 1;
+                assert_eq!(chunk.held[0].len(), chunk.rows() + 2 * before - 1);
                 all[0].extend_from_slice(&chunk.inputs[0]);
-                all[1].extend_from_slice(&chunk.held[0]);
+                all[1].extend_from_slice(&chunk.held[0][before..before + chunk.rows()]);
                 all[2].extend_from_slice(&chunk.outputs[1]);
             })
             .unwrap();
@@ -283,17 +250,5 @@ mod tests {
                 assert_eq!(pieces.iter().filter(|piece| piece.begins_run()).count(), 3);
             }
         }
-    }
-
-    #[test]
-    fn sharpening_undoes_what_straight_lines_take_from_a_tone() {
-        let x = 0.6_f64;
-        let tone: Vec<f64> = (0..50).map(|k| (x * f64::from(k) + 0.3).sin()).collect();
-        let gain = ((0.5 * x).sin() / (0.5 * x)).powi(2);
-        let sharp = sharpen(&tone, 0..50);
-        for (k, tolerance) in [(0, 0.1), (1, 5e-3), (2, 5e-4), (3, 1e-4), (25, 1e-4), (46, 1e-4), (49, 0.1)] {
-            assert!((sharp[k] * gain - tone[k]).abs() < tolerance, "{k}");
-        }
-        assert_eq!(sharpen(&[3.0], 0..1), [3.0]);
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use socam_model::Equations;
 
 use crate::{
-    IdentifyError,
+    IdentifyError, between,
     combine::{Combination, Signals},
     feed::{self, Chunk},
     modes::{Mode, diagonalise, representatives},
@@ -188,7 +188,7 @@ impl Modal {
         rows: &mut Rows<'_>,
     ) -> Result<bool, IdentifyError> {
         let stretch = &problem.stretches[index];
-        let mut run = Run::new(self, stretch.sample_time_s, offset_channels(problem), rows.capacity());
+        let mut run = Run::new(self, problem, stretch.sample_time_s, rows.capacity());
         let mut finite = true;
         feed::read(
             problem.model,
@@ -284,7 +284,8 @@ struct Run<'m> {
     modal: &'m Modal,
     /// Per input, one for each mode.
     recursions: Vec<Vec<Recursion>>,
-    last: Vec<f64>,
+    /// Coefficients of an input beyond its samples.
+    around: usize,
     /// What is left of the start.
     decays: Vec<Recursion>,
     row: usize,
@@ -294,26 +295,27 @@ struct Run<'m> {
     offsets: Vec<usize>,
     forced: Signals,
     starts: Signals,
-    /// One input's samples of a block, that of the sample before it first.
-    held: Vec<f64>,
+    /// No input.
+    silence: Vec<f64>,
 }
 
 impl<'m> Run<'m> {
-    fn new(modal: &'m Modal, step_s: f64, offsets: Vec<usize>, capacity: usize) -> Self {
+    fn new(modal: &'m Modal, problem: &Problem<'_>, step_s: f64, capacity: usize) -> Self {
+        let hold = |pole| Hold::new(pole, step_s, problem.intersample);
         let at_rest: Vec<Recursion> =
-            modal.modes.iter().map(|mode| Recursion::new(Hold::new(mode.pole, step_s), mode.real)).collect();
+            modal.modes.iter().map(|mode| Recursion::new(hold(mode.pole), mode.real)).collect();
         Self {
             modal,
             decays: at_rest.iter().map(Recursion::left_at_one).collect(),
             recursions: vec![at_rest; modal.inputs],
-            last: vec![0.0; modal.inputs],
+            around: 2 * between::margin(problem.intersample) + 1,
             row: 0,
             start: Vec::new(),
             decaying: true,
-            offsets,
+            offsets: offset_channels(problem),
             forced: Signals::new(capacity, modal.forced_signals()),
             starts: Signals::new(capacity, 2 * modal.mode_signals()),
-            held: Vec::new(),
+            silence: Vec::new(),
         }
     }
 
@@ -374,30 +376,32 @@ impl<'m> Run<'m> {
         let mut signals: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
         for (input, signals) in signals.chunks_mut(per_input).enumerate() {
             let (own, responses) = signals.split_at_mut(1);
-            let column = |columns: &[Vec<f64>], target: &mut [f64]| match columns.get(input) {
-                Some(column) => target.copy_from_slice(&column[from..from + count]),
-                // The constant 1.
-                None => target.fill(1.0),
-            };
-            column(&chunk.inputs, own[0]);
-            self.held.resize(count + 1, 0.0);
-            self.held[0] = self.last[input];
-            column(&chunk.held, &mut self.held[1..]);
-            self.last[input] = self.held[count];
-            respond(&mut self.recursions[input], self.row, &self.held, responses);
+            match (chunk.inputs.get(input), chunk.held.get(input)) {
+                (Some(values), Some(held)) => {
+                    own[0].copy_from_slice(&values[from..from + count]);
+                    let held = &held[from..from + count + self.around];
+                    respond(&mut self.recursions[input], self.row, held, responses);
+                }
+                _ => {
+                    // The constant 1.
+                    own[0].fill(1.0);
+                    let ones = vec![1.0; count + self.around];
+                    respond(&mut self.recursions[input], self.row, &ones, responses);
+                }
+            }
         }
     }
 
     /// Decaying start terms and the same times t, which is their derivative with respect to the pole.
     fn starts(&mut self, count: usize) {
         let mut signals: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
-        self.held.clear();
-        self.held.resize(count + 1, 0.0);
-        respond(&mut self.decays, self.row, &self.held, &mut signals);
+        self.silence.resize(count + self.around, 0.0);
+        respond(&mut self.decays, self.row, &self.silence, &mut signals);
     }
 }
 
-/// Samples from `row` on; at the first of all, the recursions stand where they are.
+/// Samples from `row` on, with the input's coefficients from before them to after; at the first of all, the recursions stand
+/// where they are.
 fn respond(recursions: &mut [Recursion], row: usize, held: &[f64], signals: &mut [&mut [f64]]) {
     if row > 0 {
         return recursion::advance(recursions, held, signals);

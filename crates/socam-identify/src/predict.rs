@@ -4,8 +4,8 @@ use socam_model::{Equations, Model};
 
 use crate::{
     IdentifyError, Intersample,
+    between::{self, Course},
     exponential::{self, Level},
-    feed,
     laws::Law,
     start,
     walker::{DEFAULT_TOLERANCE, Walker},
@@ -103,31 +103,29 @@ impl Predictor {
     ) -> Result<Prediction, IdentifyError> {
         let rows = inputs.first().map_or(0, |input| input.len());
         self.check(inputs, rows)?;
-        let held: Vec<Vec<f64>> = match intersample {
-            Intersample::Linear => Vec::new(),
-            Intersample::BandLimited => inputs.iter().map(|input| feed::sharpen(input, 0..rows)).collect(),
+        let pieces = between::pieces(intersample);
+        let held: Vec<Vec<f64>> =
+            inputs.iter().map(|input| between::coefficients(input, 0..rows, intersample)).collect();
+        let along = |k: usize, course: &mut Vec<Course>| {
+            course.clear();
+            course.extend(held.iter().map(|held| Course::new(&pieces, &held[k..])));
         };
-        let held: Vec<&[f64]> =
-            if held.is_empty() { inputs.to_vec() } else { held.iter().map(Vec::as_slice).collect() };
-        let at = |columns: &[&[f64]], k: usize, values: &mut Vec<f64>| {
-            values.clear();
-            values.extend(columns.iter().map(|column| column[k]));
-        };
-        let (mut last, mut now, mut raw) = (Vec::new(), Vec::new(), Vec::new());
-        at(&held, 0, &mut last);
-        let state = self.start(start, &last)?;
+        let (mut course, mut raw) = (Vec::new(), Vec::new());
+        along(0, &mut course);
+        let first: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
+        let state = self.start(start, &first)?;
         let mut walker =
-            Walker::new(&self.equations, &self.levels, &self.laws, self.tolerance, &state, &last);
+            Walker::new(&self.equations, &self.levels, &self.laws, self.tolerance, &state, &first);
         let mut steps = 0;
         let mut values = vec![0.0; self.equations.output.nrows()];
         let mut outputs: Vec<Vec<f64>> = values.iter().map(|_| Vec::with_capacity(rows)).collect();
         for k in 0..rows {
             if k > 0 {
-                at(&held, k, &mut now);
-                walker.sample(&last, &now, |_| steps += 1);
-                std::mem::swap(&mut last, &mut now);
+                along(k, &mut course);
+                walker.sample(&course, |_| steps += 1);
             }
-            at(inputs, k, &mut raw);
+            raw.clear();
+            raw.extend(inputs.iter().map(|input| input[k]));
             walker.outputs(&raw, &mut values);
             outputs.iter_mut().zip(&values).for_each(|(output, value)| output.push(*value));
         }

@@ -20,8 +20,8 @@ pub(crate) struct Recursion {
     real: bool,
     /// Steps made at once.
     steps: usize,
-    /// What each input from the last sample's on leaves in chi and psi, one to `steps` samples on; then what the last chi
-    /// leaves. What psi leaves in psi is what chi leaves in chi. Lanes are steps; real and imaginary parts stand one after the
+    /// What each of the inputs' coefficients about these steps leaves in chi and psi, one to `steps` samples on; then what the
+    /// last chi leaves. What psi leaves in psi is what chi leaves in chi. Lanes are steps; real and imaginary parts stand one after the
     /// other, of a real mode real parts only.
     weights: Vec<f64>,
     chi: C,
@@ -33,13 +33,14 @@ impl Recursion {
     pub(crate) fn new(hold: Hold, real: bool) -> Self {
         let steps = pulp::Arch::new().dispatch(Lanes);
         let mut weights = Vec::new();
-        for source in 0..steps + 2 {
+        let span = steps + hold.taps.len() - 1;
+        for source in 0..=span {
             // One unit input, or at last a unit chi.
-            let input = |k: usize| if k == source { 1.0 } else { 0.0 };
-            let mut state = (C::from(if source > steps { 1.0 } else { 0.0 }), C::default());
+            let inputs: Vec<f64> = (0..span).map(|k| if k == source { 1.0 } else { 0.0 }).collect();
+            let mut state = (C::from(if source == span { 1.0 } else { 0.0 }), C::default());
             let mut lanes = [const { Vec::new() }; 4];
             for k in 0..steps {
-                state = step(&hold, state, input(k), input(k + 1));
+                state = step(&hold, state, &inputs[k..]);
                 let parts = [state.0.re, state.0.im, state.1.re, state.1.im];
                 for (lane, part) in lanes.iter_mut().zip(parts) {
                     lane.push(if part.abs() < NOTHING { 0.0 } else { part });
@@ -75,11 +76,10 @@ impl Recursion {
     }
 }
 
-fn step(hold: &Hold, (chi, psi): (C, C), before: f64, after: f64) -> (C, C) {
-    (
-        hold.decay * chi + hold.before * before + hold.after * after,
-        hold.decay * psi + hold.decay_slope * chi + hold.before_slope * before + hold.after_slope * after,
-    )
+/// One step; the coefficients about it come first among `inputs`.
+fn step(hold: &Hold, (chi, psi): (C, C), inputs: &[f64]) -> (C, C) {
+    let start = (hold.decay * chi, hold.decay * psi + hold.decay_slope * chi);
+    hold.taps.iter().zip(inputs).fold(start, |sum, ((tap, slope), u)| (sum.0 + tap * u, sum.1 + slope * u))
 }
 
 /// How many numbers a vector holds.
@@ -94,15 +94,15 @@ impl WithSimd for Lanes {
     }
 }
 
-/// Goes on by one sample for each value of `inputs` but the first, which is that of the sample before, with the modes' chi
-/// into the first half of `signals` and their psi into the second.
+/// Goes on as far as the coefficients `inputs` reach, with the modes' chi into the first half of `signals` and their psi into
+/// the second.
 pub(crate) fn advance(recursions: &mut [Recursion], inputs: &[f64], signals: &mut [&mut [f64]]) {
     each(recursions, signals, |recursion, chi, psi| {
-        let steps = inputs.len().saturating_sub(1);
+        let steps = (inputs.len() + 1).saturating_sub(recursion.hold.taps.len());
         let chunks = steps / recursion.steps;
         pulp::Arch::new().dispatch(Advance { recursion: &mut *recursion, inputs, chi, psi, chunks });
         for k in chunks * recursion.steps..steps {
-            let state = step(&recursion.hold, (recursion.chi, recursion.psi), inputs[k], inputs[k + 1]);
+            let state = step(&recursion.hold, (recursion.chi, recursion.psi), &inputs[k..]);
             (recursion.chi, recursion.psi) = state;
             recursion.write(k, chi, psi);
         }
@@ -160,13 +160,14 @@ impl Advance<'_, '_> {
     #[inline(always)]
     fn real<S: Simd>(self, simd: S) {
         let steps = S::F64_LANES;
-        let (weights, own) = self.recursion.weights.split_at(2 * steps * (steps + 1));
+        let span = steps + self.recursion.hold.taps.len() - 1;
+        let (weights, own) = self.recursion.weights.split_at(2 * steps * span);
         let (weights, own) = (S::as_simd_f64s(weights).0, S::as_simd_f64s(own).0);
         let (decay, slope) = (own[0], own[1]);
         let chi_out = S::as_mut_simd_f64s(&mut self.chi[0][..self.chunks * steps]).0;
         let psi_out = S::as_mut_simd_f64s(&mut self.psi[0][..self.chunks * steps]).0;
         let (mut chi, mut psi) = (self.recursion.chi.re, self.recursion.psi.re);
-        let inputs = self.inputs.windows(steps + 1).step_by(steps);
+        let inputs = self.inputs.windows(span).step_by(steps);
         for ((c, p), inputs) in chi_out.iter_mut().zip(psi_out).zip(inputs) {
             let mut sums = [simd.splat_f64s(0.0); 2];
             for (input, weights) in inputs.iter().zip(weights.chunks_exact(2)) {
@@ -186,7 +187,8 @@ impl Advance<'_, '_> {
     #[inline(always)]
     fn pair<S: Simd>(self, simd: S) {
         let steps = S::F64_LANES;
-        let (weights, own) = self.recursion.weights.split_at(4 * steps * (steps + 1));
+        let span = steps + self.recursion.hold.taps.len() - 1;
+        let (weights, own) = self.recursion.weights.split_at(4 * steps * span);
         let (weights, own) = (S::as_simd_f64s(weights).0, S::as_simd_f64s(own).0);
         let (decay, slope) = ([own[0], own[1]], [own[2], own[3]]);
         let ([chi_re, chi_im], [psi_re, psi_im]) = (self.chi, self.psi) else { return };
@@ -198,7 +200,7 @@ impl Advance<'_, '_> {
         let chi_out = chi_re.iter_mut().zip(chi_im);
         let psi_out = psi_re.iter_mut().zip(psi_im);
         let (mut chi, mut psi) = (self.recursion.chi, self.recursion.psi);
-        let inputs = self.inputs.windows(steps + 1).step_by(steps);
+        let inputs = self.inputs.windows(span).step_by(steps);
         for ((c, p), inputs) in chi_out.zip(psi_out).zip(inputs) {
             let mut sums = [simd.splat_f64s(0.0); 4];
             for (input, weights) in inputs.iter().zip(weights.chunks_exact(4)) {
@@ -233,22 +235,23 @@ fn last<S: Simd>(vector: &S::f64s) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Intersample;
 
     #[test]
     fn side_by_side_is_one_after_the_other() {
-        let inputs: Vec<f64> = (0..24).map(|k| ((k * 7 + 3) % 11) as f64 - 5.0).collect();
+        let inputs: Vec<f64> = (0..28).map(|k| ((k * 7 + 3) % 11) as f64 - 5.0).collect();
         for pole in [C::new(-40.0, 300.0), C::new(-2e5, 0.0), C::default()] {
-            let hold = Hold::new(pole, 1e-3);
+            let hold = Hold::new(pole, 1e-3, Intersample::BandLimited);
             let real = pole.im == 0.0;
-            let mut recursion = Recursion::new(hold, real);
+            let mut recursion = Recursion::new(hold.clone(), real);
             let (mut state, mut sizes) = ((C::default(), C::default()), (0.0_f64, 0.0_f64));
             // Blocks of lengths that no number of lanes divides.
             for (from, to) in [(0, 7), (7, 8), (8, 23)] {
                 let mut values = vec![vec![f64::NAN; to - from]; 2 * recursion.signals()];
                 let mut signals: Vec<&mut [f64]> = values.iter_mut().map(|v| &mut v[..]).collect();
-                advance(std::slice::from_mut(&mut recursion), &inputs[from..=to], &mut signals);
+                advance(std::slice::from_mut(&mut recursion), &inputs[from..to + 5], &mut signals);
                 for k in from..to {
-                    state = step(&hold, state, inputs[k], inputs[k + 1]);
+                    state = step(&hold, state, &inputs[k..]);
                     sizes = (sizes.0.max(state.0.norm()), sizes.1.max(state.1.norm()));
                     let parts = [
                         (state.0.re, sizes.0),

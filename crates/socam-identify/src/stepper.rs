@@ -8,6 +8,7 @@ use socam_model::Equations;
 
 use crate::{
     IdentifyError,
+    between::{self, Course},
     exponential::{self, Level, padded},
     feed,
     laws::Law,
@@ -65,8 +66,9 @@ impl<'a> Stepper<'a> {
         let stretch = &problem.stretches[index];
         let offsets = offset_channels(problem);
         let mut run: Option<Run<'_>> = None;
-        let mut last = vec![0.0; self.equations.input.ncols()];
-        let (mut held, mut raw) = (last.clone(), last.clone());
+        let pieces = between::pieces(problem.intersample);
+        let mut raw = vec![0.0; self.equations.input.ncols()];
+        let mut course = Vec::new();
         let mut finite = true;
         feed::read(
             problem.model,
@@ -81,16 +83,16 @@ impl<'a> Stepper<'a> {
                         return;
                     }
                     for k in from..from + count {
-                        let at = |columns: &[Vec<f64>], values: &mut [f64]| {
-                            values.iter_mut().zip(columns).for_each(|(value, column)| *value = column[k]);
-                        };
-                        at(&chunk.held, &mut held);
-                        at(&chunk.inputs, &mut raw);
+                        raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
+                        course.clear();
+                        course.extend(chunk.held.iter().map(|held| Course::new(&pieces, &held[k..])));
                         match &mut run {
-                            None => run = Some(self.start(problem, index, point, &offsets, &held)),
-                            Some(run) => run.sample(&last, &held),
+                            None => {
+                                let held: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
+                                run = Some(self.start(problem, index, point, &offsets, &held));
+                            }
+                            Some(run) => run.sample(&course),
                         }
-                        last.copy_from_slice(&held);
                         run.iter_mut().for_each(|run| run.observe(&raw));
                     }
                     let measured: Vec<&[f64]> =
@@ -161,9 +163,9 @@ struct Run<'s> {
 }
 
 impl Run<'_> {
-    fn sample(&mut self, from: &[f64], to: &[f64]) {
+    fn sample(&mut self, course: &[Course]) {
         let Self { walker, sensitivity, .. } = self;
-        walker.sample(from, to, |taken| sensitivity.advance(taken));
+        walker.sample(course, |taken| sensitivity.advance(taken));
     }
 
     fn observe(&mut self, inputs: &[f64]) {

@@ -7,6 +7,7 @@
 use socam_model::{Equations, effects::Response};
 
 use crate::{
+    between::Course,
     combine,
     exponential::{Level, Sizes},
     laws::{self, Law, Room, SILENT},
@@ -29,7 +30,7 @@ pub(crate) struct Walker<'a> {
     largest: Vec<f64>,
     /// Level of the last step.
     level: usize,
-    /// State, inputs at both ends of a step, and forces at its start, middle and end.
+    /// State; inputs at a step's start, middle and end; forces there.
     xi: Vec<f64>,
     /// What the map makes of xi.
     ends: Vec<f64>,
@@ -121,8 +122,8 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// One sample further, the inputs going straight from `from` to `to`. `taken` learns of each step, before the state moves.
-    pub(crate) fn sample(&mut self, from: &[f64], to: &[f64], mut taken: impl FnMut(&Taken<'_>)) {
+    /// One sample further, each input along its `course`. `taken` learns of each step, before the state moves.
+    pub(crate) fn sample(&mut self, course: &[Course], mut taken: impl FnMut(&Taken<'_>)) {
         let (n, inputs) = (self.sizes.states, self.sizes.inputs);
         let finest = self.levels.len() - 1;
         let whole = 1_usize << finest;
@@ -134,10 +135,11 @@ impl<'a> Walker<'a> {
                 level += 1;
             }
             let length = whole >> level;
-            for i in 0..inputs {
-                let at = |position: usize| from[i] + (to[i] - from[i]) * (position as f64 / whole as f64);
-                self.xi[n + i] = at(done);
-                self.xi[n + inputs + i] = at(done + length);
+            let part = [done, done + length].map(|position| position as f64 / whole as f64);
+            for (i, course) in course.iter().enumerate() {
+                for (node, value) in course.parabola(part).into_iter().enumerate() {
+                    self.xi[n + node * inputs + i] = value;
+                }
             }
             let error = self.attempt(level);
             let passed = error <= self.tolerance;
