@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p socam-identify --bench scale -- [MILLIONS..]` records the default bench (its linear equations stepped
 //! exactly, and noise) in millions of samples, by default 1 and 10, and fits it from the model file's values, one start. Each
-//! fit is a process of its own. Fifty million samples take 4.5 GB under `target/`; a recording is removed after its fits.
+//! fit is a process of its own, as is `scale fit FILE` of a log by `scale record FILE MILLIONS`. Fifty million samples take 4.5 GB under `target/`; a recording is removed after its fits.
 //!
 //! Linux only: it reads /proc/self.
 
@@ -23,17 +23,22 @@ const NOISE: [f64; 3] = [0.02, 0.01, 0.05];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
-    if let [command, file] = &arguments[..]
-        && command == "fit"
-    {
-        return fit(file);
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["record", file, millions] => {
+            return record(Path::new(file), (millions.parse::<f64>()? * 1e6) as u64);
+        }
+        ["fit", file] => return fit(file),
+        _ => {}
     }
     let mut millions = arguments.iter().map(|text| text.parse()).collect::<Result<Vec<f64>, _>>()?;
     if millions.is_empty() {
         millions = vec![1.0, 10.0];
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    println!("   samples  threads    open s     CPU s    wall s   CPU us/sample/pass  memory MiB  speed-up");
+    println!(
+        "   samples  threads    open s     CPU s    wall s   CPU us/sample/pass  memory MiB  speed-up  (on idle cores)"
+    );
     for millions in millions {
         let samples = (millions * 1e6) as u64;
         let file = folder.join(format!("scale_{samples}.mcap"));
@@ -44,13 +49,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (threads, run) in [(1, &one), (2, &two)] {
             let number = |key: &str| run[key].as_f64().unwrap_or(f64::NAN);
             println!(
-                "{samples:10}  {threads:7}  {:8.2}  {:8.2}  {:8.2}   {:18.3}  {:10.0}  {:8.2}",
+                "{samples:10}  {threads:7}  {:8.2}  {:8.2}  {:8.2}   {:18.3}  {:10.0}  {:8.2}  {:15.2}",
                 number("open_s"),
                 number("cpu_s"),
                 number("wall_s"),
                 number("cpu_s") / samples as f64 / number("iterations") * 1e6,
                 number("memory_kib") / 1024.0,
                 one["wall_s"].as_f64().unwrap_or(f64::NAN) / number("wall_s"),
+                number("cpu_s") / number("path_s"),
             );
         }
         let same = one["result"] == two["result"];
@@ -89,6 +95,7 @@ fn fit(file: &str) -> Result<(), Box<dyn Error>> {
         "open_s": open_s,
         "wall_s": started.elapsed().as_secs_f64(),
         "cpu_s": cpu_time::ProcessTime::now().as_duration().as_secs_f64(),
+        "path_s": longest_path_s(),
         "memory_kib": status_kib("VmHWM:"),
         "iterations": result.iterations,
         "result": serde_json::to_value(&result)?,
@@ -209,6 +216,23 @@ fn motion() -> Vec<f64> {
         60.0 + tones.iter().enumerate().map(tone).sum::<f64>()
     };
     (0..PERIOD).map(speed).collect()
+}
+
+/// Processor seconds one after the other: the main thread's, while it does not wait for the others, and the busiest other's.
+fn longest_path_s() -> f64 {
+    let threads = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let (mut main, mut busiest) = (0.0, 0.0_f64);
+    for thread in threads {
+        let times = fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
+        let nanoseconds = times.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
+        let seconds = nanoseconds.unwrap_or(f64::NAN) / 1e9;
+        if thread.file_name().to_str() == Some(&std::process::id().to_string()) {
+            main = seconds;
+        } else {
+            busiest = busiest.max(seconds);
+        }
+    }
+    main + busiest
 }
 
 fn status_kib(name: &str) -> u64 {

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 
 use crate::Channel;
-use crate::dataset::Warning;
+use crate::dataset::{BLOCK_ROWS, Warning};
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
-use crate::rows::{EndOfRows, Layout, Place};
+use crate::rows::{EndOfRows, Layout, Part, Place};
 use crate::table::Table;
 
 /// Bytes asked from the system at a time.
@@ -75,11 +75,6 @@ impl CsvRows {
         Self { lines, channels, columns, warnings, previous_s: f64::NEG_INFINITY }
     }
 
-    /// Where the next row starts.
-    pub(crate) fn place(&self) -> Place {
-        self.lines.place()
-    }
-
     pub(crate) fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -93,6 +88,18 @@ impl CsvRows {
             self.row(table).map_err(|problem| self.lines.error(problem))?;
         }
         Ok(true)
+    }
+
+    /// The next block of rows.
+    pub(crate) fn next(&mut self) -> Result<Vec<Part>> {
+        let place = self.lines.place();
+        let mut table = Table::with_columns(self.channels.len());
+        self.read(&mut table, BLOCK_ROWS)?;
+        Ok(if table.rows() > 0 {
+            vec![Part { place, end_byte: self.lines.place().byte, table }]
+        } else {
+            Vec::new()
+        })
     }
 
     fn row(&mut self, table: &mut Table) -> Result<(), LineProblem> {

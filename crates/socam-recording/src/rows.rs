@@ -20,6 +20,14 @@ pub(crate) struct Place {
     pub(crate) line: u64,
 }
 
+/// Some rows of a file and where they start and end.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(crate) place: Place,
+    pub(crate) end_byte: u64,
+    pub(crate) table: Table,
+}
+
 /// The first reading of a file: checks every row and finds out what else there is.
 pub(crate) enum Scan {
     Csv(Box<CsvRows>),
@@ -58,19 +66,11 @@ impl Scan {
         }
     }
 
-    /// Where the rows of the next [`Scan::read`] start.
-    pub(crate) fn place(&self) -> Place {
+    /// The next rows, none empty; nothing once there are no more.
+    pub(crate) fn next(&mut self) -> Result<Vec<Part>> {
         match self {
-            Self::Csv(rows) => rows.place(),
-            Self::Log(rows) => rows.place(),
-        }
-    }
-
-    /// Appends about `rows` rows; false once there are no more.
-    pub(crate) fn read(&mut self, table: &mut Table, rows: usize) -> Result<bool> {
-        match self {
-            Self::Csv(lines) => lines.read(table, rows),
-            Self::Log(log) => log.read(table, rows),
+            Self::Csv(rows) => rows.next(),
+            Self::Log(rows) => rows.next(),
         }
     }
 

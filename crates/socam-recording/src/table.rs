@@ -1,5 +1,7 @@
 //! Rows of a recording, column by column: what readers fill and blocks are cut from.
 
+use std::ops::Range;
+
 use crate::selection::Span;
 
 /// Rows of a recording, column by column. A missing value is NaN (readers refuse NaN in files).
@@ -23,9 +25,13 @@ impl Table {
     }
 
     pub(crate) fn append(&mut self, other: &Self) {
-        self.time_s.extend_from_slice(&other.time_s);
+        self.append_part(other, 0..other.rows());
+    }
+
+    pub(crate) fn append_part(&mut self, other: &Self, rows: Range<usize>) {
+        self.time_s.extend_from_slice(&other.time_s[rows.clone()]);
         for (mine, theirs) in self.columns.iter_mut().zip(&other.columns) {
-            mine.extend_from_slice(theirs);
+            mine.extend_from_slice(&theirs[rows.clone()]);
         }
     }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::block::{Block, Column};
-use super::{BLOCK_ROWS, Dataset, FileSource, Source};
+use super::{BLOCK_ROWS, Dataset, FileSource, Source, SpillSource, spill};
 use crate::error::{RecordingError, Result};
 use crate::rows::Again;
 use crate::table::Table;
@@ -21,6 +21,7 @@ pub struct Blocks<'a> {
 
 enum Feed<'a> {
     Memory(&'a Table),
+    Spill(&'a SpillSource, Vec<u8>),
     File(Reading),
     /// Nothing more is wanted, or can be had.
     Ended,
@@ -80,6 +81,7 @@ impl<'a> Blocks<'a> {
         let feed = match &dataset.source {
             _ if rows.is_empty() => Feed::Ended,
             Source::Memory(memory) => Feed::Memory(&memory.table),
+            Source::Spill(source) => Feed::Spill(source, Vec::new()),
             Source::File(file) => Feed::File(Reading::open(file, rows.start, &columns)?),
         };
         let segment = dataset.segments.partition_point(|segment| segment.end_row() <= rows.start);
@@ -101,6 +103,15 @@ impl<'a> Blocks<'a> {
                 let range = first_row as usize..end_row as usize;
                 let columns = self.columns.iter().map(|column| cut(&table.columns[*column][range.clone()]));
                 (table.time_s[range.clone()].to_vec(), columns.collect())
+            }
+            Feed::Spill(source, bytes) => {
+                let mut read = |column: usize| {
+                    let values = source.spill.read(column, first_row..end_row, bytes);
+                    values.map_err(|e| RecordingError::io(&spill::folder(), "read a temporary file in", e))
+                };
+                let columns = self.columns.iter().map(|c| Ok(Column::new(read(1 + source.columns[*c])?)));
+                let columns = columns.collect::<Result<Vec<_>>>()?;
+                (read(0)?, columns)
             }
             Feed::File(reading) => {
                 if !reading.have(rows)? {

@@ -2,8 +2,9 @@
 
 mod block;
 mod blocks;
-mod memory;
+mod keep;
 mod scan;
+mod spill;
 #[cfg(test)]
 mod tests;
 mod warning;
@@ -26,17 +27,19 @@ use crate::selection::Selection;
 use crate::statistics::Statistics;
 use crate::table::Table;
 use crate::{Channel, legacy};
-use memory::{Keeping, Memory};
+use keep::{Keeping, Memory};
+use spill::Spill;
 
 /// Rows read at a time, and the largest number of rows in a block.
-const BLOCK_ROWS: usize = 4096;
+pub(crate) const BLOCK_ROWS: usize = 4096;
 
 /// A recording over time, or the selected part of one.
 ///
 /// Opening it reads the file once: every row has been checked, and segments and statistics are known. The samples
 /// themselves are then given out by [`Dataset::blocks`] as often as wanted, or any part of them by [`Dataset::blocks_in`], also
-/// to several threads at once. Recordings are kept in memory while all of them together are not too long, others are read
-/// again from the file on each pass; the difference cannot be seen from outside except in time.
+/// to several threads at once. Recordings are kept in memory while all of them together are not too long, others
+/// decoded in a temporary file while there is room for one, or read again from their own on each pass; the difference cannot be
+/// seen from outside except in time.
 ///
 /// All values are SI. Times are the recording's own (a selection does not shift them) and increase strictly.
 #[derive(Debug, Clone)]
@@ -58,7 +61,16 @@ pub struct Dataset {
 #[derive(Debug, Clone)]
 enum Source {
     Memory(Arc<Memory>),
+    Spill(Arc<SpillSource>),
     File(Arc<FileSource>),
+}
+
+/// Columns in a temporary file.
+#[derive(Debug)]
+struct SpillSource {
+    spill: Spill,
+    /// The file's channel of each of the dataset's.
+    columns: Vec<usize>,
 }
 
 /// How to read rows again.

@@ -1,14 +1,13 @@
 //! The first reading of a recording: every row is checked, segments, statistics and places to start from are found.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::memory::{Keeping, Memory};
-use super::{BLOCK_ROWS, Dataset, FileSource, Mark, Source};
+use super::keep::{Keeping, Kept, Memory};
+use super::{BLOCK_ROWS, Dataset, FileSource, Mark, Source, SpillSource};
 use crate::Channel;
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
-use crate::rows::{EndOfRows, Scan};
+use crate::rows::{EndOfRows, Part, Scan};
 use crate::segments::SegmentFinder;
 use crate::selection::Selection;
 use crate::statistics::Running;
@@ -74,39 +73,35 @@ impl Dataset {
     ) -> Result<Self> {
         let mut scan = Scan::open(&selection.path, format)?;
         let all_channels = scan.channels().to_vec();
-        let mut tally = Tally::new(all_channels.len());
-        let mut kept = keeping(all_channels.len());
-        let mut read = Table::with_columns(all_channels.len());
-        let mut marks: Vec<Mark> = Vec::new();
-        let (mut row, mut skipped) = (0, 0);
-        let mut more = true;
-        while more {
-            if marks.last().is_none_or(|mark| row - mark.row >= BLOCK_ROWS as u64) {
-                marks.push(Mark { row, place: scan.place() });
-            }
-            read.clear();
-            more = scan.read(&mut read, BLOCK_ROWS)?;
-            row += read.rows() as u64;
-            skipped += read.retain_span(selection.span) as u64;
-            tally.take(&read);
-            kept.append(&read);
+        let mut first = FirstPass {
+            selection,
+            file_bytes: selection.path.metadata().map_or(0, |metadata| metadata.len()),
+            tally: Tally::new(all_channels.len()),
+            kept: keeping(all_channels.len()),
+            marks: Vec::new(),
+            row: 0,
+            skipped: 0,
+        };
+        let mut parts = scan.next()?;
+        while !parts.is_empty() {
+            // While these are taken in the next are read.
+            let (next, ()) =
+                rayon::join(|| scan.next(), || parts.into_iter().for_each(|part| first.take(part)));
+            parts = next?;
         }
-        if tally.rows == 0 {
+        if first.tally.rows == 0 {
             return Err(RecordingError::NoSamples { path: selection.path.clone() });
         }
-        let file = FileRows { path: selection.path.clone(), marks, skipped };
-        Self::assemble(selection, format, &all_channels, tally, kept.finish(), file, scan.finish())
+        Self::assemble(first, format, &all_channels, scan.finish())
     }
 
     fn assemble(
-        selection: &Selection,
+        first: FirstPass<'_>,
         format: Format,
         all_channels: &[Channel],
-        tally: Tally,
-        kept: Option<Memory>,
-        file: FileRows,
         end: EndOfRows,
     ) -> Result<Self> {
+        let FirstPass { selection, tally, .. } = first;
         let columns: Vec<usize> =
             (0..all_channels.len()).filter(|column| !end.unusable.contains(column)).collect();
         if columns.is_empty() {
@@ -115,18 +110,19 @@ impl Dataset {
         let (segments, sample_time_s) = tally.finder.finish();
         let channels = columns.iter().map(|&c| all_channels[c].clone()).collect();
         let statistics = columns.iter().map(|&c| tally.running[c].finish()).collect();
-        let source = match kept {
-            Some(mut memory) => {
+        let source = match first.kept.finish() {
+            Kept::Memory(mut memory) => {
                 let all = &mut memory.table.columns;
                 *all = columns.iter().map(|&column| std::mem::take(&mut all[column])).collect();
                 Source::Memory(Arc::new(memory))
             }
-            None => Source::File(Arc::new(FileSource {
-                path: file.path,
+            Kept::Spill(spill) => Source::Spill(Arc::new(SpillSource { spill, columns })),
+            Kept::Nothing => Source::File(Arc::new(FileSource {
+                path: selection.path.clone(),
                 layout: end.layout,
                 columns,
-                marks: file.marks,
-                skipped: file.skipped,
+                marks: first.marks,
+                skipped: first.skipped,
             })),
         };
         Ok(Self {
@@ -146,9 +142,29 @@ impl Dataset {
     }
 }
 
-/// Where a file's rows are.
-struct FileRows {
-    path: PathBuf,
+/// What a first pass over a file has come to.
+struct FirstPass<'a> {
+    selection: &'a Selection,
+    file_bytes: u64,
+    tally: Tally,
+    kept: Keeping,
     marks: Vec<Mark>,
+    /// Rows of the file so far.
+    row: u64,
+    /// Of these, before the span selected.
     skipped: u64,
+}
+
+impl FirstPass<'_> {
+    fn take(&mut self, part: Part) {
+        let Part { place, end_byte, mut table } = part;
+        if self.marks.last().is_none_or(|mark| self.row - mark.row >= BLOCK_ROWS as u64) {
+            self.marks.push(Mark { row: self.row, place });
+        }
+        self.row += table.rows() as u64;
+        let expected_rows = self.row as f64 / end_byte as f64 * self.file_bytes as f64;
+        self.skipped += table.retain_span(self.selection.span) as u64;
+        self.tally.take(&table);
+        self.kept.append(&table, expected_rows as u64);
+    }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::keep::Kept;
 use super::*;
 use crate::{Recorder, RecordingHeader, SampleRow, Unit};
 
@@ -19,13 +20,16 @@ fn is_there(row: u64) -> bool {
 
 /// Through the file only, and through memory.
 fn both(text: &str) -> [Dataset; 2] {
-    let selection = Selection::parse(text).unwrap();
-    let format = format::detect(&selection.path).unwrap();
-    let far = Dataset::scan(&selection, format, |_| Keeping::nothing()).unwrap();
+    let far = scan(text, |_| Keeping::Nothing);
     assert!(matches!(far.source, Source::File(_)));
     let near = Dataset::open(text).unwrap();
     assert!(matches!(near.source, Source::Memory(_)));
     [far, near]
+}
+
+fn scan(text: &str, keeping: impl FnOnce(usize) -> Keeping) -> Dataset {
+    let selection = Selection::parse(text).unwrap();
+    Dataset::scan(&selection, format::detect(&selection.path).unwrap(), keeping).unwrap()
 }
 
 fn log(path: &Path) {
@@ -71,12 +75,20 @@ fn check(name: &str) {
         .collect();
     assert_eq!(expected.len() as u64, far.rows());
     let last = far.rows();
+    let spilled = scan(name, |columns| {
+        let mut keeping = Keeping::with_columns(columns);
+        keeping.leave_memory(1);
+        keeping
+    });
+    #[cfg(unix)]
+    assert!(matches!(spilled.source, Source::Spill(_)));
     for rows in
         [0..last, 0..1, 4095..4097, 4998..5001, 5000..5000, 12_345..last, last - 1..last + 9, last..last + 5]
     {
         for channels in [&[0, 1, 2][..], &[2], &[1, 0], &[]] {
             let got = text(&far, rows.clone(), channels);
             assert_eq!(got, text(&near, rows.clone(), channels), "{name} {rows:?} {channels:?}");
+            assert_eq!(got, text(&spilled, rows.clone(), channels), "{name} {rows:?} {channels:?}");
             let mut row = rows.start;
             for block in far.blocks_in(rows.clone(), channels).unwrap().map(Result::unwrap) {
                 assert_eq!((block.first_row, block.columns.len()), (row, channels.len()));
@@ -95,12 +107,14 @@ fn check(name: &str) {
     }
     // Several readers at once.
     let parts = [0..9000, 9000..18_000, 2000..last];
-    let alone = parts.clone().map(|part| text(&far, part, &[1]));
-    let together = std::thread::scope(|scope| {
-        let readers = parts.map(|part| scope.spawn(|| text(&far, part, &[1])));
-        readers.map(|reader| reader.join().unwrap())
-    });
-    assert_eq!(alone, together);
+    for data in [&far, &near, &spilled] {
+        let alone = parts.clone().map(|part| text(data, part, &[1]));
+        let together = std::thread::scope(|scope| {
+            let readers = parts.clone().map(|part| scope.spawn(|| text(data, part, &[1])));
+            readers.map(|reader| reader.join().unwrap())
+        });
+        assert_eq!(alone, together);
+    }
 }
 
 #[test]
@@ -178,4 +192,32 @@ fn a_file_that_shrinks_meanwhile_is_said() {
         far.blocks_in(ROWS - 500..ROWS, &[0]).is_err()
             || far.blocks_in(ROWS - 500..ROWS, &[0]).unwrap().any(|block| block.is_err())
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn what_outgrows_memory_goes_on_in_a_temporary_file() {
+    let table = |rows: Range<usize>| Table {
+        time_s: rows.clone().map(|row| row as f64).collect(),
+        columns: vec![rows.map(|row| -(row as f64)).collect()],
+    };
+    let mut keeping = Keeping::with_columns(1);
+    keeping.append(&table(0..5000), 20_000);
+    keeping.leave_memory(20_000);
+    for start in (5000..20_000).step_by(3000) {
+        keeping.append(&table(start..start + 3000), 20_000);
+    }
+    let Kept::Spill(spill) = keeping.finish() else {
+        panic!("no temporary file");
+    };
+    for (column, sign) in [(0, 1.0), (1, -1.0)] {
+        for rows in [0..20_000, 4095..4097, 19_999..20_000] {
+            let values = spill.read(column, rows.clone(), &mut Vec::new()).unwrap();
+            assert!(values.iter().copied().eq(rows.map(|row| sign * row as f64)));
+        }
+    }
+    // There is no room for this many.
+    let mut keeping = Keeping::with_columns(1);
+    keeping.leave_memory(u64::MAX / 100);
+    assert!(matches!(keeping.finish(), Kept::Nothing));
 }

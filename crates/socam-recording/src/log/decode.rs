@@ -52,32 +52,79 @@ fn message(body: &[u8]) -> Option<(u16, &[u8])> {
     Some((u16::from_le_bytes(*body.first_chunk()?), body.get(MESSAGE_HEAD..)?))
 }
 
+/// Whether samples follow each other as they should, in time and in number.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sequel {
+    first: Option<Moment>,
+    last: Option<Moment>,
+    back_s: Option<(f64, f64)>,
+    pub(crate) lost: u64,
+}
+
+/// Time and number of a sample.
+#[derive(Debug, Clone, Copy)]
+struct Moment {
+    time_s: f64,
+    sequence: Option<u64>,
+}
+
+impl Sequel {
+    fn of(moment: Moment) -> Self {
+        Self { first: Some(moment), last: Some(moment), ..Self::default() }
+    }
+
+    /// Appends what came after.
+    pub(crate) fn append(&mut self, next: &Self) {
+        if let (Some(last), Some(first)) = (self.last, next.first) {
+            if first.time_s <= last.time_s {
+                self.back_s.get_or_insert((last.time_s, first.time_s));
+            }
+            if let (Some(before), Some(after)) = (last.sequence, first.sequence) {
+                let between = after.saturating_sub(before.wrapping_add(1));
+                self.lost = self.lost.saturating_add(between);
+            }
+        }
+        self.back_s = self.back_s.or(next.back_s);
+        self.lost = self.lost.saturating_add(next.lost);
+        self.first = self.first.or(next.first);
+        self.last = next.last.or(self.last);
+    }
+
+    pub(crate) fn last_s(&self) -> Option<f64> {
+        self.last.map(|moment| moment.time_s)
+    }
+
+    pub(crate) fn check_order(&self) -> Result<(), String> {
+        match self.back_s {
+            None => Ok(()),
+            Some((last_s, time_s)) => Err(format!(
+                "in this chunk time goes from {last_s} s to {time_s} s; it must increase from sample to sample: \
+                 the clock was set back while recording, so record again"
+            )),
+        }
+    }
+}
+
 /// Turns messages of one channel into rows.
 #[derive(Debug)]
 pub(crate) struct SampleDecoder {
     channel: u16,
     /// Numbers of the fields wanted with their columns in the table, by number.
     columns: Vec<(u32, usize)>,
-    /// Rows not handed over yet, row by row: time, then columns.
+    /// Row by row: time, then columns.
     rows: Vec<f64>,
-    pub(crate) last_s: Option<f64>,
-    back: Option<(f64, f64)>,
-    next_sequence: Option<u64>,
-    pub(crate) lost: u64,
+    sequel: Sequel,
 }
 
 impl SampleDecoder {
-    /// `numbers`: the field of each column.
-    pub(crate) fn new(channel: u16, numbers: impl Iterator<Item = u32>) -> Self {
-        let mut columns: Vec<(u32, usize)> = numbers.zip(0..).collect();
-        columns.sort_unstable();
-        Self { channel, columns, rows: Vec::new(), last_s: None, back: None, next_sequence: None, lost: 0 }
-    }
-
-    /// Takes a message's body, whatever its channel; `None` when it is damaged.
-    pub(crate) fn message(&mut self, body: &[u8]) -> Option<()> {
+    /// Takes a message's body; `None` when it is damaged, `Some(false)` when it is no sample. A damaged one leaves no trace.
+    pub(crate) fn message(&mut self, body: &[u8]) -> Option<bool> {
         let (channel, content) = message(body)?;
-        if channel == self.channel { self.sample(content) } else { Some(()) }
+        if channel != self.channel {
+            return Some(false);
+        }
+        self.sample(content)?;
+        Some(true)
     }
 
     fn sample(&mut self, content: &[u8]) -> Option<()> {
@@ -88,7 +135,7 @@ impl SampleDecoder {
         let row = &mut self.rows[start..];
         // Fields come in the order of their numbers, mostly all of them.
         let mut next = 0;
-        fields(content, |number, field| match field {
+        let whole = fields(content, |number, field| match field {
             Field::Varint(value) if number == DEVICE_TIME_NS => device_time_ns = value as i64,
             Field::Varint(value) if number == SEQUENCE => sequence = Some(value),
             Field::Double(value) if number == EXACT_TIME_S => exact_s = Some(value),
@@ -105,47 +152,36 @@ impl SampleDecoder {
                 }
             }
             _ => {}
-        })?;
+        });
+        if whole.is_none() {
+            self.rows.truncate(start);
+            return None;
+        }
         let time_s = exact_s.unwrap_or(device_time_ns as f64 / 1e9);
         row[0] = time_s;
-        if let Some(last_s) = self.last_s
-            && time_s <= last_s
-        {
-            self.back.get_or_insert((last_s, time_s));
-        }
-        self.last_s = Some(time_s);
-        if let (Some(expected), Some(sequence)) = (self.next_sequence, sequence) {
-            self.lost = self.lost.saturating_add(sequence.saturating_sub(expected));
-        }
-        self.next_sequence = sequence.map(|sequence| sequence.wrapping_add(1));
+        self.sequel.append(&Sequel::of(Moment { time_s, sequence }));
         Some(())
     }
 
-    /// Moves the rows decoded since the last call into a table.
-    pub(crate) fn hand_over(&mut self, table: &mut Table) {
+    /// A table of no rows for what it decodes.
+    pub(crate) fn table(&self) -> Table {
+        Table::with_columns(self.columns.len())
+    }
+
+    /// Moves the rows decoded since the last call into a table, and says how they follow each other.
+    pub(crate) fn hand_over(&mut self, table: &mut Table) -> Sequel {
         let width = 1 + self.columns.len();
-        if table.columns.len() != self.columns.len() {
-            *table = Table::with_columns(self.columns.len());
-        }
         for (index, column) in table.all().enumerate() {
             column.extend(self.rows.chunks_exact(width).map(|row| row[index]));
         }
         self.rows.clear();
+        std::mem::take(&mut self.sequel)
     }
 
     /// Forgets the rows decoded since the last [`SampleDecoder::hand_over`].
     pub(crate) fn discard(&mut self) {
         self.rows.clear();
-    }
-
-    pub(crate) fn check_order(&self) -> Result<(), String> {
-        match self.back {
-            None => Ok(()),
-            Some((last_s, time_s)) => Err(format!(
-                "in this chunk time goes from {last_s} s to {time_s} s; it must increase from sample to sample: \
-                 the clock was set back while recording, so record again"
-            )),
-        }
+        self.sequel = Sequel::default();
     }
 }
 
@@ -160,19 +196,25 @@ pub(crate) struct LogLayout {
 impl LogLayout {
     /// `columns`: the channels wanted, in that order.
     pub(crate) fn decoder(&self, columns: &[usize]) -> SampleDecoder {
-        SampleDecoder::new(self.channel, columns.iter().map(|column| self.numbers[*column]))
+        let mut columns: Vec<(u32, usize)> = columns.iter().map(|c| self.numbers[*c]).zip(0..).collect();
+        columns.sort_unstable();
+        SampleDecoder { channel: self.channel, columns, rows: Vec::new(), sequel: Sequel::default() }
+    }
+
+    /// Takes all channels.
+    pub(crate) fn decoder_of_all(&self) -> SampleDecoder {
+        self.decoder(&(0..self.numbers.len()).collect::<Vec<_>>())
     }
 }
 
-/// Turns all records into rows and contents.
+/// Turns all records but samples into contents.
 #[derive(Default)]
 pub(crate) struct Decoder {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     pub(crate) topics: Vec<String>,
     pub(crate) channels: Vec<Channel>,
-    /// Known as soon as `samples` are.
-    pub(crate) layout: LogLayout,
-    pub(crate) samples: Option<SampleDecoder>,
+    /// Known once the samples' channel is.
+    pub(crate) layout: Option<LogLayout>,
     status_channel: Option<u16>,
     event_channel: Option<u16>,
     pub(crate) contents: LogContents,
@@ -221,11 +263,7 @@ impl Decoder {
 
     fn message(&mut self, body: &[u8]) -> Option<()> {
         let (channel, content) = message(body)?;
-        if let Some(samples) = &mut self.samples
-            && channel == samples.channel
-        {
-            samples.sample(content)?;
-        } else if Some(channel) == self.status_channel {
+        if Some(channel) == self.status_channel {
             self.contents.last_status = Some(decode_status(content)?);
         } else if Some(channel) == self.event_channel && self.contents.events.len() < EVENTS {
             self.contents.events.push(decode_event(content)?);
@@ -243,14 +281,13 @@ impl Decoder {
         match channel.topic.as_str() {
             STATUS_TOPIC => self.status_channel = Some(channel.id),
             EVENT_TOPIC => self.event_channel = Some(channel.id),
-            SAMPLE_TOPIC if name == schema::SAMPLE && self.samples.is_none() => {
+            SAMPLE_TOPIC if name == schema::SAMPLE && self.layout.is_none() => {
                 let Some(fields) = double_fields(data, name) else {
                     return;
                 };
                 let columns = channel.metadata.get("columns");
                 let numbers = self.columns_of(fields, columns.map(String::as_str));
-                self.samples = Some(SampleDecoder::new(channel.id, numbers.iter().copied()));
-                self.layout = LogLayout { channel: channel.id, numbers };
+                self.layout = Some(LogLayout { channel: channel.id, numbers });
             }
             _ => {}
         }

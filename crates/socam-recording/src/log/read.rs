@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use mcap::records::{Record, op};
+use rayon::prelude::*;
 
 use super::LogContents;
-use super::decode::{Decoder, LogLayout, SampleDecoder};
+use super::decode::{Decoder, LogLayout, SampleDecoder, Sequel};
 use super::records::{ChunkOpener, Next, RECORD_HEAD, Records};
 use super::writer::Attachment;
 use crate::Channel;
-use crate::dataset::{Cut, Warning};
+use crate::dataset::{BLOCK_ROWS, Cut, Warning};
 use crate::error::{RecordingError, Result};
-use crate::rows::{EndOfRows, Layout, Place};
+use crate::rows::{EndOfRows, Layout, Part, Place};
 use crate::table::Table;
 
 /// Attachments of a log, with their content, in the file's order.
@@ -35,18 +36,81 @@ pub fn read_attachments(path: &Path) -> Result<Vec<Attachment>> {
     Ok(attachments)
 }
 
-/// A first reading of a log: all samples and everything else that is in it.
+/// Chunks unpacked at a time: as many as fit into this, but not more than [`BATCH`].
+const BATCH_BYTES: usize = 8 << 20;
+
+/// See [`BATCH_BYTES`].
+const BATCH: usize = 64;
+
+/// A first reading of a log: all samples and everything else that is in it. Chunks are unpacked on all cores and put
+/// together in their order.
 pub(crate) struct LogScan {
     records: Records,
-    chunks: ChunkOpener,
     decoder: Decoder,
-    /// Rows decoded while looking for the first, and where their record starts.
-    first: Table,
-    first_byte: u64,
+    /// Of all samples so far.
+    sequel: Sequel,
+    /// Unpacked and not given out yet.
+    ready: Vec<Part>,
+    /// Buffers to use again.
+    spare: Vec<Vec<u8>>,
     ended: bool,
     cut: Option<u64>,
     damaged: Vec<(u64, u64)>,
     samples_whole: bool,
+}
+
+/// Consecutive records: one chunk, or some that stand outside of chunks.
+struct Group {
+    byte: u64,
+    records: Vec<Raw>,
+}
+
+struct Raw {
+    opcode: u8,
+    byte: u64,
+    body: Vec<u8>,
+}
+
+/// What a group held.
+struct Unpacked {
+    byte: u64,
+    end_byte: u64,
+    table: Table,
+    sequel: Sequel,
+    /// All records but samples.
+    others: Vec<(u8, Vec<u8>)>,
+    /// Where it is damaged: first byte and length.
+    damaged: Vec<(u64, u64)>,
+}
+
+impl Group {
+    fn unpack(&self, samples: &mut SampleDecoder, chunks: &mut ChunkOpener) -> Unpacked {
+        let mut others = Vec::new();
+        let mut damaged = Vec::new();
+        let mut end_byte = self.byte;
+        for Raw { opcode, byte, body } in &self.records {
+            let before = others.len();
+            let length = body.len() as u64 + RECORD_HEAD;
+            end_byte = byte + length;
+            let mut take = |opcode: u8, body: &[u8]| {
+                if opcode != op::MESSAGE || !samples.message(body)? {
+                    others.push((opcode, body.to_vec()));
+                }
+                Some(())
+            };
+            let whole = if *opcode == op::CHUNK { chunks.open(body, take) } else { take(*opcode, body) };
+            if whole.is_none() {
+                if *opcode == op::CHUNK {
+                    samples.discard();
+                    others.truncate(before);
+                }
+                damaged.push((*byte, length));
+            }
+        }
+        let mut table = samples.table();
+        let sequel = samples.hand_over(&mut table);
+        Unpacked { byte: self.byte, end_byte, table, sequel, others, damaged }
+    }
 }
 
 impl LogScan {
@@ -54,22 +118,19 @@ impl LogScan {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let mut scan = Self {
             records: Records::open(path)?,
-            chunks: ChunkOpener::new(),
             decoder: Decoder::default(),
-            first: Table::default(),
-            first_byte: 0,
+            sequel: Sequel::default(),
+            ready: Vec::new(),
+            spare: Vec::new(),
             ended: false,
             cut: None,
             damaged: Vec::new(),
             samples_whole: false,
         };
-        while scan.first.rows() == 0 && !scan.ended {
-            scan.first_byte = scan.records.position;
-            let mut first = Table::default();
-            scan.advance(&mut first)?;
-            scan.first = first;
+        while scan.decoder.layout.is_none() && !scan.ended {
+            scan.look_for_samples()?;
         }
-        if scan.decoder.samples.is_none() {
+        if scan.decoder.layout.is_none() {
             return Err(scan.without_samples());
         }
         Ok(scan)
@@ -79,26 +140,98 @@ impl LogScan {
         &self.decoder.channels
     }
 
-    pub(crate) fn place(&self) -> Place {
-        let byte = if self.first.rows() > 0 { self.first_byte } else { self.records.position };
-        Place { byte, line: 0 }
+    /// The rows of some more records.
+    pub(crate) fn next(&mut self) -> Result<Vec<Part>> {
+        while self.ready.is_empty() && !self.ended {
+            self.fill()?;
+        }
+        Ok(std::mem::take(&mut self.ready))
     }
 
-    /// Appends the rows of whole records, at least `rows` of them; false once there are no more.
-    pub(crate) fn read(&mut self, table: &mut Table, rows: usize) -> Result<bool> {
-        let enough = table.rows() + rows;
-        if self.first.rows() > 0 {
-            table.append(&self.first);
-            self.first = Table::default();
+    /// Takes one record while it is not known yet which are samples.
+    fn look_for_samples(&mut self) -> Result<()> {
+        let Some(record) = self.next_record()? else { return Ok(()) };
+        let (decoder, mut chunks) = (&mut self.decoder, ChunkOpener::new());
+        let whole = if record.opcode == op::CHUNK {
+            chunks.open(&record.body, |opcode, body| decoder.take(opcode, body))
+        } else {
+            decoder.take(record.opcode, &record.body)
+        };
+        match &decoder.layout {
+            None if whole.is_none() => {
+                self.damaged.push((record.byte, record.body.len() as u64 + RECORD_HEAD));
+                Ok(())
+            }
+            None => Ok(()),
+            Some(layout) => {
+                // The same record may hold the first of them.
+                let group = Group { byte: record.byte, records: vec![record] };
+                let mut unpacked = group.unpack(&mut layout.decoder_of_all(), &mut chunks);
+                unpacked.others.clear();
+                self.take(unpacked)
+            }
         }
-        while table.rows() < enough && !self.ended {
-            self.advance(table)?;
-        }
-        Ok(!self.ended)
     }
 
-    /// Reads one record.
-    fn advance(&mut self, table: &mut Table) -> Result<()> {
+    /// Unpacks some more records.
+    fn fill(&mut self) -> Result<()> {
+        let Some(layout) = self.decoder.layout.clone() else { return Ok(()) };
+        let groups = self.batch()?;
+        let tools = || (layout.decoder_of_all(), ChunkOpener::new());
+        let unpacked: Vec<Unpacked> = groups
+            .par_iter()
+            .map_init(tools, |(samples, chunks), group| group.unpack(samples, chunks))
+            .collect();
+        self.spare.extend(groups.into_iter().flat_map(|group| group.records).map(|record| record.body));
+        unpacked.into_iter().try_for_each(|group| self.take(group))
+    }
+
+    /// Some whole records as they are in the file.
+    fn batch(&mut self) -> Result<Vec<Group>> {
+        let mut groups: Vec<Group> = Vec::new();
+        let mut bytes = 0;
+        while groups.len() < BATCH && bytes < BATCH_BYTES {
+            let Some(record) = self.next_record()? else { break };
+            bytes += record.body.len();
+            match groups.last_mut() {
+                Some(Group { records, .. })
+                    if record.opcode != op::CHUNK
+                        && records[0].opcode != op::CHUNK
+                        && records.len() < BLOCK_ROWS =>
+                {
+                    records.push(record);
+                }
+                _ => groups.push(Group { byte: record.byte, records: vec![record] }),
+            }
+        }
+        Ok(groups)
+    }
+
+    /// Appends a group to what came before it.
+    fn take(&mut self, group: Unpacked) -> Result<()> {
+        for (opcode, body) in &group.others {
+            if self.decoder.take(*opcode, body).is_none() {
+                let note =
+                    format!("a record at or after byte {} cannot be read and is left aside", group.byte);
+                self.decoder.warnings.push(Warning::Note(note));
+            }
+        }
+        self.damaged.extend(&group.damaged);
+        self.sequel.append(&group.sequel);
+        self.sequel.check_order().map_err(|problem| RecordingError::Byte {
+            path: self.records.path.clone(),
+            byte: group.byte,
+            problem,
+        })?;
+        if group.table.rows() > 0 {
+            let place = Place { byte: group.byte, line: 0 };
+            self.ready.push(Part { place, end_byte: group.end_byte, table: group.table });
+        }
+        Ok(())
+    }
+
+    /// The next record of those that matter; `None` at the end of the data, whole or cut.
+    fn next_record(&mut self) -> Result<Option<Raw>> {
         let wanted = |opcode| {
             matches!(
                 opcode,
@@ -112,36 +245,23 @@ impl LogScan {
                     | op::DATA_END
             )
         };
-        let (opcode, byte, body) = match self.records.next(wanted)? {
-            Next::Record { opcode, byte, body } => (opcode, byte, body),
-            Next::End => {
-                self.ended = true;
-                return Ok(());
+        while !self.ended {
+            match self.records.next(wanted)? {
+                // What follows repeats what was read. Only its end tells whether the file is whole.
+                Next::Record { opcode: op::DATA_END, .. } => self.skip_summary()?,
+                Next::Record { opcode, byte, body } if wanted(opcode) => {
+                    let body = std::mem::replace(body, self.spare.pop().unwrap_or_default());
+                    return Ok(Some(Raw { opcode, byte, body }));
+                }
+                Next::Record { .. } => {}
+                Next::End => self.ended = true,
+                Next::Cut(byte) => {
+                    self.ended = true;
+                    self.cut = Some(byte);
+                }
             }
-            Next::Cut(byte) => {
-                self.ended = true;
-                self.cut = Some(byte);
-                return Ok(());
-            }
-        };
-        if !wanted(opcode) {
-            return Ok(());
         }
-        if opcode == op::DATA_END {
-            // What follows repeats what was read. Only its end tells whether the file is whole.
-            return self.skip_summary();
-        }
-        let decoder = &mut self.decoder;
-        let whole = if opcode == op::CHUNK {
-            self.chunks.open(body, |opcode, body| decoder.take(opcode, body))
-        } else {
-            decoder.take(opcode, body)
-        };
-        if whole.is_none() {
-            self.damaged.push((byte, body.len() as u64 + RECORD_HEAD));
-        }
-        let Some(samples) = &mut self.decoder.samples else { return Ok(()) };
-        collect(samples, whole, table, &self.records.path, byte)
+        Ok(None)
     }
 
     fn skip_summary(&mut self) -> Result<()> {
@@ -179,8 +299,7 @@ impl LogScan {
     }
 
     pub(crate) fn finish(self) -> EndOfRows {
-        let (lost_samples, last_s) =
-            self.decoder.samples.as_ref().map_or((0, None), |samples| (samples.lost, samples.last_s));
+        let lost_samples = self.sequel.lost;
         let mut warnings = self.decoder.warnings;
         if lost_samples > 0 {
             warnings.push(Warning::LostSamples { samples: lost_samples });
@@ -193,12 +312,12 @@ impl LogScan {
             missing: if self.samples_whole {
                 "only the index at its end, all samples are there".into()
             } else {
-                missing(&contents, last_s)
+                missing(&contents, self.sequel.last_s())
             },
         });
         warnings.extend(cut.iter().map(|cut| Warning::CutOff { missing: cut.missing.clone() }));
         EndOfRows {
-            layout: Layout::Log(self.decoder.layout),
+            layout: Layout::Log(self.decoder.layout.unwrap_or_default()),
             unusable: Vec::new(),
             warnings,
             lost_samples,
@@ -241,32 +360,25 @@ impl LogSamples {
             let wanted = |opcode| matches!(opcode, op::CHUNK | op::MESSAGE | op::DATA_END);
             let Next::Record { opcode, byte, body } = self.records.next(wanted)? else { return Ok(false) };
             let samples = &mut self.samples;
-            let whole = match opcode {
-                op::CHUNK => self.chunks.open(body, |opcode, body| match opcode {
-                    op::MESSAGE => samples.message(body),
-                    _ => Some(()),
-                }),
-                op::MESSAGE => samples.message(body),
-                op::DATA_END => return Ok(false),
-                _ => continue,
+            let mut take = |opcode, body: &[u8]| match opcode {
+                op::MESSAGE => samples.message(body).map(drop),
+                _ => Some(()),
             };
-            collect(samples, whole, table, &self.records.path, byte)?;
+            let whole = match opcode {
+                op::CHUNK => self.chunks.open(body, take),
+                op::DATA_END => return Ok(false),
+                _ => take(opcode, body),
+            };
+            if whole.is_none() {
+                samples.discard();
+            }
+            let sequel = samples.hand_over(table);
+            sequel.check_order().map_err(|problem| RecordingError::Byte {
+                path: self.records.path.clone(),
+                byte,
+                problem,
+            })?;
         }
         Ok(true)
     }
-}
-
-/// Moves what a record held into the table; nothing of it where it is damaged.
-fn collect(
-    samples: &mut SampleDecoder,
-    whole: Option<()>,
-    table: &mut Table,
-    path: &Path,
-    byte: u64,
-) -> Result<()> {
-    match whole {
-        Some(()) => samples.hand_over(table),
-        None => samples.discard(),
-    }
-    samples.check_order().map_err(|problem| RecordingError::Byte { path: path.into(), byte, problem })
 }

@@ -32,7 +32,7 @@ pub(crate) enum Next<'a> {
     Record {
         opcode: u8,
         byte: u64,
-        body: &'a [u8],
+        body: &'a mut Vec<u8>,
     },
     /// The end as it should be.
     End,
@@ -97,15 +97,18 @@ impl Records {
                     ),
                 });
             }
-            self.body.resize(length as usize, 0);
             let mut body = std::mem::take(&mut self.body);
-            self.read(|file| file.read_exact(&mut body))?;
+            body.reserve_exact(length as usize);
+            self.read(|file| match file.take(length).read_to_end(&mut body)? as u64 {
+                read if read == length => Ok(()),
+                _ => Err(io::ErrorKind::UnexpectedEof.into()),
+            })?;
             self.body = body;
         } else {
             self.read(|file| file.seek_relative(length as i64))?;
         }
         self.position = byte + RECORD_HEAD + length;
-        Ok(Next::Record { opcode, byte, body: &self.body })
+        Ok(Next::Record { opcode, byte, body: &mut self.body })
     }
 
     fn read(&mut self, read: impl FnOnce(&mut BufReader<File>) -> io::Result<()>) -> Result<()> {
