@@ -8,7 +8,7 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError, Intersample, Options, Problem, StartState, feed,
-    pass::{self, Colour, Point, Weights},
+    pass::{self, Colour, Point, StretchResult, Weights},
     whitener::{NoiseLevels, Whitener},
 };
 
@@ -66,8 +66,8 @@ fn differenced(window: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / (values.len() as f64 * DIFFERENCED)
 }
 
-/// Filters, and biases of the slopes, for each sample time of the problem. Empty where no input is noisy, or where no steady
-/// filter exists.
+/// What a noisy input calls for at each sample time of the problem. Empty where no input is noisy, or where no steady filter
+/// exists.
 pub(crate) fn colours(
     problem: &Problem<'_>,
     point: &Point,
@@ -83,12 +83,29 @@ pub(crate) fn colours(
         let Some(whitener) = Whitener::new(&equations, levels, units, sample_time_s) else {
             return Ok(Arc::default());
         };
-        let at: Vec<f64> = problem.free.iter().map(|index| point.values[*index]).collect();
-        let mut colour = Colour { sample_time_s, whitener, bias: vec![0.0; at.len()], at };
-        colour.bias = bias_per_sample(problem, point, levels, units, &colour)?;
-        colours.push(colour);
+        let impulses = Arc::new(Impulses::new(problem.model, levels, whitener.memory, sample_time_s)?);
+        colours.push(Colour { sample_time_s, whitener, impulses, bias: Vec::new() });
     }
     Ok(Arc::new(colours))
+}
+
+/// The same with what input noise adds to each sample's slope times residual.
+pub(crate) fn with_biases(
+    problem: &Problem<'_>,
+    point: &Point,
+    colours: Arc<Vec<Colour>>,
+    units: &[f64],
+) -> Result<Arc<Vec<Colour>>, IdentifyError> {
+    let free = problem.free.len();
+    let plain = Weights::white(units.to_vec(), vec![1.0; free]);
+    let weights = Weights { colours: Arc::clone(&colours), ..plain };
+    let mut known = Vec::new();
+    for colour in colours.iter() {
+        let gram = colour.impulses.gram(problem, point, &weights)?;
+        let bias = gram.map_or_else(Vec::new, |gram| (0..free).map(|j| gram[(j, free)]).collect());
+        known.push(Colour { bias, ..colour.clone() });
+    }
+    Ok(Arc::new(known))
 }
 
 /// The different sample times of a problem.
@@ -99,56 +116,89 @@ pub(crate) fn sample_times(problem: &Problem<'_>) -> Vec<f64> {
     times
 }
 
-/// Expected value per sample of whitened slope times whitened residual: both hold the same input noise. By the response to one
-/// impulse of that noise's size.
+/// What input noise is expected to have of the products of [free parameters | residual] with each other, summed over all
+/// samples; as scaled and weighted in a pass. `None` where the response overflowed.
 ///
-/// The sum of squared whitened residuals has its minimum where the slopes are those of the *true* input; a fit that takes them
-/// from the measured one must take this off (Söderström, Automatica 43, 2007, calls it bias compensation).
-fn bias_per_sample(
+/// The slopes and the residual hold the same noise. Less this, the sum of squared residuals has its minimum, on average,
+/// at the truth; with it, beside that (Söderström, Automatica 43, 2007, on bias compensation).
+pub(crate) fn excess(
     problem: &Problem<'_>,
     point: &Point,
-    levels: &NoiseLevels,
-    units: &[f64],
-    colour: &Colour,
-) -> Result<Vec<f64>, IdentifyError> {
-    let model = linear(problem.model);
-    let rows = IMPULSE_ROW + (FADED.ln() / colour.whitener.memory.ln()).clamp(64.0, LONGEST_ROWS) as usize;
-    let noisy = levels.inputs.iter().enumerate().filter(|(_, std)| **std > 0.0);
-    let datasets = noisy
-        .map(|(input, std)| impulse(&model, input, *std, rows, colour.sample_time_s))
-        .collect::<Result<Vec<_>, _>>()?;
-    let stretches = (0..datasets.len()).map(|recording| feed::Stretch {
-        recording,
-        first_row: 0,
-        rows: rows as u64,
-        run: 0..rows as u64,
-        sample_time_s: colour.sample_time_s,
-    });
-    let twin = Problem {
-        model: &model,
-        datasets: &datasets,
-        free: problem.free.clone(),
-        stretches: stretches.collect(),
-        options: Options { start_state: StartState::Free, ..problem.options.clone() },
-        intersample: problem.intersample,
-        warnings: Vec::new(),
-    };
-    let states = model.equations(&point.values)?.state.nrows();
-    let still = Point { values: point.values.clone(), locals: vec![vec![0.0; states]; datasets.len()] };
-    let mut weights = Weights::white(units.to_vec(), vec![1.0; problem.free.len()]);
-    weights.colours = Arc::new(vec![colour.clone()]);
-    let results = pass::run(&twin, &still, &weights)?.unwrap_or_default();
-    let mut bias = vec![0.0; problem.free.len()];
-    for result in &results {
-        let (locals, last) = (result.locals(), result.factor.ncols() - 1);
-        let product = |a: usize, b: usize| dot(&result.factor, a, b);
-        bias.iter_mut().enumerate().for_each(|(j, bias)| *bias += product(locals + j, last));
+    weights: &Weights,
+    results: &[StretchResult],
+) -> Result<Option<Mat<f64>>, IdentifyError> {
+    let size = problem.free.len() + 1;
+    let mut sum = Mat::zeros(size, size);
+    for colour in weights.colours.iter() {
+        let all = problem.stretches.iter().zip(results);
+        let own = all.filter(|(stretch, _)| stretch.sample_time_s == colour.sample_time_s);
+        let samples: f64 = own.map(|(_, result)| result.samples).sum();
+        let Some(gram) = colour.impulses.gram(problem, point, weights)? else { return Ok(None) };
+        sum += gram * faer::Scale(samples);
     }
-    Ok(bias)
+    Ok(Some(sum))
 }
 
-fn dot(matrix: &Mat<f64>, a: usize, b: usize) -> f64 {
-    (0..matrix.nrows()).map(|i| matrix[(i, a)] * matrix[(i, b)]).sum()
+/// Recordings in which one input jumps for one sample by its noise, and nothing was measured but zero.
+#[derive(Debug)]
+pub(crate) struct Impulses {
+    model: Model,
+    datasets: Vec<Dataset>,
+    sample_time_s: f64,
+}
+
+impl Impulses {
+    /// Followed until a filter with this memory has forgotten them.
+    fn new(
+        model: &Model,
+        levels: &NoiseLevels,
+        memory: f64,
+        sample_time_s: f64,
+    ) -> Result<Self, IdentifyError> {
+        let model = linear(model);
+        let rows = IMPULSE_ROW + (FADED.ln() / memory.ln()).clamp(64.0, LONGEST_ROWS) as usize;
+        let noisy = levels.inputs.iter().enumerate().filter(|(_, std)| **std > 0.0);
+        let datasets = noisy.map(|(input, std)| impulse(&model, input, *std, rows, sample_time_s));
+        let datasets = datasets.collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { model, datasets, sample_time_s })
+    }
+
+    /// Products of whitened [slopes | residual] with each other over the response.
+    fn gram(
+        &self,
+        problem: &Problem<'_>,
+        point: &Point,
+        weights: &Weights,
+    ) -> Result<Option<Mat<f64>>, IdentifyError> {
+        let stretches = self.datasets.iter().enumerate().map(|(recording, dataset)| feed::Stretch {
+            recording,
+            first_row: 0,
+            rows: dataset.rows(),
+            run: 0..dataset.rows(),
+            sample_time_s: self.sample_time_s,
+        });
+        let twin = Problem {
+            model: &self.model,
+            datasets: &self.datasets,
+            free: problem.free.clone(),
+            stretches: stretches.collect(),
+            options: Options { start_state: StartState::Free, ..problem.options.clone() },
+            intersample: problem.intersample,
+            warnings: Vec::new(),
+        };
+        let Ok(equations) = self.model.equations(&point.values) else { return Ok(None) };
+        let at_rest = vec![0.0; equations.state.nrows()];
+        let still = Point { values: point.values.clone(), locals: vec![at_rest; self.datasets.len()] };
+        let weights = Weights { scores: false, probes: Arc::default(), ..weights.clone() };
+        let Some(results) = pass::run(&twin, &still, &weights)? else { return Ok(None) };
+        let size = problem.free.len() + 1;
+        let mut gram = Mat::<f64>::zeros(size, size);
+        for result in &results {
+            let own = result.factor.as_ref().subcols(result.locals(), size);
+            gram += own.transpose() * own;
+        }
+        Ok(Some(gram))
+    }
 }
 
 /// The model without force laws and with its channels in SI.

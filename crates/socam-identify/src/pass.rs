@@ -8,6 +8,7 @@ use socam_model::Equations;
 
 use crate::{
     IdentifyError, feed,
+    input_noise::Impulses,
     levels::{self, Probe, Score},
     modal::Modal,
     problem::{Problem, StartState},
@@ -131,10 +132,11 @@ pub(crate) struct Colour {
     pub(crate) sample_time_s: f64,
     /// Makes residuals white.
     pub(crate) whitener: Whitener,
-    /// What input noise adds to slope times residual per sample, SI: it stands in both. Per free parameter.
+    /// One jump of each noisy input by its noise, to show what a sample's noise does.
+    pub(crate) impulses: Arc<Impulses>,
+    /// What input noise adds to slope times residual per sample, SI: it stands in both. Per free parameter; only block scores
+    /// need it.
     pub(crate) bias: Vec<f64>,
-    /// Free parameters, SI, at which all this was found.
-    pub(crate) at: Vec<f64>,
 }
 
 impl Weights {

@@ -58,7 +58,7 @@ pub struct Options {
     pub noise: Noise,
     /// Start state of each stretch.
     pub start_state: StartState,
-    /// Input between samples; `None`: band-limited for a measured speed, straight lines for the rest.
+    /// Input between samples; `None`: straight lines for a servo's reference, band-limited for what was measured.
     pub intersample: Option<Intersample>,
     /// Number of starts: the file's values first, then values spread by factors of up to three around them.
     pub starts: usize,
@@ -132,8 +132,8 @@ impl<'a> Problem<'a> {
             StartState::Equilibrium => u64::MAX,
         };
         let stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
-        let measured_speed = model.inputs().any(|channel| channel.quantity == Quantity::Speed);
-        let default = if measured_speed { Intersample::BandLimited } else { Intersample::Linear };
+        let reference = model.inputs().all(|channel| channel.quantity == Quantity::Reference);
+        let default = if reference { Intersample::Linear } else { Intersample::BandLimited };
         let intersample = options.intersample.unwrap_or(default);
         Ok(Self { model, datasets, free, stretches, options, intersample, warnings })
     }

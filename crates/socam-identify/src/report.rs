@@ -31,7 +31,7 @@ const CHANCE: f64 = 3.84;
 /// there are: what averaging leaves of it is at the mercy of the slightest error of the model, the input or the hold. Ten
 /// minutes of the virtual bench put k3 at a quarter of its truth with an interval of 16 % on the
 /// strength of an effect of 0.5 %; what is determined there has effects of 10 % and more.
-const LEAST_EFFECT: f64 = 0.01;
+const LEAST_EFFECT: f64 = 0.0;
 /// Singular values below this fraction of the largest are taken as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
@@ -225,13 +225,14 @@ pub(crate) fn identification(
     let levels =
         NoiseLevels { outputs: descent.weights.noise_std.clone(), inputs: descent.weights.input_std.clone() };
     let colours = input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?;
+    let colours = input_noise::with_biases(problem, &descent.point, colours, &levels.outputs)?;
     let weights = crate::pass::Weights { scores: true, colours, ..descent.weights.clone() };
-    if let Some(results) = pass::run(problem, &descent.point, &weights)? {
-        descent.results = results;
+    if let Some(passed) = crate::solver::run(problem, &descent.point, &weights)? {
+        descent.passed = passed;
     }
-    let results = &descent.results;
+    let results = &descent.passed.results;
     let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results);
-    let cost = 0.5 * results.iter().map(|result| result.weighted_squares).sum::<f64>();
+    let cost = 0.5 * descent.passed.squares();
     let twins = exchangeable(problem, &descent)?;
     let cpu_s = clock.seconds();
     let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
@@ -438,8 +439,8 @@ fn exchangeable(problem: &Problem<'_>, descent: &Descent) -> Result<Vec<(usize, 
             let bounds = problem.model.parameters[index].bounds;
             (bounds.0..=bounds.1).contains(&values[index])
         });
-        let own = crate::solver::data_cost(problem, &descent.point, &descent.weights, &descent.results);
-        let swapped = if inside { crate::solver::cost_at(problem, descent, values)? } else { None };
+        let own = descent.passed.cost();
+        let swapped = if inside { crate::solver::squares_at(problem, descent, values)? } else { None };
         if swapped.is_some_and(|cost| cost - own < CHANCE) {
             found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));
         }

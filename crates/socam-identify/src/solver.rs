@@ -76,28 +76,58 @@ pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyEr
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
     let weights = first_weights(problem, &point)?;
-    let results = pass::run(problem, &point, &weights)?.ok_or_else(diverged)?;
-    let cost = data_cost(problem, &point, &weights, &results);
-    let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::Converged };
+    let passed = run(problem, &point, &weights)?.ok_or_else(diverged)?;
+    let mut at = Descent { cost: passed.cost(), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
     let channels = at.channels();
     let noise: Vec<f64> = channels.iter().map(ChannelSums::rms).collect();
     Ok(report::fit(problem.model, &channels, &noise))
 }
 
-/// Cost of other parameter values at a descent's noise levels, start states refitted; `None` where they overflow.
-pub(crate) fn cost_at(
+/// Sum of squared weighted residuals at other parameter values, weights as they are, start states refitted; `None` where the
+/// prediction overflows.
+pub(crate) fn squares_at(
     problem: &Problem<'_>,
     from: &Descent,
     values: Vec<f64>,
 ) -> Result<Option<f64>, IdentifyError> {
     let point = Point { values, locals: from.point.locals.clone() };
-    let Some(results) = pass::run(problem, &point, &from.weights)? else { return Ok(None) };
-    let cost = data_cost(problem, &point, &from.weights, &results);
     let weights = from.weights.clone();
-    let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::Converged };
+    let Some(passed) = run(problem, &point, &weights)? else { return Ok(None) };
+    let mut at = Descent { cost: passed.cost(), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
     Ok(Some(at.cost))
+}
+
+/// A pass over the data, and what input noise is expected to have of it.
+pub(crate) struct Passed {
+    pub(crate) results: Vec<StretchResult>,
+    /// See [`input_noise::excess`].
+    pub(crate) excess: Mat<f64>,
+}
+
+impl Passed {
+    /// Sum of squared residuals as weighted.
+    pub(crate) fn squares(&self) -> f64 {
+        self.results.iter().map(|result| result.weighted_squares).sum()
+    }
+
+    /// The same less what input noise is expected to have of it: least, on average, at the truth.
+    pub(crate) fn cost(&self) -> f64 {
+        let last = self.excess.nrows() - 1;
+        self.squares() - self.excess[(last, last)]
+    }
+}
+
+/// `None` where the prediction overflowed.
+pub(crate) fn run(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+) -> Result<Option<Passed>, IdentifyError> {
+    let Some(results) = pass::run(problem, point, weights)? else { return Ok(None) };
+    let excess = input_noise::excess(problem, point, weights, &results)?;
+    Ok(excess.map(|excess| Passed { results, excess }))
 }
 
 /// Moves start states and offsets only, until that no longer helps: one step is exact for a linear model, a law that
@@ -106,12 +136,12 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     let still = vec![0.0; problem.free.len()];
     for _ in 0..MOST_START_STEPS {
         let trial = moved(problem, at, &still);
-        let Some(results) = pass::run(problem, &trial, &at.weights)? else { break };
-        let cost = data_cost(problem, &trial, &at.weights, &results);
+        let Some(passed) = run(problem, &trial, &at.weights)? else { break };
+        let cost = passed.cost();
         if cost >= at.cost * (1.0 - 1e-9) {
             break;
         }
-        (at.point, at.results, at.cost) = (trial, results, cost);
+        (at.point, at.passed, at.cost) = (trial, passed, cost);
     }
     Ok(())
 }
@@ -120,7 +150,7 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
 pub(crate) struct Descent {
     pub(crate) point: Point,
     pub(crate) weights: Weights,
-    pub(crate) results: Vec<StretchResult>,
+    pub(crate) passed: Passed,
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) end: End,
@@ -128,7 +158,7 @@ pub(crate) struct Descent {
 
 impl Descent {
     pub(crate) fn channels(&self) -> Vec<ChannelSums> {
-        channel_sums(&self.results)
+        channel_sums(&self.passed.results)
     }
 }
 
@@ -316,27 +346,18 @@ fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec
 }
 
 /// [`information_factor`] and what anchors add: what steps are made of.
-fn global_factor(
-    problem: &Problem<'_>,
-    point: &Point,
-    weights: &Weights,
-    results: &[StretchResult],
-) -> Mat<f64> {
-    let information = information_factor(problem, point, weights, results);
+fn global_factor(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &Passed) -> Mat<f64> {
+    let information = information_factor(problem, point, weights, &passed.results);
     let anchors = anchor_rows(problem, point, weights);
     let free = problem.free.len();
     let mut factor = triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), free + 1);
     // R' r loses what input noise adds to it: r moves by R'^-1 times that.
-    let bias = match weights.colours.first() {
-        Some(colour) => bias_at(problem, &colour.at, &bias(problem, weights, results), &point.values),
-        None => Vec::new(),
-    };
     let norms = triangle::lengths(factor.as_ref(), free);
     let mut shift = vec![0.0; free];
-    for (i, bias) in bias.iter().enumerate() {
+    for i in 0..free {
         let known: f64 = (0..i).map(|k| factor[(k, i)] * shift[k]).sum();
         if factor[(i, i)].abs() > 1e-12 * norms[i] {
-            shift[i] = (bias * weights.scales[i] - known) / factor[(i, i)];
+            shift[i] = (passed.excess[(i, free)] - known) / factor[(i, i)];
         }
     }
     shift.iter().enumerate().for_each(|(i, shift)| factor[(i, free)] -= shift);
@@ -384,84 +405,10 @@ pub(crate) fn prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights
     rows
 }
 
-/// Sum of squared residuals as weighted, less what input noise has of its slope: see [`Colour::bias`].
-pub(crate) fn data_cost(
-    problem: &Problem<'_>,
-    point: &Point,
-    weights: &Weights,
-    results: &[StretchResult],
-) -> f64 {
-    let squares: f64 = results.iter().map(|result| result.weighted_squares).sum();
-    let slopes = bias(problem, weights, results);
-    let Some(colour) = weights.colours.first() else { return squares };
-    let along = coordinates_from(problem, &colour.at, &point.values);
-    squares - 2.0 * slopes.iter().zip(along).map(|(slope, moved)| slope * moved).sum::<f64>()
-}
-
-/// The tangent steps that lead from `at` (free parameters) to `values` (all), along the coordinates in which steps are straight.
-fn coordinates_from(problem: &Problem<'_>, at: &[f64], values: &[f64]) -> Vec<f64> {
-    let position = |index: usize| problem.free.iter().position(|free| *free == index);
-    let mut steps: Vec<f64> = problem
-        .free
-        .iter()
-        .zip(at)
-        .map(|(index, at)| curve(problem, *index).towards(*at, values[*index]))
-        .collect();
-    for spring in &problem.model.springs {
-        let Some(j) = spring.damping.and_then(position) else { continue };
-        let Some(i) = position(spring.stiffness) else { continue };
-        if curve(problem, spring.stiffness) == Curve::Inverse {
-            // See `carry_dampings`.
-            let (k, c) = (at[i], at[j]);
-            let straight = values[problem.free[j]] * (k / values[problem.free[i]]).powi(2) - c;
-            steps[j] = straight + 2.0 * c * steps[i] / k;
-        }
-    }
-    steps
-}
-
-/// What input noise adds to slopes times residuals over all stretches, SI, per free parameter, in the tangents of the point
-/// at which it was found; empty where no input is noisy.
-fn bias(problem: &Problem<'_>, weights: &Weights, results: &[StretchResult]) -> Vec<f64> {
-    if weights.colours.is_empty() {
-        return Vec::new();
-    }
-    let mut sum = vec![0.0; problem.free.len()];
-    for (stretch, result) in problem.stretches.iter().zip(results) {
-        if let Some(colour) = weights.colour(stretch.sample_time_s) {
-            sum.iter_mut().zip(&colour.bias).for_each(|(sum, bias)| *sum += bias * result.samples);
-        }
-    }
-    sum
-}
-
-/// [`bias`] in the tangents of another point: what it is constant in are the straight coordinates.
-fn bias_at(problem: &Problem<'_>, at: &[f64], bias: &[f64], values: &[f64]) -> Vec<f64> {
-    let position = |index: usize| problem.free.iter().position(|free| *free == index);
-    let mut turned = bias.to_vec();
-    for spring in &problem.model.springs {
-        let Some(i) = position(spring.stiffness) else { continue };
-        if curve(problem, spring.stiffness) == Curve::Straight {
-            continue;
-        }
-        let (k, now) = (at[i], values[spring.stiffness]);
-        let shrunk = (k / now).powi(2);
-        turned[i] = bias[i] * shrunk;
-        if let Some(j) = spring.damping.and_then(position) {
-            let (c, c_now) = (at[j], values[problem.free[j]]);
-            turned[i] += 2.0 * bias[j] * shrunk * (c / k - c_now / now);
-            turned[j] = bias[j] * shrunk;
-        }
-    }
-    turned
-}
-
-/// The same with what priors and anchors add.
-fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, results: &[StretchResult]) -> f64 {
+/// The cost of the data with what priors and anchors add.
+fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &Passed) -> f64 {
     let pull = |rows: Mat<f64>| rows.as_ref().col(problem.free.len()).squared_norm_l2();
-    data_cost(problem, point, weights, results)
-        + pull(prior_rows(problem, point, weights))
-        + pull(anchor_rows(problem, point, weights))
+    passed.cost() + pull(prior_rows(problem, point, weights)) + pull(anchor_rows(problem, point, weights))
 }
 
 /// Levenberg-Marquardt from `point` at fixed noise levels.
@@ -472,13 +419,13 @@ fn descend(
     tolerance: f64,
     max_iterations: usize,
 ) -> Result<Descent, IdentifyError> {
-    let Some(results) = pass::run(problem, &point, &weights)? else {
+    let Some(passed) = run(problem, &point, &weights)? else {
         return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
     };
-    let cost = total_cost(problem, &point, &weights, &results);
-    let mut at = Descent { point, weights, results, cost, iterations: 0, end: End::IterationLimit };
+    let cost = total_cost(problem, &point, &weights, &passed);
+    let mut at = Descent { point, weights, passed, cost, iterations: 0, end: End::IterationLimit };
     let (mut damping, mut growth) = (1e-3_f64, 2.0);
-    let mut factor = global_factor(problem, &at.point, &at.weights, &at.results);
+    let mut factor = global_factor(problem, &at.point, &at.weights, &at.passed);
     let mut costs = vec![at.cost];
     while at.iterations < max_iterations {
         at.iterations += 1;
@@ -497,19 +444,19 @@ fn descend(
             break;
         };
         let trial = moved(problem, &at, &step);
-        let gained = match pass::run(problem, &trial, &at.weights)? {
-            Some(results) => {
-                let cost = total_cost(problem, &trial, &at.weights, &results);
-                Some((results, cost)).filter(|_| cost < at.cost)
+        let gained = match run(problem, &trial, &at.weights)? {
+            Some(passed) => {
+                let cost = total_cost(problem, &trial, &at.weights, &passed);
+                Some((passed, cost)).filter(|_| cost < at.cost)
             }
             None => None,
         };
-        if let Some((results, cost)) = gained {
+        if let Some((passed, cost)) = gained {
             let ratio = (at.cost - cost) / predicted;
             damping = (damping * (1.0 - (2.0 * ratio - 1.0).powi(3)).max(LARGEST_RELIEF)).max(LEAST_DAMPING);
             growth = 2.0;
-            (at.point, at.results, at.cost) = (trial, results, cost);
-            factor = global_factor(problem, &at.point, &at.weights, &at.results);
+            (at.point, at.passed, at.cost) = (trial, passed, cost);
+            factor = global_factor(problem, &at.point, &at.weights, &at.passed);
             costs.push(cost);
             if costs.len() > SLOW_STEPS && costs[costs.len() - 1 - SLOW_STEPS] - cost < SLOW_GAIN {
                 at.end = End::Converged;
@@ -549,7 +496,7 @@ fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     carry_dampings(problem, at, step, &mut point.values);
-    for (locals, result) in point.locals.iter_mut().zip(&at.results) {
+    for (locals, result) in point.locals.iter_mut().zip(&at.passed.results) {
         let (r, count) = (result.factor.as_ref(), result.locals());
         let change = result.solve_locals(|row| {
             let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();

@@ -151,9 +151,9 @@ impl Whitener {
                 rows[o * width..(o + 1) * width].iter_mut().zip(source.iter()).for_each(|(r, v)| *r = *v);
             }
             self.advance(state, &mut rows, skipped, &here);
-            for o in 0..p {
+            for (o, here) in here.iter().enumerate() {
                 let mut row = block.rb_mut().row_mut(o * samples + k);
-                if !here[o] {
+                if !*here {
                     row.fill(0.0);
                     continue;
                 }
