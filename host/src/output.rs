@@ -157,17 +157,6 @@ pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
     Ok(OutputFile::create(path)?)
 }
 
-/// Runs something that takes a while, with a sign of life on a terminal.
-pub(crate) fn waiting<T>(message: &str, work: impl FnOnce() -> T) -> T {
-    let spinner = indicatif::ProgressBar::new_spinner().with_message(message.to_owned());
-    let style = indicatif::ProgressStyle::with_template("{spinner} {msg} {elapsed}");
-    let spinner = style.map_or_else(|_| spinner.clone(), |style| spinner.clone().with_style(style));
-    spinner.enable_steady_tick(std::time::Duration::from_millis(100));
-    let result = work();
-    spinner.finish_and_clear();
-    result
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

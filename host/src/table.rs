@@ -50,6 +50,7 @@ pub(crate) fn end(end: End) -> &'static str {
         End::AtBound => "converged, with a parameter at its bound",
         End::Stalled => "stalled",
         End::IterationLimit => "stopped at the iteration limit",
+        End::Interrupted => "interrupted at the best point so far",
     }
 }
 

@@ -37,6 +37,7 @@ mod start;
 mod stepper;
 mod triangle;
 mod walker;
+mod watch;
 mod whitener;
 
 #[cfg(test)]
@@ -52,4 +53,5 @@ pub use report::{
 };
 pub use solver::{evaluate, output_error};
 pub use walker::DEFAULT_TOLERANCE;
+pub use watch::{Observer, Progress, Stage, Watch};
 pub use whitener::NoiseLevels;

@@ -6,6 +6,7 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError,
     feed::{self, Stretch},
+    watch::Watch,
     whitener::NoiseLevels,
 };
 
@@ -68,6 +69,8 @@ pub struct Options {
     pub max_iterations: usize,
     /// Linear constraints on parameters.
     pub constraints: Vec<Constraint>,
+    /// Who follows the search and may end it.
+    pub watch: Watch,
 }
 
 impl Default for Options {
@@ -80,6 +83,7 @@ impl Default for Options {
             seed: 1,
             max_iterations: 150,
             constraints: Vec::new(),
+            watch: Watch::default(),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::{
     problem::Problem,
     solver::{Descent, Race},
     triangle,
+    watch::Stage,
     whitener::NoiseLevels,
 };
 
@@ -47,6 +48,8 @@ pub enum End {
     Stalled,
     /// The iteration limit came first.
     IterationLimit,
+    /// Whoever watched ended it; values and intervals are those of the best point so far.
+    Interrupted,
 }
 
 /// Where a number comes from.
@@ -222,6 +225,7 @@ pub(crate) fn identification(
     races: &[Race],
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
+    problem.options.watch.tell(Stage::Intervals, 0, None);
     let levels =
         NoiseLevels { outputs: descent.weights.noise_std.clone(), inputs: descent.weights.input_std.clone() };
     let colours = input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?;
@@ -241,6 +245,9 @@ pub(crate) fn identification(
     warnings.extend(dead_channels(problem.model, &crate::solver::channel_sums(results)));
     if let Some(warning) = race_warning(races) {
         warnings.push(warning);
+    }
+    if end == End::Interrupted {
+        warnings.push("the search was interrupted: values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is".into());
     }
     if end == End::Stalled || end == End::IterationLimit {
         warnings.push("the fit did not converge; its intervals mean little: give better start values, fix what is known, or look at the residuals".into());

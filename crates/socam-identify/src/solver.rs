@@ -16,6 +16,7 @@ use crate::{
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
     triangle,
+    watch::Stage,
     whitener::NoiseLevels,
 };
 
@@ -157,6 +158,12 @@ pub(crate) struct Descent {
 }
 
 impl Descent {
+    /// Mean of the squared residuals in noise units.
+    fn misfit(&self) -> f64 {
+        let values: f64 = self.channels().iter().map(|channel| channel.count).sum();
+        self.passed.squares() / values.max(1.0)
+    }
+
     pub(crate) fn channels(&self) -> Vec<ChannelSums> {
         channel_sums(&self.passed.results)
     }
@@ -227,12 +234,18 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
         Noise::Given(given) => given.inputs.clone(),
         Noise::Estimated => input_noise::most(problem)?,
     };
+    let first = Stage::Descent { round: 1 };
     if matches!(problem.options.noise, Noise::Given(_)) && most.iter().all(|std| *std == 0.0) {
-        return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations);
+        return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations, first);
     }
-    let mut descent = descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations)?;
+    let mut descent =
+        descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
     let mut iterations = descent.iterations;
     for round in 1..=MOST_ROUNDS {
+        // Once judged, noise levels are good enough for whoever does not want to wait.
+        if round > 1 && descent.end == End::Interrupted {
+            break;
+        }
         let before = NoiseLevels {
             outputs: descent.weights.noise_std.clone(),
             inputs: descent.weights.input_std.clone(),
@@ -247,7 +260,8 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
             colours: input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?,
             ..Weights::white(levels.outputs, scales(problem, &descent.point.values))
         };
-        descent = descend(problem, descent.point, weights, TOLERANCE, problem.options.max_iterations)?;
+        let stage = Stage::Descent { round: round + 1 };
+        descent = descend(problem, descent.point, weights, TOLERANCE, problem.options.max_iterations, stage)?;
         iterations += descent.iterations;
     }
     descent.iterations = iterations;
@@ -313,10 +327,15 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
     let base = Point { values: first.clone(), locals: pass::first_locals(&short, &first)? };
     let weights = first_weights(&short, &base)?;
     let mut best: Option<(f64, Vec<f64>)> = None;
-    for values in candidates.collect::<Vec<_>>() {
+    for (index, values) in candidates.collect::<Vec<_>>().into_iter().enumerate() {
+        if index > 0 && problem.options.watch.stops() {
+            break;
+        }
+        let stage = Stage::Start { number: index + 1, of: problem.options.starts };
         let Ok(locals) = pass::first_locals(&short, &values) else { continue };
         let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
-        let Ok(descent) = descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15) else {
+        let Ok(descent) = descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15, stage)
+        else {
             continue;
         };
         races.push(Race { cost: descent.cost });
@@ -418,6 +437,7 @@ fn descend(
     weights: Weights,
     tolerance: f64,
     max_iterations: usize,
+    stage: Stage,
 ) -> Result<Descent, IdentifyError> {
     let Some(passed) = run(problem, &point, &weights)? else {
         return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
@@ -428,6 +448,11 @@ fn descend(
     let mut factor = global_factor(problem, &at.point, &at.weights, &at.passed);
     let mut costs = vec![at.cost];
     while at.iterations < max_iterations {
+        problem.options.watch.tell(stage, at.iterations, Some(at.misfit()));
+        if problem.options.watch.stops() {
+            at.end = End::Interrupted;
+            break;
+        }
         at.iterations += 1;
         let promise = |damping: f64| {
             let step = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping)?;

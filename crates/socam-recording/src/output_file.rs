@@ -49,6 +49,12 @@ impl OutputFile {
         self.file.get_ref().try_clone().map_err(|e| self.fail(e))
     }
 
+    /// Where the content is until it is committed; `None` where it goes to its place directly.
+    #[must_use]
+    pub fn temporary(&self) -> Option<&Path> {
+        self.temporary.as_deref()
+    }
+
     /// Brings the content to the disk and the file to its place.
     ///
     /// # Errors

@@ -12,7 +12,8 @@ use super::record::CourseArgs;
 use super::{Outcome, identify, simulate};
 use crate::device::run::Report;
 use crate::device::virtual_bench::BenchArgs;
-use crate::{model_file, output, table};
+use crate::interrupt::Interrupt;
+use crate::{model_file, output, table, watch};
 
 /// Do the whole job on a virtual bench: record it, identify it, compare with the truth; no hardware needed
 #[derive(Debug, clap::Args)]
@@ -65,8 +66,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let data =
         paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let (fitted, held_out) = data.split_at(RUNS.len());
-    let problem = Problem::new(&model, fitted, Options::default())?;
-    let result = output::waiting("identifying", || socam_identify::output_error(&problem))?;
+    let result = watch::fit(&Interrupt::listen(), false, &mut Options::default(), |options| {
+        socam_identify::output_error(&Problem::new(&model, fitted, options.clone())?)
+    })?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;
     let identified = args.dir.join("identified.toml");
     identify::write_model(output::create(&identified)?, &model, &result)?;

@@ -4,20 +4,22 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use socam_identify::{
-    Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem, StartState,
+    End, Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem, StartState,
 };
 use socam_model::{Model, Update};
 use socam_recording::{Dataset, OutputFile, RecordingError};
 
 use super::Outcome;
+use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
-use crate::{model_file, table};
+use crate::{model_file, table, watch};
 
 /// Identify stiffness, damping and friction from recordings
 ///
 /// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. A
 /// parameter that the recordings do not determine gets no number: the note says why, and combinations that are
-/// determined are given instead.
+/// determined are given instead. Ctrl-C ends the search at the best point so far, which is then reported; a second one ends at
+/// once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host identify RUN1.mcap RUN2.mcap
@@ -62,6 +64,9 @@ pub(crate) struct Args {
     /// Print one JSON document instead of tables
     #[arg(long)]
     json: bool,
+    /// Say on stderr how far the fit is, also where that is no terminal
+    #[arg(long)]
+    progress: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -92,9 +97,12 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
     model_file::set(&mut model, &args.set, false)?;
     model_file::set(&mut model, &args.fix, true)?;
-    let options = options(&args, &model)?;
+    let mut options = options(&args, &model)?;
+    let interrupt = Interrupt::listen();
+    interrupt.end_after(0);
     // Where it cannot be written is said before the fit, not after it.
     let target = args.write_model.as_deref().map(output::create).transpose()?;
+    interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     if let Some(twice) = args.runs.iter().enumerate().find(|(i, run)| args.runs[..*i].contains(run)) {
         let message = format!("`{}` is named twice; its samples would count double", twice.1);
         return Err(WrongArguments(message).into());
@@ -102,15 +110,15 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let datasets = open_all(&args.runs)?;
     let held_out = open_all(&args.validate)?;
     let result = match args.method {
-        Method::OutputError => {
-            let problem = bind(&model, &datasets, &options)?;
-            output::waiting("fitting", || socam_identify::output_error(&problem))?
-        }
+        Method::OutputError => watch::fit(&interrupt, args.progress, &mut options, |options| {
+            socam_identify::output_error(&bind(&model, &datasets, options)?).map_err(anyhow::Error::from)
+        })?,
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
     if let Some(target) = target {
         write_model(target, &model, &result)?;
+        interrupt.unfinished(None);
     }
     if args.json {
         print_json(&result, &validation)?;
@@ -236,7 +244,9 @@ pub(crate) fn write_model(
                 .zip(parameter.ci95[1])
                 .map(|(low, high)| [low, high])
                 .filter(|_| parameter.identifiable),
-            source: if parameter.identifiable {
+            source: if parameter.identifiable && result.end == End::Interrupted {
+                format!("best so far of an interrupted search ({}) from {recordings}", result.method)
+            } else if parameter.identifiable {
                 format!("identified ({}) from {recordings}", result.method)
             } else {
                 format!("not determined by {recordings}; part of the fit only")

@@ -10,7 +10,8 @@ use socam_recording::{Attachment, Calibration, ProfileFile};
 use super::Outcome;
 use crate::device::run::{self, End, Plan, Report};
 use crate::device::virtual_bench::BenchArgs;
-use crate::device::{self, Device, Interrupt, Pace};
+use crate::device::{self, Device, Pace};
+use crate::interrupt::Interrupt;
 use crate::model_file;
 use crate::output::{self, WrongArguments};
 

@@ -11,7 +11,8 @@ use super::Outcome;
 use super::record::{self, CourseArgs, attachment};
 use crate::device::run::{self, Plan, Report};
 use crate::device::virtual_bench::BenchArgs;
-use crate::device::{self, Device, Interrupt, Pace};
+use crate::device::{self, Device, Pace};
+use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::{model_file, table};
 

@@ -9,8 +9,9 @@ use socam_recording::Calibration;
 use socam_sim::{SimError, VirtualBoard};
 
 use super::Outcome;
+use crate::device::Pace;
 use crate::device::virtual_bench::BenchArgs;
-use crate::device::{Interrupt, Pace};
+use crate::interrupt::Interrupt;
 use crate::output;
 
 /// Serve a virtual board on a simulated bench over TCP

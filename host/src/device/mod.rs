@@ -3,7 +3,6 @@
 //! All three are a [`Stream`] of bytes; a [`Session`] turns it into a conversation, and [`run::record`] a profile into a recording.
 
 mod in_process;
-mod interrupt;
 pub(crate) mod run;
 pub(crate) mod session;
 pub(crate) mod virtual_bench;
@@ -17,7 +16,6 @@ use anyhow::{Context, anyhow};
 use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
-pub(crate) use interrupt::Interrupt;
 pub(crate) use session::Session;
 
 /// Bytes both ways. `read` returns within [`PATIENCE`]; an error of kind `TimedOut` or `WouldBlock` means "nothing yet", and

@@ -13,7 +13,8 @@ use socam_recording::{
 use socam_sim::NO_TACHOMETER;
 use socam_wire::{BoardStatus, SampleBatch};
 
-use super::{Interrupt, Session};
+use super::Session;
+use crate::interrupt::Interrupt;
 use crate::output;
 
 /// A word to the board at least this often, by its own clock and by ours; its patience is half a second.

@@ -6,6 +6,7 @@ use socam_sim::{Setup, Truth};
 
 use super::run::{End, Plan, Report, record};
 use super::*;
+use crate::interrupt::Interrupt;
 
 fn setup(calibration: &Calibration) -> Setup {
     let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();

@@ -1,0 +1,110 @@
+//! How far a fit is, on stderr, and Ctrl-C to end it with what it has.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use socam_identify::{Observer, Options, Progress, Stage, Watch};
+
+use crate::interrupt::Interrupt;
+use crate::output;
+
+/// Where stderr is no terminal and progress is wanted all the same, a line is said so often.
+const LINE_EVERY: Duration = Duration::from_secs(1);
+
+/// Who waits for the fit.
+struct Waiting {
+    interrupt: Interrupt,
+    /// Ctrl-C so far.
+    before: u32,
+    since: Instant,
+    display: Display,
+}
+
+enum Display {
+    /// One line, redrawn; nothing where stderr is no terminal.
+    Line(ProgressBar),
+    /// Lines, and when the last was said.
+    Lines(Mutex<Option<Instant>>),
+}
+
+impl Observer for Waiting {
+    fn progress(&self, progress: &Progress) {
+        let text = if self.stop() { format!("ending: {}", words(progress)) } else { words(progress) };
+        match &self.display {
+            Display::Line(bar) => bar.set_message(text),
+            Display::Lines(last) => {
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                if last.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
+                    *last = Some(Instant::now());
+                    output::say(format_args!("{text}, {:.1} s", self.since.elapsed().as_secs_f64()));
+                }
+            }
+        }
+    }
+
+    fn stop(&self) -> bool {
+        self.interrupt.count() > self.before
+    }
+}
+
+/// `start 2 of 6, step 14, chi2/n 1.03`
+fn words(progress: &Progress) -> String {
+    let stage = match progress.stage {
+        Stage::Start { number, of } => format!("start {number} of {of}"),
+        Stage::Descent { round } => format!("all data, descent {round}"),
+        Stage::Intervals => return "intervals".into(),
+    };
+    let misfit = progress.misfit.map(|misfit| format!(", chi2/n {misfit:.4}")).unwrap_or_default();
+    format!("{stage}, step {}{misfit}", progress.step)
+}
+
+/// Fits while somebody waits: shows how far it is on a terminal (in lines elsewhere, if these are wanted), and ends the
+/// search at the first Ctrl-C, the process at the second.
+pub(crate) fn fit<T>(
+    interrupt: &Interrupt,
+    lines: bool,
+    options: &mut Options,
+    work: impl FnOnce(&Options) -> T,
+) -> T {
+    let lines = lines && !std::io::stderr().is_terminal();
+    let display = if lines { Display::Lines(Mutex::new(None)) } else { Display::Line(line()) };
+    let waiting = Arc::new(Waiting {
+        interrupt: interrupt.clone(),
+        before: interrupt.count(),
+        since: Instant::now(),
+        display,
+    });
+    options.watch = Watch::by(waiting.clone());
+    interrupt.end_after(1);
+    let result = work(options);
+    interrupt.end_after(0);
+    options.watch = Watch::default();
+    if let Display::Line(bar) = &waiting.display {
+        bar.finish_and_clear();
+    }
+    result
+}
+
+fn line() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed} (Ctrl-C ends the search)");
+    let bar = style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style));
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_how_far_it_is() {
+        let progress = Progress { stage: Stage::Start { number: 2, of: 6 }, step: 14, misfit: Some(1.03) };
+        assert_eq!(words(&progress), "start 2 of 6, step 14, chi2/n 1.0300");
+        let progress = Progress { stage: Stage::Descent { round: 1 }, step: 3, misfit: None };
+        assert_eq!(words(&progress), "all data, descent 1, step 3");
+    }
+}
