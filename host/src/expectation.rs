@@ -1,6 +1,6 @@
 //! What a model expects of a recording that is to determine its parameters.
 
-use socam_model::{Channel, Mode, Model, Quantity};
+use socam_model::{Channel, Mode, Model, Quantity, Take};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.
@@ -17,7 +17,7 @@ pub(crate) fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     let outputs = model.outputs().count();
     let parameters = model.parameters.iter().filter(|parameter| !parameter.fixed).count();
     CheckOptions {
-        input: model.inputs().next().map(|channel| channel.column.clone()),
+        input: model.inputs().find(|channel| is_recorded(channel)).map(|channel| channel.column.clone()),
         channels: model.inputs().chain(model.outputs()).map(|channel| channel.column.clone()).collect(),
         ratios: ratios(model, ratio_tolerance),
         resonances: resonances(model),
@@ -26,9 +26,15 @@ pub(crate) fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     }
 }
 
+/// Whether its column is what the channel is, so that the column's statistics speak of it.
+fn is_recorded(channel: &Channel) -> bool {
+    channel.take == Take::Value
+}
+
 /// Every speed against the first one, where rigid parts and springs tie them together.
 fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
-    let mut speeds = model.inputs().chain(model.outputs()).filter(|c| c.quantity == Quantity::Speed);
+    let recorded = model.inputs().chain(model.outputs()).filter(|channel| is_recorded(channel));
+    let mut speeds = recorded.filter(|channel| channel.quantity == Quantity::Speed);
     let Some(first) = speeds.next() else {
         return Vec::new();
     };
@@ -55,8 +61,10 @@ fn both_ways(model: &Model) -> Option<BothWays> {
     };
     let (place, friction) = free("coulomb_friction")?;
     let (_, load) = free("constant_load")?;
-    let mut motions =
-        model.channels.iter().filter(|c| matches!(c.quantity, Quantity::Speed | Quantity::Angle));
+    let mut motions = model
+        .channels
+        .iter()
+        .filter(|c| is_recorded(c) && matches!(c.quantity, Quantity::Speed | Quantity::Angle));
     let channel = motions.find(|channel| model.rigid_ratio(&channel.at, place).is_some())?;
     Some(BothWays { channel: channel.column.clone(), parameters: vec![friction, load] })
 }

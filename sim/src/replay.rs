@@ -4,7 +4,7 @@ mod start;
 
 use std::str::FromStr;
 
-use socam_model::{Channel, Model, Quantity, Role};
+use socam_model::{Channel, Model, Quantity, Role, Take};
 use socam_recording::{Channel as Column, Dataset, Segment};
 
 use crate::plant::{Effort, Plant, Trajectory};
@@ -56,7 +56,7 @@ pub struct Replay {
 pub struct Replayed {
     /// Times of the recording, s.
     pub time_s: Vec<f64>,
-    /// The model's channels, inputs first, as the recording would name them.
+    /// The model's channels, inputs first, as the recording would name them; without inputs that are made of another column.
     pub columns: Vec<Column>,
     /// One list per column, in the recording's units.
     pub values: Vec<Vec<f64>>,
@@ -96,8 +96,8 @@ impl FromStr for Disturbance {
     }
 }
 
-/// An input of the equations as a sum of columns: column, factor, offset.
-type Mix = Vec<(usize, f64, f64)>;
+/// An input of the equations as a sum of columns, each with how it is read.
+type Mix = Vec<(usize, Channel)>;
 
 /// The recording as the model sees it: SI, one list per input and per output (NaN where nothing was measured).
 struct Feed {
@@ -153,17 +153,17 @@ impl Replay {
         };
         let mut mixes = Vec::new();
         for channel in model.inputs() {
-            mixes.push(vec![(find(&channel.column)?, channel.scale, channel.offset)]);
+            mixes.push(vec![(find(&channel.column)?, channel.clone())]);
         }
         for disturbance in &self.disturbances {
             let column = find(&disturbance.column)?;
             if model.nodes.iter().any(|node| node.name == disturbance.place) {
                 model.channels.push(torque_on(disturbance));
-                mixes.push(vec![(column, 1.0, 0.0)]);
+                mixes.push(vec![(column, torque_on(disturbance))]);
                 continue;
             }
             let (input, factor) = self.drive_voltage(&model, disturbance)?;
-            mixes[input].push((column, factor, 0.0));
+            mixes[input].push((column, Channel { scale: factor, ..torque_on(disturbance) }));
         }
         Ok((model, mixes))
     }
@@ -219,7 +219,9 @@ impl Replay {
         let driven = self.truth.model.inputs().zip(&feed.inputs);
         let simulated = model.outputs().zip(&predicted);
         let channels: Vec<_> = driven.chain(simulated).collect();
-        let named = |channel: &Channel| Column::from_column_name(&channel.column);
+        let named = |channel: &Channel| {
+            Column::from_column_name(&channel.column).filter(|_| channel.take == Take::Value)
+        };
         let raw = |channel: &Channel, values: &[f64]| {
             values.iter().map(|v| (v - channel.offset) / channel.scale).collect()
         };
@@ -247,6 +249,7 @@ fn torque_on(disturbance: &Disturbance) -> Channel {
         role: Role::Input,
         quantity: Quantity::Torque,
         at: disturbance.place.clone(),
+        take: Take::Value,
         scale: 1.0,
         offset: 0.0,
         noise_std: None,
@@ -260,8 +263,7 @@ impl Feed {
     fn read(data: &Dataset, model: &Model, mixes: &[Mix]) -> Result<Self, SimError> {
         let column_of =
             |channel: &Channel| data.channels().iter().position(|c| c.column_name() == channel.column);
-        let outputs: Vec<_> =
-            model.outputs().map(|channel| (column_of(channel), channel.scale, channel.offset)).collect();
+        let outputs: Vec<_> = model.outputs().map(|channel| (column_of(channel), channel)).collect();
         let mut feed = Self {
             time_s: Vec::new(),
             inputs: vec![Vec::new(); mixes.len()],
@@ -269,24 +271,38 @@ impl Feed {
         };
         for block in data.blocks()? {
             let block = block?;
+            let step_s = data.segments()[block.segment].sample_time_s;
             feed.time_s.extend_from_slice(&block.time_s);
-            for (mix, input) in mixes.iter().zip(&mut feed.inputs) {
-                input.extend((0..block.rows()).map(|row| {
-                    mix.iter()
-                        .map(|(column, scale, offset)| scale * block.columns[*column].values()[row] + offset)
-                        .sum::<f64>()
-                }));
-            }
-            for ((column, scale, offset), measured) in outputs.iter().zip(&mut feed.measured) {
+            for ((column, channel), measured) in outputs.iter().zip(&mut feed.measured) {
                 if let (Some(column), Some(measured)) = (column, measured) {
-                    measured
-                        .extend(block.columns[*column].values().iter().map(|value| scale * value + offset));
+                    measured.extend(channel.read(block.columns[*column].values(), step_s));
                 }
             }
+        }
+        for (mix, input) in mixes.iter().zip(&mut feed.inputs) {
+            *input = mixed(data, mix)?;
         }
         feed.inputs.iter_mut().for_each(|input| bridge(&feed.time_s, input));
         Ok(feed)
     }
+}
+
+/// An input over the whole recording. What a channel takes of its column does not reach across gaps.
+fn mixed(data: &Dataset, mix: &Mix) -> Result<Vec<f64>, SimError> {
+    let columns: Vec<usize> = mix.iter().map(|(column, _)| *column).collect();
+    let mut recorded = vec![Vec::new(); mix.len()];
+    for block in data.blocks_in(0..data.rows(), &columns)? {
+        let block = block?;
+        recorded.iter_mut().zip(&block.columns).for_each(|(all, more)| all.extend_from_slice(more.values()));
+    }
+    let mut sum = vec![0.0; recorded.first().map_or(0, Vec::len)];
+    for (values, (_, channel)) in recorded.iter().zip(mix) {
+        for segment in data.segments() {
+            let read = channel.read(&values[segment_rows(segment)], segment.sample_time_s);
+            sum[segment_rows(segment)].iter_mut().zip(read).for_each(|(sum, value)| *sum += value);
+        }
+    }
+    Ok(sum)
 }
 
 /// Missing values become points on the line between their neighbours; at the ends, the nearest value.

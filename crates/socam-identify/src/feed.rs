@@ -151,18 +151,20 @@ pub(crate) fn read(
     let columns = channels.iter().map(|channel| dataset.channel_index(&channel.column));
     let columns = columns.collect::<Result<Vec<_>, _>>()?;
     let inputs = model.inputs().count();
-    // A spline needs the samples before and after; a piece of a run has those of its neighbours.
-    let reach = between::reach(intersample) as u64;
+    // A spline or a rate needs the samples before and after; a piece of a run has those of its neighbours.
+    let taken = channels.iter().map(|channel| channel.take.reach()).max().unwrap_or(0);
+    let reach = (between::reach(intersample) + taken) as u64;
     let end = stretch.first_row + stretch.rows;
     let first = stretch.run.start.max(stretch.first_row.saturating_sub(reach));
     let last = stretch.run.end.min(end + reach);
+    // As recorded.
     let mut window = vec![Vec::new(); channels.len()];
     // Row of the recording at which the window starts, and the next to hand over.
     let (mut start, mut next) = (first, stretch.first_row);
     for block in dataset.blocks_in(first..last, &columns)? {
         let block = block?;
-        for ((values, column), channel) in window.iter_mut().zip(&block.columns).zip(&channels) {
-            values.extend(column.values().iter().map(|value| channel.scale * value + channel.offset));
+        for (values, column) in window.iter_mut().zip(&block.columns) {
+            values.extend_from_slice(column.values());
         }
         let read = block.first_row + block.rows() as u64;
         let ready = if read == last { end } else { read.saturating_sub(reach).min(end) };
@@ -170,13 +172,15 @@ pub(crate) fn read(
             continue;
         }
         let rows = (next - start) as usize..(ready - start) as usize;
+        let read = channels.iter().zip(&window);
+        let si: Vec<_> = read.map(|(channel, values)| channel.read(values, stretch.sample_time_s)).collect();
         let part =
             |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
         let held = |values: &Vec<f64>| between::coefficients(values, rows.clone(), intersample);
         use_chunk(&Chunk {
-            inputs: part(&window[..inputs]),
-            held: window[..inputs].iter().map(held).collect(),
-            outputs: part(&window[inputs..]),
+            inputs: part(&si[..inputs]),
+            held: si[..inputs].iter().map(held).collect(),
+            outputs: part(&si[inputs..]),
         });
         next = ready;
         let keep = next.saturating_sub(reach).max(start);
@@ -188,6 +192,7 @@ pub(crate) fn read(
 
 #[cfg(test)]
 mod tests {
+    use socam_model::{Role, Take};
     use socam_recording::{Channel, Unit};
 
     use super::*;
@@ -205,6 +210,44 @@ mod tests {
         let output = |k: u64| there.iter().map(|row| (row * 4 + k) as f64).collect();
         let columns = vec![input, output(1), output(2), output(3)];
         (model, Dataset::from_columns("numbered", channels, time_s, columns).unwrap())
+    }
+
+    #[test]
+    fn speeds_and_waves_are_taken_of_an_angle() {
+        let text = Model::builtin("two-mass").unwrap().text.replacen(
+            "[channels.motor_torque]\nrole = \"input\"\nquantity = \"torque\"\nat = \"motor\"",
+            "[channels.drive]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"\ncolumn = \"encoder_rad\"\n\
+             take = \"rate\"\nscale = 2\n\
+             [channels.wave]\nrole = \"input\"\nquantity = \"torque\"\nat = \"load\"\ncolumn = \"encoder_rad\"\n\
+             take = { sin = 0.5 }\n[channels.other]\nrole = \"input\"\nquantity = \"torque\"\nat = \"load\"\n\
+             column = \"encoder_rad\"\ntake = { cos = 3 }",
+            1,
+        );
+        let model = Model::parse(&text).unwrap();
+        let time_s: Vec<f64> = (0..9000).map(|row| f64::from(row) / 1000.0).collect();
+        let angle = |t: f64| 1e4 + 300.0 * t + 0.02 * (200.0 * t).sin();
+        let speed = |t: f64| 300.0 + 4.0 * (200.0 * t).cos();
+        let names = [("encoder", Unit::Rad), ("motor_speed", Unit::RadPerS), ("load_speed", Unit::RadPerS)];
+        let channels = names.iter().map(|(name, unit)| Channel::new(*name, *unit)).collect();
+        let zero = vec![0.0; time_s.len()];
+        let columns = vec![time_s.iter().map(|t| angle(*t)).collect(), zero.clone(), zero];
+        let data = Dataset::from_columns("turning", channels, time_s.clone(), columns).unwrap();
+        let pieces = stretches(&model, std::slice::from_ref(&data), 2500, &mut Vec::new()).unwrap();
+        let mut row = 0;
+        for piece in &pieces {
+            read(&model, &data, piece, Intersample::BandLimited, |chunk| {
+                for k in 0..chunk.rows() {
+                    let t = time_s[row];
+                    let tolerance = if (8..8992).contains(&row) { 1e-5 } else { 0.3 };
+                    assert!((chunk.inputs[0][k] - 2.0 * speed(t)).abs() < tolerance, "{row}");
+                    assert!((chunk.inputs[1][k] - (0.5 * angle(t)).sin()).abs() < 1e-9);
+                    assert!((chunk.inputs[2][k] - (3.0 * angle(t)).cos()).abs() < 1e-9);
+                    row += 1;
+                }
+            })
+            .unwrap();
+        }
+        assert_eq!((row, pieces.len()), (9000, 4));
     }
 
     fn read_all(
@@ -232,9 +275,16 @@ mod tests {
 
     #[test]
     fn cutting_loses_no_row_and_changes_no_input() {
-        let (model, data) = numbered(20_000, |row| row == 12_000, |row| row == 15_000 || row == 15_005);
+        let (mut model, data) = numbered(20_000, |row| row == 12_000, |row| row == 15_000 || row == 15_005);
         let one = std::slice::from_ref(&data);
-        for intersample in [Intersample::Linear, Intersample::BandLimited] {
+        let all = [
+            (Take::Value, Intersample::Linear),
+            (Take::Value, Intersample::BandLimited),
+            (Take::Rate, Intersample::BandLimited),
+        ];
+        for (take, intersample) in all {
+            let input = model.channels.iter().position(|channel| channel.role == Role::Input).unwrap();
+            model.channels[input].take = take;
             let whole = stretches(&model, one, u64::MAX, &mut Vec::new()).unwrap();
             assert_eq!(whole.iter().map(|s| s.rows).collect::<Vec<_>>(), [12_000, 2999, 4994]);
             let expected = read_all(&model, &data, &whole, intersample);

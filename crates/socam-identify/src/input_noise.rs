@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use socam_model::{Channel, Model, Quantity};
+use socam_model::{Channel, Model, Quantity, Take};
 use socam_recording::Dataset;
 
 use crate::{
@@ -201,12 +201,13 @@ impl Impulses {
     }
 }
 
-/// The model without force laws and with its channels in SI.
+/// The model without force laws, its channels in SI and each with a column of its own.
 fn linear(model: &Model) -> Model {
     let mut model = model.clone();
     model.effects.clear();
-    for channel in &mut model.channels {
+    for (index, channel) in model.channels.iter_mut().enumerate() {
         (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
+        (channel.take, channel.column) = (Take::Value, format!("channel_{index}_1"));
     }
     model
 }

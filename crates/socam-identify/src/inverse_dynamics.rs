@@ -6,7 +6,7 @@
 
 use faer::{Mat, linalg::solvers::SolveLstsqCore};
 use nalgebra::DVector;
-use socam_model::{Equations, Model, Quantity};
+use socam_model::{Equations, Model, Quantity, Take};
 use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -131,8 +131,10 @@ impl<'m> Axis<'m> {
         if !model.outputs().any(|channel| channel.quantity == Quantity::Angle && channel.at == inputs[0].at) {
             return Err(unsuited("it needs the angle or position measured where the torque or force acts"));
         }
-        if model.channels.iter().any(|channel| channel.gain.is_some()) {
-            return Err(unsuited("it takes channels as measured, without a gain; use output-error"));
+        if model.channels.iter().any(|channel| channel.gain.is_some() || channel.take != Take::Value) {
+            return Err(unsuited(
+                "it reads channels as recorded, without `gain` or `take`; use output-error",
+            ));
         }
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();

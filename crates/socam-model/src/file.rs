@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
-    Servo, Shaft, Spring, Update,
+    Servo, Shaft, Spring, Take, Update,
     effects::{self, ActsAt, Kind},
     units,
 };
@@ -162,6 +162,7 @@ struct RawChannel {
     quantity: Quantity,
     at: Name,
     column: Option<String>,
+    take: Option<Spanned<Take>>,
     #[serde(default = "one")]
     scale: f64,
     #[serde(default)]
@@ -552,6 +553,8 @@ impl Reader<'_> {
             );
             return self.fail(&name, message);
         }
+        let take =
+            raw.take.map(|take| self.take(&name, raw.role, raw.column.as_deref(), &take)).transpose()?;
         let gain = raw.gain.map(|name| self.parameter(&name, Kind::Ratio)).transpose()?;
         let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
         let name = name.into_inner();
@@ -561,6 +564,7 @@ impl Reader<'_> {
             role: raw.role,
             quantity: raw.quantity,
             at: raw.at.into_inner(),
+            take: take.unwrap_or_default(),
             scale: raw.scale,
             offset: raw.offset,
             gain,
@@ -569,6 +573,38 @@ impl Reader<'_> {
             unit,
         })
     }
+
+    /// What a channel takes of its column. Noise of an output is that of its sensor, so outputs are read as recorded.
+    fn take(
+        &self,
+        name: &Name,
+        role: Role,
+        column: Option<&str>,
+        take: &Spanned<Take>,
+    ) -> Result<Take, ModelError> {
+        let label = name.get_ref();
+        if role == Role::Output {
+            return self
+                .fail(take, format!("channels.{label}.take is for inputs; an output is read as recorded"));
+        }
+        if !column.is_some_and(is_angle) {
+            let message = format!(
+                "channels.{label}.take needs the column of an angle or position, such as column = \"encoder_rad\""
+            );
+            return self.fail(take, message);
+        }
+        match *take.get_ref() {
+            Take::Cos(order) | Take::Sin(order) if !order.is_finite() || order == 0.0 => {
+                self.fail(take, format!("channels.{label}.take needs a finite order other than zero"))
+            }
+            taken => Ok(taken),
+        }
+    }
+}
+
+/// Whether a column holds angles or positions, by its unit's suffix.
+fn is_angle(column: &str) -> bool {
+    column.ends_with("_rad") || column.ends_with("_m")
 }
 
 /// SI unit and column suffix of what a channel measures.

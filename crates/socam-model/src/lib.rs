@@ -23,6 +23,7 @@ mod file;
 mod jet;
 mod model;
 mod network;
+mod take;
 pub mod units;
 
 pub use equations::{Equations, Mode, Port};
@@ -31,3 +32,4 @@ pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
     Shaft, Spring, Update,
 };
+pub use take::Take;

@@ -1,6 +1,6 @@
 //! The drivetrain as its file describes it, checked and in SI.
 
-use crate::{ModelError, effects::Effect, file};
+use crate::{ModelError, Take, effects::Effect, file};
 
 /// Embedded models: name and file text. The first is the default.
 pub const BUILTIN: &[(&str, &str)] = &[
@@ -192,7 +192,9 @@ pub struct Channel {
     pub quantity: Quantity,
     /// Where: a node, a spring or the servo.
     pub at: String,
-    /// SI value = scale * column + offset.
+    /// What it takes of the column.
+    pub take: Take,
+    /// SI value = scale * what is taken + offset.
     pub scale: f64,
     /// See `scale`.
     pub offset: f64,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::Model;
+use crate::{Model, Take};
 
 /// Parameters of the thesis model by name.
 fn p(model: &Model, name: &str) -> f64 {
@@ -341,6 +341,37 @@ fn values_and_channels_that_cannot_be_are_refused() {
     let mut values = model.values();
     values[model.parameter("guide.transition_speed").unwrap()] = 0.0;
     assert!(model.equations(&values).unwrap_err().to_string().contains("transition_speed"));
+}
+
+#[test]
+fn an_input_may_be_made_of_an_angle() {
+    let plain = Model::builtin("speed-o-cam").unwrap();
+    assert!(plain.channels.iter().all(|channel| channel.take == Take::Value));
+    let at = "[channels.motor_speed]\nrole = \"input\"\n";
+    assert!(plain.text.contains(at));
+    let with = |lines: &str| Model::parse(&plain.text.replacen(at, &format!("{at}{lines}\n"), 1));
+    let model = with("column = \"encoder_rad\"\ntake = \"rate\"").unwrap();
+    let input = model.inputs().next().unwrap();
+    assert_eq!((input.column.as_str(), input.take), ("encoder_rad", Take::Rate));
+    let wave = with("column = \"encoder_rad\"\ntake = { sin = 2 }").unwrap();
+    assert_eq!(wave.inputs().next().unwrap().take, Take::Sin(2.0));
+    // A model that is written keeps it.
+    let update = crate::Update { name: "k4".into(), value: 100.0, ci95: None, source: "test".into() };
+    let written = Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
+    assert_eq!(written.channels, model.channels);
+
+    let refused = |lines: &str, words: &[&str]| {
+        let text = with(lines).unwrap_err().to_string();
+        assert!(words.iter().all(|word| text.contains(word)) && text.lines().count() == 1, "{lines}: {text}");
+    };
+    refused("take = \"rate\"", &["motor_speed.take", "angle", "column ="]);
+    refused("column = \"tacho_rad_s\"\ntake = \"rate\"", &["motor_speed.take", "angle"]);
+    refused("column = \"encoder_rad\"\ntake = \"mean\"", &["mean", "rate", "cos", "sin"]);
+    refused("column = \"encoder_rad\"\ntake = { cos = 0 }", &["order", "other than zero"]);
+    refused("column = \"encoder_rad\"\ntake = { sin = inf }", &["order", "finite"]);
+    let output = "[channels.output_speed]\nrole = \"output\"\n";
+    let text = plain.text.replacen(output, &format!("{output}column = \"x_rad\"\ntake = \"rate\"\n"), 1);
+    assert!(Model::parse(&text).unwrap_err().to_string().contains("output is read as recorded"));
 }
 
 #[test]
