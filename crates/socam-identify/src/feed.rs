@@ -1,11 +1,11 @@
 //! Recordings as the fit reads them: uninterrupted stretches with every input present, block by block.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use socam_model::{Channel, Model};
 use socam_recording::Dataset;
 
-use crate::{IdentifyError, Intersample, between};
+use crate::{IdentifyError, Intersample, amends::Amends, between};
 
 /// Fewest samples worth a start state of its own.
 const MIN_ROWS: u64 = 20;
@@ -24,6 +24,8 @@ pub(crate) struct Stretch {
     pub(crate) sample_time_s: f64,
     /// The uninterrupted rows that it is all or a piece of.
     pub(crate) run: Range<u64>,
+    /// What of its recording is not used as measured.
+    pub(crate) amends: Arc<Amends>,
 }
 
 impl Stretch {
@@ -114,6 +116,7 @@ fn runs(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Stretc
         rows: rows.end - rows.start,
         sample_time_s: dataset.segments()[segment].sample_time_s,
         run: rows,
+        amends: Arc::default(),
     };
     if inputs.iter().all(|input| dataset.statistics()[*input].missing == 0) {
         let segments = dataset.segments().iter().enumerate();
@@ -163,10 +166,15 @@ pub(crate) fn read(
     let (mut start, mut next) = (first, stretch.first_row);
     for block in dataset.blocks_in(first..last, &columns)? {
         let block = block?;
-        for (values, column) in window.iter_mut().zip(&block.columns) {
-            values.extend_from_slice(column.values());
-        }
         let read = block.first_row + block.rows() as u64;
+        for (index, (values, column)) in window.iter_mut().zip(&block.columns).enumerate() {
+            values.extend_from_slice(column.values());
+            let (rows, new) = (block.first_row..read, values.len() - block.rows());
+            match index.checked_sub(inputs) {
+                None => stretch.amends.bridge(index, rows, &mut values[new..]),
+                Some(output) => stretch.amends.leave_out(output, rows, &mut values[new..]),
+            }
+        }
         let ready = if read == last { end } else { read.saturating_sub(reach).min(end) };
         if ready <= next {
             continue;

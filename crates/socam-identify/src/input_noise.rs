@@ -175,6 +175,7 @@ impl Impulses {
             first_row: 0,
             rows: dataset.rows(),
             run: 0..dataset.rows(),
+            amends: Arc::default(),
             sample_time_s: self.sample_time_s,
         });
         let twin = Problem {
@@ -185,6 +186,8 @@ impl Impulses {
             options: Options { start_state: StartState::Free, ..problem.options.clone() },
             intersample: problem.intersample,
             warnings: Vec::new(),
+            left_out: Vec::new(),
+            misfits: Vec::new(),
         };
         let Ok(equations) = self.model.equations(&point.values) else { return Ok(None) };
         let at_rest = vec![0.0; equations.state.nrows()];

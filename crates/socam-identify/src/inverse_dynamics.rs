@@ -305,6 +305,7 @@ impl<'m> Axis<'m> {
             combinations: Vec::new(),
             nuisance: Vec::new(),
             fit,
+            left_out: Vec::new(),
             warnings: vec![
                 "intervals of inverse dynamics take its residuals as white and its regressors as exact"
                     .into(),

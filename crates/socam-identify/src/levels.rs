@@ -47,7 +47,7 @@ pub(crate) fn likeliest(
 }
 
 /// The same problem with nothing to be estimated but start states.
-fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
+pub(crate) fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| {
         let stretch = &problem.stretches[*index];
         Stretch { rows: stretch.rows.min(rows), ..stretch.clone() }
@@ -60,6 +60,8 @@ fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Probl
         options: problem.options.clone(),
         intersample: problem.intersample,
         warnings: Vec::new(),
+        left_out: Vec::new(),
+        misfits: Vec::new(),
     }
 }
 

@@ -11,6 +11,7 @@
 //! eliminated; memory is bounded by a block. [`solver`] joins the factors and steps, with bounds and
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
+mod amends;
 mod between;
 mod combinations;
 mod combine;
@@ -24,6 +25,7 @@ mod laws;
 mod levels;
 mod modal;
 mod modes;
+mod outliers;
 mod pass;
 mod phi;
 mod predict;
@@ -33,6 +35,7 @@ mod reflect;
 mod report;
 mod sensitivity;
 mod solver;
+mod spikes;
 mod start;
 mod stepper;
 mod triangle;
@@ -43,6 +46,7 @@ mod whitener;
 #[cfg(test)]
 mod tests;
 
+pub use amends::{LeftOut, Reason};
 pub use combinations::combination_values;
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};

@@ -11,6 +11,7 @@ use crate::{
     input_noise::Impulses,
     levels::{self, Probe, Score},
     modal::Modal,
+    outliers::{Gate, Track},
     problem::{Problem, StartState},
     start,
     stepper::Stepper,
@@ -45,6 +46,8 @@ pub(crate) struct StretchResult {
     pub(crate) scores: Vec<Vec<f64>>,
     /// What the residuals say of the noise levels; only when asked for.
     pub(crate) levels: Option<Score>,
+    /// What was seen of each output while looking for outliers; only when asked for.
+    pub(crate) gate: Option<Vec<Track>>,
 }
 
 impl StretchResult {
@@ -124,6 +127,8 @@ pub(crate) struct Weights {
     pub(crate) colours: Arc<Vec<Colour>>,
     /// Noise levels under test, one set for each sample time; empty where none are.
     pub(crate) probes: Arc<Vec<(f64, Probe)>>,
+    /// Sizes of remainders when outliers are looked for.
+    pub(crate) gate: Option<Arc<Vec<f64>>>,
 }
 
 /// What a noisy input calls for at one sample time.
@@ -149,6 +154,7 @@ impl Weights {
             scores: false,
             colours: Arc::default(),
             probes: Arc::default(),
+            gate: None,
         }
     }
 
@@ -253,6 +259,7 @@ pub(crate) struct Rows<'w> {
     samples: f64,
     whitener: Option<(&'w Whitener, Filtered)>,
     course: Option<levels::Course<'w>>,
+    gate: Option<Gate<'w>>,
     scores: Option<Scores>,
     present: Vec<bool>,
 }
@@ -276,6 +283,10 @@ impl<'w> Rows<'w> {
             samples: 0.0,
             whitener: colour.map(|c| (&c.whitener, c.whitener.rest(locals + globals + 1))),
             course: probe.map(|(_, probe)| probe.start()),
+            gate: weights
+                .gate
+                .as_ref()
+                .map(|sizes| Gate::new(colour.map(|c| &c.whitener), Arc::clone(sizes))),
             scores: weights.scores.then(|| Scores {
                 block_rows: (SCORE_BLOCK_S / sample_time_s).ceil().max(1.0) as usize,
                 row: 0,
@@ -331,8 +342,12 @@ impl<'w> Rows<'w> {
             }
             finite &= sums.residual_squares.is_finite();
         }
+        let residuals = target.as_ref().col(columns - 1);
         if let Some(course) = &mut self.course {
-            follow(course, target.as_ref().col(columns - 1), rows, &self.present);
+            follow(residuals, rows, &self.present, |residual, present| course.take(residual, present));
+        }
+        if let Some(gate) = &mut self.gate {
+            follow(residuals, rows, &self.present, |residual, present| gate.take(residual, present));
         }
         let skipped = if alive { 0 } else { self.locals };
         if let Some((whitener, state)) = &mut self.whitener {
@@ -367,23 +382,24 @@ impl<'w> Rows<'w> {
             samples: self.samples,
             scores,
             levels: self.course.map(|course| course.score),
+            gate: self.gate.map(Gate::finish),
         })
     }
 }
 
-/// Shows a block's residuals to the filters that judge noise levels.
+/// Shows a block's residuals, sample by sample, to whoever follows them.
 fn follow(
-    course: &mut levels::Course<'_>,
     residuals: faer::ColRef<'_, f64>,
     samples: usize,
     present: &[bool],
+    mut take: impl FnMut(&[f64], &[bool]),
 ) {
     let outputs = present.len() / samples.max(1);
     for k in 0..samples {
         let rows = || (0..outputs).map(|o| o * samples + k);
         let residual: Vec<f64> = rows().map(|row| residuals[row]).collect();
         let here: Vec<bool> = rows().map(|row| present[row]).collect();
-        course.take(&residual, &here);
+        take(&residual, &here);
     }
 }
 

@@ -5,6 +5,7 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError,
+    amends::{self, LeftOut},
     feed::{self, Stretch},
     watch::Watch,
     whitener::NoiseLevels,
@@ -89,7 +90,7 @@ impl Default for Options {
 }
 
 /// Recordings bound to a model.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Problem<'a> {
     pub(crate) model: &'a Model,
     pub(crate) datasets: &'a [Dataset],
@@ -99,6 +100,10 @@ pub struct Problem<'a> {
     pub(crate) options: Options,
     pub(crate) intersample: Intersample,
     pub(crate) warnings: Vec<String>,
+    /// Samples that are not used as measured.
+    pub(crate) left_out: Vec<LeftOut>,
+    /// What looked like outliers, but is too much.
+    pub(crate) misfits: Vec<String>,
 }
 
 impl<'a> Problem<'a> {
@@ -135,11 +140,23 @@ impl<'a> Problem<'a> {
             StartState::Free => feed::PIECE_ROWS,
             StartState::Equilibrium => u64::MAX,
         };
-        let stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
+        let mut stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
+        let (inputs, outputs): (Vec<_>, Vec<_>) = (model.inputs().collect(), model.outputs().collect());
+        let left_out = amends::screen(&inputs, &outputs, datasets, &mut stretches)?;
         let reference = model.inputs().all(|channel| channel.quantity == Quantity::Reference);
         let default = if reference { Intersample::Linear } else { Intersample::BandLimited };
         let intersample = options.intersample.unwrap_or(default);
-        Ok(Self { model, datasets, free, stretches, options, intersample, warnings })
+        Ok(Self {
+            model,
+            datasets,
+            free,
+            stretches,
+            options,
+            intersample,
+            warnings,
+            left_out,
+            misfits: Vec::new(),
+        })
     }
 
     /// Number of outputs of the model.

@@ -7,6 +7,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError,
+    amends::LeftOut,
     combinations::{self, Combination},
     input_noise,
     modal::offset_channels,
@@ -161,6 +162,8 @@ pub struct Identification {
     pub nuisance: Vec<ParameterEstimate>,
     /// How well the model fits.
     pub fit: Fit,
+    /// Samples that were not used as measured.
+    pub left_out: Vec<LeftOut>,
     /// Anything a careful reader should know.
     pub warnings: Vec<String>,
     /// Point values of all parameters, SI, determined or not: what reproduces `fit`. For writing models.
@@ -242,6 +245,8 @@ pub(crate) fn identification(
     let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
     let end = if descent.end == End::Converged && at_bound { End::AtBound } else { descent.end };
     let mut warnings = problem.warnings.clone();
+    warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
+    warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &crate::solver::channel_sums(results)));
     if let Some(warning) = race_warning(races) {
         warnings.push(warning);
@@ -265,6 +270,7 @@ pub(crate) fn identification(
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.locals, results, &uncertainty, &weights.scales),
         fit: fit(problem.model, &crate::solver::channel_sums(results), &weights.noise_std),
+        left_out: problem.left_out.clone(),
         warnings,
         point: descent.point.values,
         cost,

@@ -11,7 +11,7 @@ use rand_chacha::{
 };
 
 use crate::{
-    IdentifyError, combinations, input_noise, levels,
+    IdentifyError, combinations, input_noise, levels, outliers,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
@@ -39,6 +39,8 @@ const COARSE_TOLERANCE: f64 = 10.0;
 const NOISE_SETTLED: f64 = 0.01;
 /// Descents between which noise levels are judged anew.
 const MOST_ROUNDS: usize = 6;
+/// Times that outliers are looked for: once they are gone, smaller ones show.
+const MOST_CLEANINGS: usize = 3;
 /// Steps of the start states when only they are fitted.
 const MOST_START_STEPS: usize = 20;
 /// Samples per recording, and recordings, on which starts compete.
@@ -64,8 +66,19 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     let clock = report::CpuClock::start();
     let mut races = Vec::new();
     let start = best_start(problem, &mut races)?;
-    let descent = settle_noise(problem, start)?;
-    report::identification(problem, descent, &races, clock)
+    let mut descent = settle_noise(problem, start)?;
+    let mut cleaned = problem.clone();
+    for _ in 0..MOST_CLEANINGS {
+        if descent.end == End::Interrupted
+            || !outliers::leave_out(&mut cleaned, &descent.point, &descent.weights)?
+        {
+            break;
+        }
+        let before = descent.iterations;
+        descent = settle_noise(&cleaned, descent.point)?;
+        descent.iterations += before;
+    }
+    report::identification(&cleaned, descent, &races, clock)
 }
 
 /// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
@@ -320,6 +333,8 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
         options: problem.options.clone(),
         intersample: problem.intersample,
         warnings: Vec::new(),
+        left_out: Vec::new(),
+        misfits: Vec::new(),
     };
     let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
     let candidates = (0..problem.options.starts)

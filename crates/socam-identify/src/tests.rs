@@ -1,6 +1,7 @@
 //! Predictions against independent arithmetic, slopes against differences, known truth in and truth out.
 
 mod odd_models;
+mod robust;
 
 use socam_model::{BUILTIN, Model};
 use socam_recording::{Channel, Dataset, Unit};

@@ -107,7 +107,19 @@ impl Whitener {
     /// One sample: turns `rows` (one per output, `width` columns) from residuals into what their past did not foretell, and
     /// moves `state` on, of whose columns these are the ones from `skipped`. A missing output foretells nothing.
     pub(crate) fn advance(&self, state: &mut Filtered, rows: &mut [f64], skipped: usize, present: &[bool]) {
-        let (n, p, whole) = (self.states, self.outputs, state.columns);
+        self.subtract_foretold(state, rows, skipped, present);
+        self.follow(state, rows, skipped);
+    }
+
+    /// The first half of [`Whitener::advance`].
+    pub(crate) fn subtract_foretold(
+        &self,
+        state: &Filtered,
+        rows: &mut [f64],
+        skipped: usize,
+        present: &[bool],
+    ) {
+        let (n, whole) = (self.states, state.columns);
         let width = whole - skipped;
         for (o, row) in rows.chunks_exact_mut(width).enumerate() {
             if !present[o] {
@@ -118,6 +130,12 @@ impl Whitener {
                 add(row, -self.output[o * n + i], &state.values[i * whole + skipped..(i + 1) * whole]);
             }
         }
+    }
+
+    /// The second half.
+    pub(crate) fn follow(&self, state: &mut Filtered, rows: &[f64], skipped: usize) {
+        let (n, p, whole) = (self.states, self.outputs, state.columns);
+        let width = whole - skipped;
         for i in 0..n {
             let next = &mut state.next[i * whole + skipped..(i + 1) * whole];
             next.fill(0.0);

@@ -106,6 +106,17 @@ fn saturation_is_told_from_a_staircase() {
             *value = [10.0, 20.0, 35.0, 15.0][i / 1000 % 4];
         }
     };
+    let stretch = checked(multisine, |columns| {
+        // One cut of a tenth of a noisy recording.
+        let rows = columns[1].len();
+        columns[1][rows / 2..rows / 2 + rows / 10].fill(14.0);
+        columns[1].iter_mut().for_each(|v| *v = v.min(14.0));
+    });
+    assert!(
+        stretch.findings.iter().any(|f| matches!(f, Finding::Saturated { .. })),
+        "{:?}",
+        stretch.findings
+    );
     let stairs = checked(multisine, staircase);
     assert!(!stairs.findings.iter().any(|f| matches!(f, Finding::Saturated { .. })));
     assert_eq!(stairs.channels[0].steps, 19);

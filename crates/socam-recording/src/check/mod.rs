@@ -17,6 +17,7 @@ use excitation::TurningPoints;
 pub use finding::{Finding, Severity};
 use ratio::RatioFit;
 use runs::ExtremeRuns;
+pub use runs::{Saturation, saturations};
 use spectrum::{Spectrum, Welch};
 
 /// Rows below which no dynamic model can be fitted.

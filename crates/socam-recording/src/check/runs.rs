@@ -1,7 +1,9 @@
 //! Saturation: runs of one identical value at a channel's extreme, unlike runs elsewhere.
 
+use std::ops::Range;
+
 use super::finding::Finding;
-use crate::Channel;
+use crate::{Channel, Dataset, error::Result};
 
 /// Shortest run at an extreme that counts.
 const SHORTEST_RUN: u64 = 8;
@@ -12,8 +14,66 @@ const LONGER_THAN_ELSEWHERE: u64 = 4;
 /// Share of rows away from the extremes below which the signal just switches between two values.
 const SWITCHING: f64 = 0.2;
 
-/// Mean length of such runs, as a share of all rows, above which the signal rests there rather than being cut off.
+/// Mean length of such runs, as a share of all rows, above which the signal rests there rather than being cut off; a noisy
+/// signal never rests at one value.
 const RESTING: f64 = 0.05;
+
+/// A channel is noisy when its fourth differences change sign so often elsewhere (white noise: four times out of five, a motion
+/// twice per period), and are so large beside the channel's range.
+const ALTERNATING: f64 = 0.4;
+const LEAST_NOISE: f64 = 1e-4;
+
+/// Values that a channel cannot exceed, and where it is held by them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Saturation {
+    /// Index of the channel.
+    pub channel: usize,
+    /// The value at which it sticks, in the channel's unit.
+    pub limit: f64,
+    /// All rows of that value.
+    pub rows: Vec<Range<u64>>,
+}
+
+/// Finds where channels (by index) are saturated, as [`check`](super::check()) tells it.
+///
+/// # Errors
+/// When the file cannot be read again.
+pub fn saturations(data: &Dataset, channels: &[usize]) -> Result<Vec<Saturation>> {
+    let extremes = channels.iter().map(|channel| {
+        let statistics = &data.statistics()[*channel];
+        ExtremeRuns::new(statistics.min.unwrap_or(0.0), statistics.max.unwrap_or(0.0))
+    });
+    let mut runs: Vec<ExtremeRuns> = extremes.collect();
+    for block in data.blocks_in(0..data.rows(), channels)? {
+        for (runs, column) in runs.iter_mut().zip(&block?.columns) {
+            column.values().iter().filter(|value| !value.is_nan()).for_each(|value| runs.push(*value));
+        }
+    }
+    let mut found = Vec::new();
+    for (runs, channel) in runs.into_iter().zip(channels) {
+        for extreme in runs.saturated() {
+            let rows = rows_of(data, *channel, extreme.value)?;
+            found.push(Saturation { channel: *channel, limit: extreme.value, rows });
+        }
+    }
+    Ok(found)
+}
+
+/// The rows at which a channel has exactly this value.
+fn rows_of(data: &Dataset, channel: usize, value: f64) -> Result<Vec<Range<u64>>> {
+    let mut found: Vec<Range<u64>> = Vec::new();
+    for block in data.blocks_in(0..data.rows(), &[channel])? {
+        let block = block?;
+        let values = block.columns[0].values().iter().zip(block.first_row..);
+        for (_, row) in values.filter(|(own, _)| **own == value) {
+            match found.last_mut() {
+                Some(last) if last.end == row => last.end += 1,
+                _ => found.push(row..row + 1),
+            }
+        }
+    }
+    Ok(found)
+}
 
 /// Runs of identical values, at each extreme and elsewhere.
 pub(super) struct ExtremeRuns {
@@ -22,6 +82,29 @@ pub(super) struct ExtremeRuns {
     run: u64,
     rows: u64,
     longest_elsewhere: u64,
+    noise: Noise,
+}
+
+/// How the fourth differences of a channel move.
+#[derive(Default)]
+struct Noise {
+    /// The last value and its differences of first to third order.
+    last: [f64; 4],
+    fourth: f64,
+    alternations: u64,
+    size: f64,
+}
+
+impl Noise {
+    fn push(&mut self, value: f64) {
+        let mut difference = value;
+        for last in &mut self.last {
+            difference -= std::mem::replace(last, difference);
+        }
+        self.alternations += u64::from(difference * self.fourth < 0.0);
+        self.size += difference.abs();
+        self.fourth = difference;
+    }
 }
 
 struct Extreme {
@@ -42,6 +125,7 @@ impl ExtremeRuns {
             run: 0,
             rows: 0,
             longest_elsewhere: 0,
+            noise: Noise::default(),
         }
     }
 
@@ -54,6 +138,7 @@ impl ExtremeRuns {
             self.run = 1;
         }
         self.rows += 1;
+        self.noise.push(value);
     }
 
     /// A run that touches the recording's start or end is a bench at rest as often as a saturated sensor: only its rows count.
@@ -73,25 +158,38 @@ impl ExtremeRuns {
         }
     }
 
-    pub(super) fn finish(mut self, channel: &Channel) -> Vec<Finding> {
+    pub(super) fn finish(self, channel: &Channel) -> Vec<Finding> {
+        let finding = |extreme: Extreme| Finding::Saturated {
+            channel: channel.name.clone(),
+            unit: channel.unit,
+            limit: extreme.value,
+            rows: extreme.rows,
+            longest_run_rows: extreme.longest,
+        };
+        self.saturated().into_iter().map(finding).collect()
+    }
+
+    /// The extremes at which the channel was cut off.
+    fn saturated(mut self) -> Vec<Extreme> {
         self.close(true);
         let at_extremes: u64 = self.extremes.iter().map(|e| e.all_rows).sum();
         let elsewhere = (self.rows - at_extremes) as f64 / self.rows as f64;
         if elsewhere < SWITCHING {
             return Vec::new();
         }
+        let noisy = self.noisy(elsewhere * self.rows as f64);
         self.extremes
-            .iter()
+            .into_iter()
             .filter(|extreme| extreme.longest >= LONGER_THAN_ELSEWHERE * self.longest_elsewhere.max(1))
             .filter(|extreme| extreme.rows > 0)
-            .filter(|extreme| extreme.rows as f64 <= RESTING * (self.rows * extreme.runs) as f64)
-            .map(|extreme| Finding::Saturated {
-                channel: channel.name.clone(),
-                unit: channel.unit,
-                limit: extreme.value,
-                rows: extreme.rows,
-                longest_run_rows: extreme.longest,
-            })
+            .filter(|extreme| noisy || extreme.rows as f64 <= RESTING * (self.rows * extreme.runs) as f64)
             .collect()
+    }
+
+    /// Whether values away from the extremes, so many, are noisy.
+    fn noisy(&self, elsewhere: f64) -> bool {
+        let range = (self.extremes[1].value - self.extremes[0].value).abs();
+        self.noise.alternations as f64 > ALTERNATING * elsewhere
+            && self.noise.size > LEAST_NOISE * range * elsewhere
     }
 }

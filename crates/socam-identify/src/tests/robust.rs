@@ -1,0 +1,108 @@
+//! Recordings with spikes, saturation and gaps, of different rates and lengths, against the same without.
+
+use socam_recording::Dataset;
+
+use super::{TRUTH, bench, fix, model};
+use crate::{Identification, Options, Problem, Reason, output_error};
+
+const NAMES: [&str; 4] = ["motor_speed", "output_speed", "torque_in", "torque_out"];
+
+/// Some rows of a recording, its values changed.
+fn changed(data: &Dataset, keep: impl Fn(usize) -> bool, change: impl Fn(&mut [Vec<f64>])) -> Dataset {
+    let loaded = data.load(&NAMES).unwrap();
+    let rows: Vec<usize> = (0..loaded.time_s.len()).filter(|row| keep(*row)).collect();
+    let time_s = rows.iter().map(|row| loaded.time_s[*row]).collect();
+    let column = |values: &[f64]| rows.iter().map(|row| values[*row]).collect();
+    let mut columns: Vec<Vec<f64>> = loaded.columns.iter().map(|c| column(c.values())).collect();
+    change(&mut columns);
+    Dataset::from_columns(data.name(), data.channels().to_vec(), time_s, columns).unwrap()
+}
+
+fn fitted(data: &[Dataset]) -> Identification {
+    let mut model = model(|text| text);
+    fix(&mut model, &[("k2", TRUTH[1]), ("k3", TRUTH[2]), ("c3", TRUTH[5])]);
+    output_error(&Problem::new(&model, data, Options { starts: 1, ..Options::default() }).unwrap()).unwrap()
+}
+
+/// Each determined parameter as in a clean fit, and the truth in its interval (widened: five are tried).
+fn assert_alike(result: &Identification, clean: &Identification) {
+    let truths = [("k1", TRUTH[0]), ("k4", TRUTH[3]), ("c2", TRUTH[4]), ("c4", TRUTH[6]), ("c5", TRUTH[7])];
+    for (name, truth) in truths {
+        let find = |result: &Identification| {
+            let found = result.parameters.iter().find(|parameter| parameter.name == name).unwrap();
+            (found.value.unwrap(), found.std.unwrap())
+        };
+        let ((value, std), (clean, clean_std)) = (find(result), find(clean));
+        assert!((value - truth).abs() < 3.0 * std, "{name}: {value} +- {std}, truth {truth}");
+        assert!((value - clean).abs() < 1.5 * clean_std, "{name}: {value} against {clean} +- {clean_std}");
+        assert!((0.7..1.5).contains(&(std / clean_std)), "{name}: {std} against {clean_std}");
+    }
+}
+
+fn samples(result: &Identification, channel: &str, reason: Reason) -> u64 {
+    let own = result.left_out.iter().filter(|note| note.channel == channel && note.reason == reason);
+    own.map(|note| note.samples).sum()
+}
+
+#[test]
+fn spikes_saturation_and_gaps_do_not_move_the_estimates() {
+    let whole = [bench(TRUTH, 4.0, 1.0, 21), bench(TRUTH, 3.0, 1.0, 22), bench(TRUTH, 2.5, 1.0, 23)];
+    let halved = |data: &Dataset| changed(data, |row| row % 2 == 0, |_| {});
+    let clean = fitted(&[whole[0].clone(), halved(&whole[1]), whole[2].clone()]);
+    assert!(clean.left_out.is_empty(), "{:?}", clean.left_out);
+
+    let spiked = changed(
+        &whole[0],
+        |_| true,
+        |columns| {
+            for k in 0..20 {
+                columns[1 + k % 3][97 + 190 * k] += if k % 2 == 0 { 4.0 } else { -6.0 };
+            }
+            for row in [333, 1500, 3071] {
+                columns[0][row] += 25.0;
+            }
+        },
+    );
+    let limit = 0.98 * whole[1].statistics()[3].max.unwrap();
+    let clip = |columns: &mut [Vec<f64>]| {
+        columns[3][600..720].fill(limit);
+        columns[3].iter_mut().for_each(|torque| *torque = torque.min(limit));
+    };
+    let clipped = changed(&whole[1], |row| row % 2 == 0, clip);
+    let holed = changed(&whole[2], |row| !(700..900).contains(&row), |_| {});
+    let result = fitted(&[spiked, clipped, holed]);
+    assert_alike(&result, &clean);
+    let outliers =
+        ["output_speed", "torque_in", "torque_out"].map(|name| samples(&result, name, Reason::Outliers));
+    assert_eq!(outliers, [7, 7, 6], "{:?}", result.left_out);
+    assert_eq!(samples(&result, "motor_speed", Reason::Bridged), 3, "{:?}", result.left_out);
+    assert!(samples(&result, "torque_out", Reason::Saturated) >= 120, "{:?}", result.left_out);
+    for text in ["has outliers in 7 places", "is saturated in", "has spikes in 3 places", "1 gap"] {
+        assert!(
+            result.warnings.iter().any(|warning| warning.contains(text)),
+            "{text}: {:?}",
+            result.warnings
+        );
+    }
+}
+
+#[test]
+fn what_the_model_does_not_describe_is_not_masked() {
+    // A torque that the model lacks, in every twentieth of a second for a while.
+    let data = [changed(
+        &bench(TRUTH, 4.0, 1.0, 24),
+        |_| true,
+        |columns| {
+            for row in (0..4000).filter(|row| row % 200 < 10) {
+                columns[3][row] += 2.0;
+            }
+        },
+    )];
+    let result = fitted(&data);
+    assert!(result.left_out.is_empty(), "{:?}", result.left_out);
+    let said = result
+        .warnings
+        .iter()
+        .any(|warning| warning.contains("torque_out") && warning.contains("no outliers"));
+    assert!(said, "{:?}", result.warnings);
+}
