@@ -2,6 +2,9 @@
 
 use socam_identify::{ChannelFit, End, Fit, Identification, ParameterEstimate, Source};
 
+/// Offsets that are listed one by one.
+const MOST_OFFSETS: usize = 12;
+
 /// Columns aligned: text left, numbers right.
 pub(crate) fn align(rows: &[Vec<String>], right: &[bool]) -> String {
     let width = |column: usize| {
@@ -94,9 +97,33 @@ pub(crate) fn nuisance(result: &Identification) -> String {
     if result.nuisance.is_empty() {
         return String::new();
     }
+    if result.nuisance.len() > MOST_OFFSETS {
+        return format!("\n{}", align(&summary(&result.nuisance), &[false, true, true, true, false]));
+    }
     let head = ["sensor offset", "estimate", "unit", "95 % interval", ""].map(String::from).to_vec();
     let rows: Vec<_> = std::iter::once(head).chain(result.nuisance.iter().map(estimate_row)).collect();
     format!("\n{}", align(&rows, &[false, true, false, false, false]))
+}
+
+/// Offsets of many stretches, one line for each channel; `--json` has them all.
+fn summary(offsets: &[ParameterEstimate]) -> Vec<Vec<String>> {
+    let channel = |offset: &ParameterEstimate| {
+        offset.name.split_once(" in ").map_or(offset.name.clone(), |(channel, _)| channel.into())
+    };
+    let mut channels: Vec<String> = offsets.iter().map(channel).collect();
+    channels.sort();
+    channels.dedup();
+    let head = ["sensor offset", "lowest", "median", "highest", "unit"].map(String::from).to_vec();
+    let line = |name: &String| {
+        let own = || offsets.iter().filter(|offset| channel(offset) == *name);
+        let mut values: Vec<f64> = own().filter_map(|offset| offset.value).collect();
+        values.sort_by(f64::total_cmp);
+        let at = |index: usize| values.get(index).map_or_else(|| "-".into(), |value| number(*value));
+        let unit = own().next().map_or("", |offset| &offset.unit);
+        let name = format!("{name}, {} stretches", own().count());
+        vec![name, at(0), at(values.len() / 2), at(values.len().wrapping_sub(1)), unit.into()]
+    };
+    std::iter::once(head).chain(channels.iter().map(line)).collect()
 }
 
 pub(crate) fn fit(title: &str, fit: &Fit) -> String {
@@ -107,4 +134,28 @@ pub(crate) fn fit(title: &str, fit: &Fit) -> String {
     };
     let rows: Vec<_> = std::iter::once(head).chain(fit.channels.iter().map(row)).collect();
     format!("\n{title}\n{}", align(&rows, &[false, true, true, true]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_offsets_take_a_line_for_each_channel() {
+        let offset = |channel: &str, k: u32| ParameterEstimate {
+            name: format!("offset of {channel} in run.mcap from {k}.000 s"),
+            value: (k > 0).then(|| f64::from(k)),
+            unit: "N m".into(),
+            std: None,
+            ci95: [None, None],
+            identifiable: true,
+            source: Source::Data,
+            determined_with: Vec::new(),
+            note: String::new(),
+        };
+        let all: Vec<_> = (0..100).flat_map(|k| [offset("torque_in", k), offset("torque_out", k)]).collect();
+        let rows = summary(&all);
+        assert_eq!(rows.len(), 3);
+        assert_eq!(rows[1], ["offset of torque_in, 100 stretches", "1.0000", "50.000", "99.000", "N m"]);
+    }
 }

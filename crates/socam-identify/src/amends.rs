@@ -99,7 +99,7 @@ impl LeftOut {
 }
 
 /// Time of a row, s, even steps within each segment being taken for granted.
-fn time_of(dataset: &Dataset, row: u64) -> f64 {
+pub(crate) fn time_of(dataset: &Dataset, row: u64) -> f64 {
     let segments = dataset.segments();
     let index = segments.partition_point(|segment| segment.end_row() <= row).min(segments.len() - 1);
     let segment = &segments[index];

@@ -41,6 +41,8 @@ pub(crate) struct StretchResult {
     pub(crate) weighted_squares: f64,
     /// Samples, each counted by the share of its outputs that were measured.
     pub(crate) samples: f64,
+    /// Of these, samples in which a law was too steep for the shortest step.
+    pub(crate) unresolved: u64,
     /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
     /// [local | free]. Only when asked for.
     pub(crate) scores: Vec<Vec<f64>>,
@@ -257,6 +259,7 @@ pub(crate) struct Rows<'w> {
     channels: Vec<ChannelSums>,
     weighted_squares: f64,
     samples: f64,
+    pub(crate) unresolved: u64,
     whitener: Option<(&'w Whitener, Filtered)>,
     course: Option<levels::Course<'w>>,
     gate: Option<Gate<'w>>,
@@ -281,6 +284,7 @@ impl<'w> Rows<'w> {
             channels: vec![ChannelSums::default(); outputs],
             weighted_squares: 0.0,
             samples: 0.0,
+            unresolved: 0,
             whitener: colour.map(|c| (&c.whitener, c.whitener.rest(locals + globals + 1))),
             course: probe.map(|(_, probe)| probe.start()),
             gate: weights
@@ -380,6 +384,7 @@ impl<'w> Rows<'w> {
             channels: self.channels,
             weighted_squares: self.weighted_squares,
             samples: self.samples,
+            unresolved: self.unresolved,
             scores,
             levels: self.course.map(|course| course.score),
             gate: self.gate.map(Gate::finish),

@@ -7,8 +7,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError,
-    amends::LeftOut,
+    amends::{self, LeftOut},
     combinations::{self, Combination},
+    feed::Stretch,
     input_noise,
     modal::offset_channels,
     pass::{self, ChannelSums, StretchResult},
@@ -34,6 +35,8 @@ const CHANCE: f64 = 3.84;
 /// minutes of the virtual bench put k3 at a quarter of its truth with an interval of 16 % on the
 /// strength of an effect of 0.5 %; what is determined there has effects of 10 % and more.
 const LEAST_EFFECT: f64 = 0.0;
+/// Share of samples with unresolved steps that is worth a word.
+const MOST_UNRESOLVED: f64 = 1e-4;
 /// Singular values below this fraction of the largest are taken as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
@@ -248,6 +251,7 @@ pub(crate) fn identification(
     warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
     warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &crate::solver::channel_sums(results)));
+    warnings.extend(unresolved(results));
     if let Some(warning) = race_warning(races) {
         warnings.push(warning);
     }
@@ -290,6 +294,18 @@ fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {
         }
     });
     dead.collect()
+}
+
+/// Steps that missed their tolerance, if they are more than a few.
+fn unresolved(results: &[StretchResult]) -> Option<String> {
+    let missed: u64 = results.iter().map(|result| result.unresolved).sum();
+    let share = missed as f64 / results.iter().map(|result| result.samples).sum::<f64>();
+    (share > MOST_UNRESOLVED).then(|| {
+        format!(
+            "in {missed} samples ({:.2} %) a force law is steeper than the shortest step of the prediction resolves, which is good on average only there: make the law's transition wider, or sample faster",
+            100.0 * share
+        )
+    })
 }
 
 /// Starts that ended in different minima are worth a word.
@@ -606,11 +622,7 @@ fn offsets(
             let value = std.map(|_| values[row]);
             let end = |sign: f64| Some(value? + sign * uncertainty.quantile * std?);
             all.push(ParameterEstimate {
-                name: format!(
-                    "offset of {} in {}",
-                    outputs[*output].name,
-                    problem.datasets[stretch.recording].name()
-                ),
+                name: format!("offset of {} in {}", outputs[*output].name, place(problem, stretch)),
                 value,
                 unit: outputs[*output].unit.into(),
                 std,
@@ -627,4 +639,12 @@ fn offsets(
         }
     }
     all
+}
+
+/// A stretch as it is called in results: the recording, and from when on where it has several.
+fn place(problem: &Problem<'_>, stretch: &Stretch) -> String {
+    let dataset = &problem.datasets[stretch.recording];
+    let several = problem.stretches.iter().filter(|other| other.recording == stretch.recording).count() > 1;
+    let from = amends::time_of(dataset, stretch.first_row);
+    if several { format!("{} from {from:.3} s", dataset.name()) } else { dataset.name().into() }
 }

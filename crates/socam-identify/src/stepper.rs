@@ -101,6 +101,7 @@ impl<'a> Stepper<'a> {
                 }
             },
         )?;
+        rows.unresolved = run.map_or(0, |run| run.unresolved);
         Ok(finite)
     }
 
@@ -141,6 +142,7 @@ impl<'a> Stepper<'a> {
             predictions: vec![Vec::new(); outputs],
             jacobian: vec![Vec::new(); outputs],
             largest_start: 0.0,
+            unresolved: 0,
         }
     }
 }
@@ -160,12 +162,16 @@ struct Run<'s> {
     jacobian: Vec<Vec<f64>>,
     /// Largest slope with respect to the start state so far.
     largest_start: f64,
+    /// Samples in which a step missed the tolerance and could not be shortened.
+    unresolved: u64,
 }
 
 impl Run<'_> {
     fn sample(&mut self, course: &[Course]) {
         let Self { walker, sensitivity, .. } = self;
+        let before = walker.unresolved;
         walker.sample(course, |taken| sensitivity.advance(taken));
+        self.unresolved += u64::from(walker.unresolved > before);
     }
 
     fn observe(&mut self, inputs: &[f64]) {

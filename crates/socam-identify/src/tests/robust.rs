@@ -2,7 +2,7 @@
 
 use socam_recording::Dataset;
 
-use super::{TRUTH, bench, fix, model};
+use super::{TRUTH, bench, fix, model, with_friction};
 use crate::{Identification, Options, Problem, Reason, output_error};
 
 const NAMES: [&str; 4] = ["motor_speed", "output_speed", "torque_in", "torque_out"];
@@ -105,4 +105,27 @@ fn what_the_model_does_not_describe_is_not_masked() {
         .iter()
         .any(|warning| warning.contains("torque_out") && warning.contains("no outliers"));
     assert!(said, "{:?}", result.warnings);
+}
+
+#[test]
+fn a_law_too_steep_for_any_step_is_said() {
+    let steep = |text: String| {
+        let text = with_friction(text);
+        text.replace("{ torque = \"Tc\" }", "{ torque = \"Tc\", transition_speed = \"Tv\" }")
+            .replace("Tc = {", "Tv = { value = 1e-7, unit = \"rad/s\", fixed = true }\nTc = {")
+    };
+    // Back and forth, so that friction turns round.
+    let data = [changed(
+        &bench(TRUTH, 2.0, 1.0, 25),
+        |_| true,
+        |columns| {
+            columns[0].iter_mut().for_each(|speed| *speed -= 60.0);
+        },
+    )];
+    let mut model = model(steep);
+    model.parameters.iter_mut().for_each(|parameter| parameter.fixed = parameter.name != "Tc");
+    let result =
+        output_error(&Problem::new(&model, &data, Options { starts: 1, ..Options::default() }).unwrap())
+            .unwrap();
+    assert!(result.warnings.iter().any(|warning| warning.contains("steeper than")), "{:?}", result.warnings);
 }
