@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use socam_tests::bench::BENCH;
-use socam_tests::{data_set, run};
+use socam_tests::{Ran, data_set, run, socam_host};
 
 /// Parameters, or anything else with a name, by their names.
 fn by_name(list: &Value) -> BTreeMap<&str, &Value> {
@@ -77,6 +77,30 @@ fn identify_says_what_a_recording_determines_and_what_not() {
         assert_between(&fit["nrmse_percent"], 0.0, 20.0);
         assert_between(&fit["vaf_percent"], 96.0, 100.0);
     }
+}
+
+#[test]
+fn identify_prints_the_same_digits_whatever_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths: Vec<_> = [(3.0, 1), (1.5, 2), (0.8, 3)]
+        .into_iter()
+        .map(|(seconds, seed)| {
+            let path = folder.path().join(format!("run{seed}.csv"));
+            std::fs::write(&path, BENCH.csv(seconds, seed)).unwrap();
+            path
+        })
+        .collect();
+    let printed = |threads: &str| {
+        let mut command = socam_host();
+        command.arg("identify").args(&paths).args(["--starts", "2", "--json"]);
+        let ran = Ran::from(command.env("RAYON_NUM_THREADS", threads).output().unwrap());
+        let digits = |line: &&str| !line.contains("\"cpu_s\"");
+        ran.done().lines().filter(digits).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let alone = printed("1");
+    assert!(alone.len() > 100);
+    assert_eq!(alone, printed("2"));
+    assert_eq!(alone, printed("5"));
 }
 
 #[test]
