@@ -121,6 +121,13 @@ impl Whitener {
     ) {
         let (n, whole) = (self.states, state.columns);
         let width = whole - skipped;
+        if whole == 1 {
+            for (o, value) in rows.iter_mut().enumerate() {
+                let foretold = dot(&self.output[o * n..(o + 1) * n], &state.values);
+                *value = if present[o] { *value - foretold } else { 0.0 };
+            }
+            return;
+        }
         for (o, row) in rows.chunks_exact_mut(width).enumerate() {
             if !present[o] {
                 row.fill(0.0);
@@ -136,6 +143,14 @@ impl Whitener {
     pub(crate) fn follow(&self, state: &mut Filtered, rows: &[f64], skipped: usize) {
         let (n, p, whole) = (self.states, self.outputs, state.columns);
         let width = whole - skipped;
+        if whole == 1 {
+            for (i, next) in state.next.iter_mut().enumerate() {
+                *next = dot(&self.transition[i * n..(i + 1) * n], &state.values)
+                    + dot(&self.gain[i * p..(i + 1) * p], rows);
+            }
+            std::mem::swap(&mut state.values, &mut state.next);
+            return;
+        }
         for i in 0..n {
             let next = &mut state.next[i * whole + skipped..(i + 1) * whole];
             next.fill(0.0);
@@ -200,6 +215,10 @@ pub(crate) struct Filtered {
     columns: usize,
     values: Vec<f64>,
     next: Vec<f64>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn add(target: &mut [f64], factor: f64, source: &[f64]) {
