@@ -157,7 +157,8 @@ pub struct Servo {
 pub enum Quantity {
     /// Speed of a node.
     Speed,
-    /// Angle of a node.
+    /// Angle of a node. As an input, an angle that is added to the twist of a spring, which its damper does not feel: a
+    /// mesh that does not roll true.
     #[serde(alias = "position")]
     Angle,
     /// Angular acceleration of a node.

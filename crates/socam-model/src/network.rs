@@ -10,7 +10,7 @@ use crate::{
     effects::Kind,
     equations::{Equations, Port},
     jet::{Jet, Scalar},
-    model::{Model, Quantity, Role},
+    model::{Channel, Model, Quantity, Role, Spring},
 };
 
 impl Model {
@@ -256,7 +256,15 @@ impl<'m> Assembly<'m> {
                         channel.name
                     )));
                 }
-                Quantity::Angle | Quantity::Acceleration => {
+                Quantity::Angle if self.twisted_spring(channel).is_some() => {}
+                Quantity::Angle => {
+                    return Err(ModelError::Network(format!(
+                        "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none (the motion of \
+                         a node is given as its speed)",
+                        channel.name, channel.at
+                    )));
+                }
+                Quantity::Acceleration => {
                     return Err(ModelError::Network(format!(
                         "channel {} cannot drive the model: give a speed or a torque as input",
                         channel.name
@@ -273,6 +281,12 @@ impl<'m> Assembly<'m> {
         })
     }
 
+    /// The spring whose twist an input adds to.
+    fn twisted_spring(&self, channel: &Channel) -> Option<&'m Spring> {
+        let twists = channel.role == Role::Input && channel.quantity == Quantity::Angle;
+        self.model.springs.iter().find(|spring| twists && spring.name == channel.at)
+    }
+
     fn groups_of(&self, class: Class) -> Vec<usize> {
         (0..self.class.len()).filter(|group| self.class[*group] == class).collect()
     }
@@ -281,7 +295,7 @@ impl<'m> Assembly<'m> {
     fn choose_reference(&mut self) {
         let absolute = self.model.springs.iter().any(|spring| spring.to.is_none())
             || self.model.servo.is_some()
-            || self.model.channels.iter().any(|channel| channel.quantity == Quantity::Angle);
+            || self.model.outputs().any(|channel| channel.quantity == Quantity::Angle);
         let prescribed = self.groups_of(Class::Prescribed);
         let candidate = match prescribed[..] {
             [group] => Some(Reference::Driven(group)),
@@ -421,7 +435,7 @@ impl<'a, 'm> Motion<'a, 'm> {
         Scalar::constant(1.0, self.a.wrt.len())
     }
 
-    fn gain(&self, channel: &crate::Channel) -> Scalar {
+    fn gain(&self, channel: &Channel) -> Scalar {
         channel.gain.map_or_else(|| self.one(), |parameter| self.a.scalar(parameter))
     }
 
@@ -501,6 +515,14 @@ impl<'a, 'm> Motion<'a, 'm> {
                         force.add_block(0, column, &row.transpose().scaled(&proportional));
                     }
                 }
+                Quantity::Angle => {
+                    if let Some(spring) = self.a.twisted_spring(channel) {
+                        let minus = Scalar::constant(-1.0, self.a.wrt.len());
+                        let torque = self.twisting(spring, channel).times(&minus);
+                        let twist = self.a.twist_row(spring.from, spring.to);
+                        force.add_block(0, column, &twist.transpose().scaled(&torque));
+                    }
+                }
                 _ => {}
             }
         }
@@ -509,6 +531,11 @@ impl<'a, 'm> Motion<'a, 'm> {
             force.add_at(self.a.group[used.node], column, &self.a.lever[used.node]);
         }
         force
+    }
+
+    /// Torque through a spring per unit of an input that is added to its twist.
+    fn twisting(&self, spring: &Spring, channel: &Channel) -> Scalar {
+        self.a.scalar(spring.stiffness).times(&self.gain(channel))
     }
 
     /// Angles of static groups follow from the others: K_aa angle_a = F_a - K_a,rest angle_rest.
@@ -555,7 +582,7 @@ impl<'a, 'm> Motion<'a, 'm> {
         Ok(())
     }
 
-    fn output_row(&self, channel: &crate::Channel) -> Result<Jet, ModelError> {
+    fn output_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if channel.quantity == Quantity::Torque {
             return self.torque_row(channel);
@@ -582,13 +609,18 @@ impl<'a, 'm> Motion<'a, 'm> {
         }
     }
 
-    fn torque_row(&self, channel: &crate::Channel) -> Result<Jet, ModelError> {
+    fn torque_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
             let twist = self.a.twist_row(spring.from, spring.to);
             let mut torque = twist.times(&self.angle).scaled(&self.a.scalar(spring.stiffness));
             if let Some(damping) = spring.damping {
                 torque = torque.plus(&twist.times(&self.velocity).scaled(&self.a.scalar(damping)));
+            }
+            for (index, input) in model.inputs().enumerate() {
+                if self.a.twisted_spring(input).is_some_and(|twisted| twisted.name == spring.name) {
+                    torque.add_at(0, self.first_input() + index, &self.twisting(spring, input));
+                }
             }
             return Ok(torque);
         }

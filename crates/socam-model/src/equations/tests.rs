@@ -375,6 +375,35 @@ fn an_input_may_be_made_of_an_angle() {
 }
 
 #[test]
+fn an_angle_that_is_put_into_a_spring_twists_it() {
+    let text = crate::BUILTIN[1].1;
+    let error = "[channels.error]\nrole = \"input\"\nquantity = \"angle\"\nat = \"shaft\"\ngain = \"size\"\n\
+                 [channels.shaft_torque]\nrole = \"output\"\nquantity = \"torque\"\nat = \"shaft\"\n";
+    let size = "[parameters]\nsize = { value = 0.5, unit = \"1\" }";
+    let model = Model::parse(&format!("{}{error}", text.replacen("[parameters]", size, 1))).unwrap();
+    let values = model.values();
+    let k = model.parameter("stiffness").unwrap();
+    let (e, slopes) = model.equations_with_slopes(&values, &[k, model.parameter("size").unwrap()]).unwrap();
+    let plain = Model::parse(text).unwrap().equations(&Model::parse(text).unwrap().values()).unwrap();
+    assert_eq!((&e.state, e.input.column(0)), (&plain.state, plain.input.column(0)));
+    // States: wind-up of the load, speed of the motor, speed of the load. Input 1 is the angle, output 2 the shaft's torque.
+    let pull = 0.5 * p(&model, "stiffness");
+    let expected = [0.0, -pull / p(&model, "motor_inertia"), pull / p(&model, "load_inertia")];
+    for (row, expected) in expected.iter().enumerate() {
+        assert!((e.input[(row, 1)] - expected).abs() < 1e-9 * pull / 1e-3, "{row}: {}", e.input);
+    }
+    assert_eq!(e.feedthrough[(2, 1)], pull);
+    // Twist by wind-up or by the input is the same to the shaft.
+    assert!((e.output[(2, 0)] * 0.5 + e.feedthrough[(2, 1)]).abs() < 1e-12 * pull, "{}", e.output);
+    assert_eq!((slopes[0].feedthrough[(2, 1)], slopes[1].feedthrough[(2, 1)]), (0.5, 2.0 * pull));
+    assert!((slopes[1].input.column(1) * 0.5 - e.input.column(1)).amax() < 1e-9);
+    let text =
+        model.text.replacen("quantity = \"angle\"\nat = \"shaft\"", "quantity = \"angle\"\nat = \"load\"", 1);
+    let refused = Model::parse(&text).unwrap_err().to_string();
+    assert!(refused.contains("error") && refused.contains("twist of a spring"), "{refused}");
+}
+
+#[test]
 fn a_model_written_at_its_bounds_is_read_again() {
     for high in [4.5, 6.5, 9.0, 10.9, 12.9, 14.9] {
         let text = crate::BUILTIN[0].1.replace(
