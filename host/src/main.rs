@@ -3,6 +3,7 @@
 //! Results go to stdout, talk to stderr. Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, but samples were lost.
 //! A second Ctrl-C ends a fit at once, without a result: 130, as shells tell it of any program.
 
+mod band;
 mod cli;
 mod commands;
 mod device;

@@ -180,6 +180,15 @@ fn wrong_arguments_are_refused() {
     identify("--set", "k1=inf", &["k1=inf", "number"]);
     identify("--noise", "torque_in=-1", &["torque_in=-1", "positive number"]);
     identify("--method", "magic", &["magic", "output-error"]);
+    for (band, mentions) in [
+        ("2-80", &["2-80", "LOW..HIGH"][..]),
+        ("80..2", &["80 to 2 Hz", "below its upper end"]),
+        ("2..501", &["501 Hz", &run, "500 Hz"]),
+    ] {
+        let arguments = ["identify", &run, "--validate", &run, "--band", band];
+        folder.refuses(WRONG_ARGUMENTS, &arguments, mentions);
+    }
+    identify("--band", "2..80", &["--validate"]);
     identify("--starts", "0", &["--starts", "0"]);
     identify("--no-such-option", "1", &["--no-such-option"]);
     folder.refuses(WRONG_ARGUMENTS, &[], &["no command", "identify", "--help"]);

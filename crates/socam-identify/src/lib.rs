@@ -12,6 +12,7 @@
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
 mod amends;
+mod band;
 mod between;
 mod combinations;
 mod combine;
@@ -47,6 +48,7 @@ mod whitener;
 mod tests;
 
 pub use amends::{LeftOut, Reason};
+pub use band::{Band, BandFit, evaluate_band};
 pub use combinations::combination_values;
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};

@@ -87,15 +87,25 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.
 pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyError> {
+    let channels = with_locals(problem, values)?.channels();
+    let noise: Vec<f64> = channels.iter().map(ChannelSums::rms).collect();
+    Ok(report::fit(problem.model, &channels, &noise))
+}
+
+/// For each stretch what [`evaluate`] fits to it.
+pub(crate) fn fitted_locals(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    Ok(with_locals(problem, values)?.point.locals)
+}
+
+/// Given parameter values, and what is local to a recording fitted to it.
+fn with_locals(problem: &Problem<'_>, values: &[f64]) -> Result<Descent, IdentifyError> {
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
     let weights = first_weights(problem, &point)?;
     let passed = run(problem, &point, &weights)?.ok_or_else(diverged)?;
     let mut at = Descent { cost: passed.cost(), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
-    let channels = at.channels();
-    let noise: Vec<f64> = channels.iter().map(ChannelSums::rms).collect();
-    Ok(report::fit(problem.model, &channels, &noise))
+    Ok(at)
 }
 
 /// Sum of squared weighted residuals at other parameter values, weights as they are, start states refitted; `None` where the

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use socam_identify::{
-    End, Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem, StartState,
+    Band, End, Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem,
+    StartState,
 };
 use socam_model::{Model, Update};
 use socam_recording::{Dataset, OutputFile, RecordingError};
@@ -12,7 +13,10 @@ use socam_recording::{Dataset, OutputFile, RecordingError};
 use super::Outcome;
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
-use crate::{model_file, table, watch};
+use crate::{
+    band::{self, BandFits},
+    model_file, table, watch,
+};
 
 /// Identify stiffness, damping and friction from recordings
 ///
@@ -24,7 +28,8 @@ use crate::{model_file, table, watch};
 #[command(after_help = "Examples:
   socam-host identify RUN1.mcap RUN2.mcap
   socam-host identify RUN.mcap --fix k3=52485 --write-model bench.toml
-  socam-host identify train.csv --model emps --method inverse-dynamics --validate test.csv")]
+  socam-host identify train.csv --model emps --method inverse-dynamics --validate test.csv
+  socam-host identify RUN1.csv RUN2.csv --model bench.toml --validate RUN3.csv --band 2..80")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -43,6 +48,9 @@ pub(crate) struct Args {
     /// Recordings to predict with the result, not used in the fit; may be repeated
     #[arg(long, value_name = "RUN")]
     validate: Vec<String>,
+    /// Say also how well they are predicted within this band of frequencies, in Hz
+    #[arg(long, value_name = "LOW..HIGH", value_parser = band::parse, requires = "validate")]
+    band: Option<Band>,
     /// Where each recording starts from
     #[arg(long, value_enum, default_value = "free")]
     start: Start,
@@ -109,6 +117,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     let datasets = open_all(&args.runs)?;
     let held_out = open_all(&args.validate)?;
+    args.band.map_or(Ok(()), |band| band::check(band, &held_out))?;
     let result = match args.method {
         Method::OutputError => watch::fit(&interrupt, args.progress, &mut options, |options| {
             socam_identify::output_error(&bind(&model, &datasets, options)?).map_err(anyhow::Error::from)
@@ -143,6 +152,7 @@ fn bind<'a>(model: &'a Model, datasets: &'a [Dataset], options: &Options) -> any
 struct Validation {
     recording: String,
     fit: Fit,
+    band: Option<BandFits>,
     force_error_percent: Option<f64>,
 }
 
@@ -214,13 +224,18 @@ fn validate(
             let recording = dataset.name().to_owned();
             let problem = bind(model, std::slice::from_ref(dataset), options)?;
             let fit = socam_identify::evaluate(&problem, &result.point)?;
+            let within = |band| {
+                let channels = socam_identify::evaluate_band(&problem, &result.point, band)?;
+                Ok::<_, IdentifyError>(BandFits { band, channels })
+            };
+            let band = args.band.map(within).transpose()?;
             let force_error_percent = match args.method {
                 Method::OutputError => None,
                 Method::InverseDynamics => {
                     Some(socam_identify::force_error_percent(model, &result.point, dataset)?)
                 }
             };
-            Ok(Validation { recording, fit, force_error_percent })
+            Ok(Validation { recording, fit, band, force_error_percent })
         })
         .collect()
 }
@@ -261,7 +276,15 @@ fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Res
     let mut document = serde_json::to_value(result)?;
     document["validation"] = validation
         .iter()
-        .map(|v| serde_json::json!({"recording": v.recording, "fit": v.fit, "force_error_percent": v.force_error_percent}))
+        .map(|v| {
+            let mut entry = serde_json::json!({
+                "recording": v.recording, "fit": v.fit, "force_error_percent": v.force_error_percent
+            });
+            if let Some(band) = &v.band {
+                entry["band"] = band.json();
+            }
+            entry
+        })
         .collect();
     output::print_json(&document)
 }
@@ -282,6 +305,9 @@ fn report(result: &Identification, validation: &[Validation]) -> String {
     text.push_str(&table::fit("Fit (free run)", &result.fit));
     for held_out in validation {
         text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
+        if let Some(band) = &held_out.band {
+            text.push_str(&band.table());
+        }
         if let Some(error) = held_out.force_error_percent {
             text.push_str(&format!("  inverse dynamics: force error {error:.3} % of its norm\n"));
         }

@@ -1,0 +1,235 @@
+//! How well a channel is predicted within a band of frequencies: what lies beyond it, drift and hum, counts neither for nor against.
+
+use realfft::RealFftPlanner;
+use socam_recording::Dataset;
+
+use crate::{
+    IdentifyError, Predictor, Problem, Start, StartState,
+    feed::{self, Chunk},
+    solver,
+};
+
+/// A band of frequencies, both ends within.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    low_hz: f64,
+    high_hz: f64,
+}
+
+/// How well one channel is predicted within a band.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct BandFit {
+    /// Root mean square of the residual's part within the band, SI.
+    pub rms: f64,
+    /// 100 (1 - norm of the residual / norm of the measured channel), both within the band.
+    pub fit_percent: f64,
+}
+
+impl Band {
+    /// From `low_hz` to `high_hz`.
+    ///
+    /// # Errors
+    /// When they are not finite, below zero, or the wrong way round.
+    pub fn new(low_hz: f64, high_hz: f64) -> Result<Self, IdentifyError> {
+        if low_hz >= 0.0 && low_hz < high_hz && high_hz.is_finite() {
+            return Ok(Self { low_hz, high_hz });
+        }
+        Err(IdentifyError::Option(format!(
+            "a band of {low_hz} to {high_hz} Hz cannot be meant; its lower end must be 0 or more and below its upper end"
+        )))
+    }
+
+    /// Lower end, Hz.
+    #[must_use]
+    pub fn low_hz(self) -> f64 {
+        self.low_hz
+    }
+
+    /// Upper end, Hz.
+    #[must_use]
+    pub fn high_hz(self) -> f64 {
+        self.high_hz
+    }
+
+    /// Whether every part of a recording is sampled fast enough to show the band.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn check(self, dataset: &Dataset) -> Result<(), IdentifyError> {
+        let slowest_s = dataset.segments().iter().map(|segment| segment.sample_time_s).fold(0.0, f64::max);
+        if 2.0 * self.high_hz * slowest_s <= 1.0 {
+            return Ok(());
+        }
+        Err(IdentifyError::Option(format!(
+            "the band goes up to {} Hz, but {} shows no more than {} Hz, half its sampling rate",
+            self.high_hz,
+            dataset.name(),
+            (500.0 / slowest_s).round() / 1000.0,
+        )))
+    }
+}
+
+/// How well a model with given parameter values (SI, all of them) predicts recordings within a band, running free; as in
+/// [`evaluate`](crate::evaluate), only what is local to a recording is fitted to it. One for each output, by its name; `None`
+/// where nothing was measured within the band.
+///
+/// # Method
+/// The residual and the measured channel are transformed over each uninterrupted stretch, their means removed, and the
+/// transform's lines within the band are summed: a filter without phase and with perfectly steep edges.
+///
+/// # Errors
+/// When a recording cannot be read or is sampled too slowly for the band, or the prediction overflows.
+pub fn evaluate_band(
+    problem: &Problem<'_>,
+    values: &[f64],
+    band: Band,
+) -> Result<Vec<(String, Option<BandFit>)>, IdentifyError> {
+    for dataset in problem.datasets {
+        band.check(dataset)?;
+    }
+    let locals = solver::fitted_locals(problem, values)?;
+    let mut sums = vec![Sums::default(); problem.outputs()];
+    for (index, locals) in locals.iter().enumerate() {
+        let (measured, predicted) = run(problem, values, index, locals)?;
+        let sample_time_s = problem.stretches[index].sample_time_s;
+        for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
+            sums.add_stretch(band, sample_time_s, measured, predicted);
+        }
+    }
+    let names = problem.model.outputs().map(|channel| channel.name.clone());
+    Ok(names.zip(sums.iter().map(Sums::fit)).collect())
+}
+
+/// A stretch's outputs as measured and, but for offsets, as predicted.
+type Outputs = (Vec<Vec<f64>>, Vec<Vec<f64>>);
+
+fn run(
+    problem: &Problem<'_>,
+    values: &[f64],
+    index: usize,
+    locals: &[f64],
+) -> Result<Outputs, IdentifyError> {
+    let stretch = &problem.stretches[index];
+    let dataset = &problem.datasets[stretch.recording];
+    let mut whole = Chunk::default();
+    feed::read(problem.model, dataset, stretch, problem.intersample, |chunk| {
+        append(&mut whole.inputs, &chunk.inputs);
+        append(&mut whole.outputs, &chunk.outputs);
+    })?;
+    let predictor = Predictor::new(problem.model, values, stretch.sample_time_s)?;
+    let start = match problem.options.start_state {
+        StartState::Free => Start::State(&locals[..predictor.states()]),
+        StartState::Equilibrium => Start::Equilibrium,
+    };
+    let inputs: Vec<&[f64]> = whole.inputs.iter().map(Vec::as_slice).collect();
+    let prediction = predictor.run(&inputs, problem.intersample, start)?;
+    Ok((whole.outputs, prediction.outputs))
+}
+
+fn append(all: &mut Vec<Vec<f64>>, more: &[Vec<f64>]) {
+    all.resize(more.len(), Vec::new());
+    all.iter_mut().zip(more).for_each(|(all, more)| all.extend_from_slice(more));
+}
+
+/// Sums over one channel: squares within the band, and samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    residual: f64,
+    measured: f64,
+    samples: usize,
+}
+
+impl Sums {
+    fn add_stretch(&mut self, band: Band, sample_time_s: f64, measured: &[f64], predicted: &[f64]) {
+        let rows: Vec<usize> = (0..measured.len()).filter(|row| !measured[*row].is_nan()).collect();
+        // Missing values part it further.
+        for part in rows.chunk_by(|row, next| row + 1 == *next) {
+            let (first, rows) = (part[0], part.len());
+            let measured = &measured[first..first + rows];
+            let residual = measured.iter().zip(&predicted[first..]).map(|(m, p)| m - p).collect();
+            self.residual += squares_within(band, sample_time_s, residual);
+            self.measured += squares_within(band, sample_time_s, measured.to_vec());
+            self.samples += rows;
+        }
+    }
+
+    fn fit(&self) -> Option<BandFit> {
+        (self.measured > 0.0).then(|| BandFit {
+            rms: (self.residual / self.samples as f64).sqrt(),
+            fit_percent: 100.0 * (1.0 - (self.residual / self.measured).sqrt()),
+        })
+    }
+}
+
+/// Sum of the squares of a signal's part within the band, its mean removed.
+fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
+    let rows = signal.len();
+    let mean = signal.iter().sum::<f64>() / rows as f64;
+    signal.iter_mut().for_each(|value| *value -= mean);
+    let fft = RealFftPlanner::new().plan_fft_forward(rows);
+    let mut lines = fft.make_output_vec();
+    // It only fails for buffers of a wrong length, and these are its own.
+    if fft.process(&mut signal, &mut lines).is_err() {
+        return 0.0;
+    }
+    let step_hz = 1.0 / (rows as f64 * sample_time_s);
+    let within = lines.iter().enumerate().skip(1).filter(|(line, _)| {
+        let hz = *line as f64 * step_hz;
+        (band.low_hz..=band.high_hz).contains(&hz)
+    });
+    // Every line stands for a negative frequency too, but the one at half the sampling rate.
+    let square = |(line, value): (usize, &realfft::num_complex::Complex<f64>)| {
+        if 2 * line == rows { value.norm_sqr() } else { 2.0 * value.norm_sqr() }
+    };
+    within.map(square).sum::<f64>() / rows as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tones of whole periods: frequency in Hz, amplitude.
+    fn tones(rows: usize, tones: &[(f64, f64)]) -> Vec<f64> {
+        let at = |t: f64| tones.iter().map(move |(hz, size)| size * (std::f64::consts::TAU * hz * t).cos());
+        (0..rows).map(|row| at(row as f64 / 1000.0).sum()).collect()
+    }
+
+    #[test]
+    fn only_what_lies_within_the_band_counts() {
+        let band = Band::new(2.0, 80.0).unwrap();
+        let measured = tones(5000, &[(0.0, 7.0), (1.0, 9.0), (2.0, 3.0), (80.0, 4.0), (500.0, 8.0)]);
+        let predicted = tones(5000, &[(10.0, 1.0), (2.0, 3.0), (80.0, 4.0)]);
+        let mut sums = Sums::default();
+        sums.add_stretch(band, 1e-3, &measured, &predicted);
+        let fit = sums.fit().unwrap();
+        assert!((fit.rms - 0.5_f64.sqrt()).abs() < 1e-9, "{fit:?}");
+        assert!((fit.fit_percent - 80.0).abs() < 1e-9, "{fit:?}");
+        assert!(
+            (squares_within(Band::new(0.0, 500.0).unwrap(), 1e-3, measured) / 5000.0 - 117.0).abs() < 1e-9
+        );
+    }
+
+    #[test]
+    fn missing_values_part_a_stretch() {
+        let band = Band::new(5.0, 400.0).unwrap();
+        let mut measured = tones(2101, &[(20.0, 2.0)]);
+        measured[1000] = f64::NAN;
+        measured[2001..].fill(f64::NAN);
+        let mut sums = Sums::default();
+        sums.add_stretch(band, 1e-3, &measured, &vec![0.0; 2101]);
+        assert_eq!(sums.samples, 2000);
+        let fit = sums.fit().unwrap();
+        assert!((fit.rms - 2.0_f64.sqrt()).abs() < 1e-9 && fit.fit_percent.abs() < 1e-9, "{fit:?}");
+        let mut nothing = Sums::default();
+        nothing.add_stretch(Band::new(1.0, 2.0).unwrap(), 1e-3, &measured[..300], &[0.0; 300]);
+        assert_eq!(nothing.fit(), None);
+    }
+
+    #[test]
+    fn a_band_has_its_ends_the_right_way_round() {
+        for (low_hz, high_hz) in [(5.0, 5.0), (6.0, 5.0), (-1.0, 5.0), (f64::NAN, 5.0), (0.0, f64::INFINITY)]
+        {
+            assert!(Band::new(low_hz, high_hz).is_err(), "{low_hz} {high_hz}");
+        }
+    }
+}
