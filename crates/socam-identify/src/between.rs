@@ -116,6 +116,17 @@ pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Inte
     }
 }
 
+/// What a sample contributes to the coefficients about it: from this many coefficients before it to as many after it.
+pub(crate) fn sharpening(intersample: Intersample) -> Vec<f64> {
+    match intersample {
+        Intersample::Linear => vec![1.0],
+        Intersample::BandLimited => {
+            let kernel = &*SHARPENING;
+            (0..=2 * POWERS).map(|i| kernel[i.abs_diff(POWERS)]).collect()
+        }
+    }
+}
+
 /// The sharpening filter, from its middle on. In powers of d = 2 - 2 cos x = 4 sin^2(x/2) the inverse of
 /// (sin(x/2)/(x/2))^2 is the square of arcsin(s)/s at s = sqrt(d)/2, that is 1 + d/12 + d^2/90 + ...; it is wanted to
 /// the third power.

@@ -10,10 +10,10 @@ use nalgebra::{DMatrix, DVector};
 use socam_model::Equations;
 
 use crate::{
-    IdentifyError, Problem,
+    IdentifyError, Intersample, Problem,
     feed::Stretch,
-    input_noise,
     pass::{self, Point, Weights},
+    problem::sample_times,
     whitener::{Filtered, NoiseLevels, Whitener},
 };
 
@@ -102,9 +102,11 @@ fn score(
     sought: &[usize],
 ) -> Result<Option<Score>, IdentifyError> {
     let units = &levels.outputs;
-    let probes: Option<Vec<_>> = input_noise::sample_times(problem)
+    let probes: Option<Vec<_>> = sample_times(problem)
         .into_iter()
-        .map(|time_s| Some((time_s, Probe::new(equations, levels, sought, units, time_s)?)))
+        .map(|time_s| {
+            Some((time_s, Probe::new(equations, levels, sought, units, time_s, problem.intersample)?))
+        })
         .collect();
     let Some(probes) = probes else { return Ok(None) };
     let weights = Weights { probes: Arc::new(probes), ..Weights::white(units.clone(), Vec::new()) };
@@ -170,8 +172,10 @@ impl Probe {
         sought: &[usize],
         units: &[f64],
         sample_time_s: f64,
+        intersample: Intersample,
     ) -> Option<Self> {
-        let filter = |levels: &NoiseLevels| Whitener::new(equations, levels, units, sample_time_s);
+        let filter =
+            |levels: &NoiseLevels| Whitener::new(equations, levels, units, sample_time_s, intersample);
         let centre = filter(levels)?;
         let root = centre.inverse_root();
         let mut sides = Vec::new();
@@ -218,14 +222,17 @@ impl Course<'_> {
                 let [mut more, mut less] = [residual.to_vec(), residual.to_vec()];
                 filters[0].advance(&mut states[0], &mut more, 0, present);
                 filters[1].advance(&mut states[1], &mut less, 0, present);
-                let slope: Vec<f64> = more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect();
-                probe.centre.normalise(&slope)
+                let mut slope: Vec<f64> =
+                    more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect();
+                probe.centre.normalise(&mut slope, present);
+                slope
             })
             .collect();
         if present.contains(&false) {
             return;
         }
-        let white = DVector::from_vec(probe.centre.normalise(&remainder));
+        probe.centre.normalise(&mut remainder, present);
+        let white = DVector::from_vec(remainder);
         for (i, slope) in moved.iter().enumerate() {
             let spread = &probe.spreads[i];
             let along: f64 = white.iter().zip(slope).map(|(w, s)| w * s).sum();

@@ -14,6 +14,7 @@
 mod amends;
 mod band;
 mod between;
+mod colour;
 mod combinations;
 mod combine;
 mod error;
@@ -26,6 +27,7 @@ mod laws;
 mod levels;
 mod modal;
 mod modes;
+mod noise_in_slopes;
 mod outliers;
 mod pass;
 mod phi;

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use socam_model::Equations;
 
 use crate::{
-    IdentifyError, feed,
-    input_noise::Impulses,
+    IdentifyError,
+    colour::{self, Colour},
+    feed,
     levels::{self, Probe, Score},
     modal::Modal,
     outliers::{Gate, Track},
@@ -16,7 +17,7 @@ use crate::{
     start,
     stepper::Stepper,
     triangle::{self, Triangle},
-    whitener::{Filtered, Whitener},
+    whitener::NoiseLevels,
 };
 
 /// Unknowns at which a pass is made.
@@ -125,25 +126,10 @@ pub(crate) struct Weights {
     pub(crate) scales: Vec<f64>,
     /// Whether block scores are wanted.
     pub(crate) scores: bool,
-    /// What a noisy input calls for, one for each sample time; empty where none is noisy.
-    pub(crate) colours: Arc<Vec<Colour>>,
     /// Noise levels under test, one set for each sample time; empty where none are.
     pub(crate) probes: Arc<Vec<(f64, Probe)>>,
     /// Sizes of remainders when outliers are looked for.
     pub(crate) gate: Option<Arc<Vec<f64>>>,
-}
-
-/// What a noisy input calls for at one sample time.
-#[derive(Debug, Clone)]
-pub(crate) struct Colour {
-    pub(crate) sample_time_s: f64,
-    /// Makes residuals white.
-    pub(crate) whitener: Whitener,
-    /// One jump of each noisy input by its noise, to show what a sample's noise does.
-    pub(crate) impulses: Arc<Impulses>,
-    /// What input noise adds to slope times residual per sample, SI: it stands in both. Per free parameter; only block scores
-    /// need it.
-    pub(crate) bias: Vec<f64>,
 }
 
 impl Weights {
@@ -154,14 +140,13 @@ impl Weights {
             input_std: Vec::new(),
             scales,
             scores: false,
-            colours: Arc::default(),
             probes: Arc::default(),
             gate: None,
         }
     }
 
-    pub(crate) fn colour(&self, sample_time_s: f64) -> Option<&Colour> {
-        self.colours.iter().find(|colour| colour.sample_time_s == sample_time_s)
+    pub(crate) fn levels(&self) -> NoiseLevels {
+        NoiseLevels { outputs: self.noise_std.clone(), inputs: self.input_std.clone() }
     }
 }
 
@@ -178,6 +163,7 @@ pub(crate) fn run(
         // A step beyond what physics allows; the solver will shorten it.
         return Ok(None);
     };
+    let Some(colours) = colour::all(problem, point, weights, &equations) else { return Ok(None) };
     let linear = is_linear(&equations, &point.values);
     let modal = if linear { Modal::new(problem, &equations, &slopes, point, weights) } else { None };
     // One for each sample time: to make it costs more than a short stretch takes.
@@ -191,7 +177,8 @@ pub(crate) fn run(
     }
     let one = |index: usize| -> Result<Option<StretchResult>, IdentifyError> {
         let time_s = problem.stretches[index].sample_time_s;
-        let mut rows = Rows::new(problem, time_s, weights, point.locals[index].len());
+        let colour = colours.iter().find(|colour| colour.sample_time_s == time_s);
+        let mut rows = Rows::new(problem, time_s, weights, colour, point.locals[index].len());
         let stepper = || steppers.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
@@ -260,7 +247,7 @@ pub(crate) struct Rows<'w> {
     weighted_squares: f64,
     samples: f64,
     pub(crate) unresolved: u64,
-    whitener: Option<(&'w Whitener, Filtered)>,
+    colour: Option<colour::Course<'w>>,
     course: Option<levels::Course<'w>>,
     gate: Option<Gate<'w>>,
     scores: Option<Scores>,
@@ -268,13 +255,15 @@ pub(crate) struct Rows<'w> {
 }
 
 impl<'w> Rows<'w> {
-    fn new(problem: &Problem<'_>, sample_time_s: f64, weights: &'w Weights, locals: usize) -> Self {
+    fn new(
+        problem: &Problem<'_>,
+        sample_time_s: f64,
+        weights: &'w Weights,
+        colour: Option<&'w Colour>,
+        locals: usize,
+    ) -> Self {
         let globals = problem.free.len();
         let outputs = problem.outputs();
-        let colour = weights.colour(sample_time_s);
-        let bias = colour.map_or_else(Vec::new, |colour| {
-            colour.bias.iter().zip(&weights.scales).map(|(bias, scale)| bias * scale).collect()
-        });
         let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
         Self {
             locals,
@@ -285,7 +274,7 @@ impl<'w> Rows<'w> {
             weighted_squares: 0.0,
             samples: 0.0,
             unresolved: 0,
-            whitener: colour.map(|c| (&c.whitener, c.whitener.rest(locals + globals + 1))),
+            colour: colour.map(|colour| colour.start(locals + globals + 1)),
             course: probe.map(|(_, probe)| probe.start()),
             gate: weights
                 .gate
@@ -296,7 +285,6 @@ impl<'w> Rows<'w> {
                 row: 0,
                 sums: Vec::new(),
                 width: locals + globals,
-                bias,
             }),
             present: Vec::new(),
         }
@@ -354,8 +342,8 @@ impl<'w> Rows<'w> {
             follow(residuals, rows, &self.present, |residual, present| gate.take(residual, present));
         }
         let skipped = if alive { 0 } else { self.locals };
-        if let Some((whitener, state)) = &mut self.whitener {
-            whitener.apply(state, target.rb_mut(), rows, skipped, &self.present);
+        if let Some(colour) = &mut self.colour {
+            colour.apply(target.rb_mut(), rows, skipped, &self.present);
         }
         self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
         self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;
@@ -410,14 +398,12 @@ fn follow(
 
 use faer::reborrow::ReborrowMut;
 
-/// Block sums of slopes times residuals, less what input noise adds to them.
+/// Block sums of slopes times residuals.
 struct Scores {
     block_rows: usize,
     row: usize,
     sums: Vec<Vec<f64>>,
     width: usize,
-    /// Per free parameter and sample; empty where no input is noisy.
-    bias: Vec<f64>,
 }
 
 impl Scores {
@@ -437,10 +423,6 @@ impl Scores {
                     sums[skipped + j] += rows[(row, j)] * residual;
                 }
             }
-            let here = (0..outputs).filter(|output| present[output * samples + k]).count();
-            let share = here as f64 / outputs as f64;
-            let free = self.width - self.bias.len();
-            sums[free..].iter_mut().zip(&self.bias).for_each(|(sum, bias)| *sum -= bias * share);
         }
         self.row += samples;
     }

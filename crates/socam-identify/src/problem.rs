@@ -202,3 +202,11 @@ fn check(model: &Model, options: &Options) -> Result<(), IdentifyError> {
     }
     Ok(())
 }
+
+/// The different sample times of a problem.
+pub(crate) fn sample_times(problem: &Problem<'_>) -> Vec<f64> {
+    let mut times: Vec<f64> = problem.stretches.iter().map(|stretch| stretch.sample_time_s).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}

@@ -10,14 +10,13 @@ use crate::{
     amends::{self, LeftOut},
     combinations::{self, Combination},
     feed::Stretch,
-    input_noise,
     modal::offset_channels,
+    noise_in_slopes,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
     solver::{Descent, Race},
     triangle,
     watch::Stage,
-    whitener::NoiseLevels,
 };
 
 /// Version of [`Identification`]'s JSON form.
@@ -29,14 +28,10 @@ const LARGEST_HALF_WIDTH: f64 = 0.5;
 const ENTANGLED: f64 = 0.9;
 /// 95 % quantile of chi-square with one degree of freedom: a cost difference below it may be chance.
 const CHANCE: f64 = 3.84;
-/// Least effect, as a fraction of the outputs' noise (root mean square), that a change by half along a direction of the
-/// parameters must have to be believed. Below it the direction counts as unknown to a factor however many samples
-/// there are: what averaging leaves of it is at the mercy of the slightest error of the model, the input or the hold. Ten
-/// minutes of the virtual bench put k3 at a quarter of its truth with an interval of 16 % on the
-/// strength of an effect of 0.5 %; what is determined there has effects of 10 % and more.
-const LEAST_EFFECT: f64 = 0.0;
 /// Share of samples with unresolved steps that is worth a word.
 const MOST_UNRESOLVED: f64 = 1e-4;
+/// Slopes hold input noise, which looks like information. Of a direction's information at least this part is kept.
+const LEAST_GENUINE: f64 = 0.02;
 /// Singular values below this fraction of the largest are taken as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
@@ -232,17 +227,14 @@ pub(crate) fn identification(
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
     problem.options.watch.tell(Stage::Intervals, 0, None);
-    let levels =
-        NoiseLevels { outputs: descent.weights.noise_std.clone(), inputs: descent.weights.input_std.clone() };
-    let colours = input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?;
-    let colours = input_noise::with_biases(problem, &descent.point, colours, &levels.outputs)?;
-    let weights = crate::pass::Weights { scores: true, colours, ..descent.weights.clone() };
-    if let Some(passed) = crate::solver::run(problem, &descent.point, &weights)? {
+    let weights = pass::Weights { scores: true, ..descent.weights.clone() };
+    if let Some(passed) = pass::run(problem, &descent.point, &weights)? {
         descent.passed = passed;
     }
-    let results = &descent.passed.results;
-    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results);
-    let cost = 0.5 * descent.passed.squares();
+    let results = &descent.passed;
+    let noise = noise_in_slopes::products(problem, &descent.point, &weights, results)?;
+    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results, &noise);
+    let cost = 0.5 * crate::solver::squares(results);
     let twins = exchangeable(problem, &descent)?;
     let cpu_s = clock.seconds();
     let (parameters, at_bound) = parameter_estimates(problem, &descent.point.values, &uncertainty, &twins);
@@ -342,12 +334,14 @@ pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
 }
 
 /// Inverse information, and the spread of scores between blocks of data where there are enough of them: their
-/// ratio to the information is what coloured residuals cost.
+/// ratio to the information is what coloured residuals cost. What input noise adds to the squares of the slopes is no
+/// information, and is taken from them.
 fn uncertainty(
     problem: &Problem<'_>,
     point: &pass::Point,
     scales: &[f64],
     results: &[StretchResult],
+    noise: &Mat<f64>,
 ) -> Uncertainty {
     let free = problem.free.len();
     let weights = pass::Weights::white(Vec::new(), scales.to_vec());
@@ -387,11 +381,23 @@ fn uncertainty(
         (Mat::identity(free, free), 1e6)
     };
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
-    let samples: f64 = crate::solver::channel_sums(results).iter().map(|channel| channel.count).sum();
-    let least = 2.0 * LEAST_EFFECT * samples.sqrt();
-    let believed = |k: usize| if singular(k) < least { singular(k).min(1.0) } else { singular(k) };
-    let root = Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / believed(k) * size(i));
+    let noise =
+        Mat::from_fn(free, free, |i, j| noise[(i, j)] * (size(i) / scales[i]) * (size(j) / scales[j]));
+    let noise = inverse.transpose() * noise * &inverse;
+    let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * size(i));
+    let root = inverse * genuine(&noise);
     Uncertainty { root, middle, quantile }
+}
+
+/// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
+fn genuine(noise: &Mat<f64>) -> Mat<f64> {
+    let size = noise.nrows();
+    let identity = || Mat::<f64>::identity(size, size);
+    let Ok(decomposed) = noise.self_adjoint_eigen(faer::Side::Lower) else { return identity() };
+    let (vectors, values) = (decomposed.U(), decomposed.S());
+    let stretched =
+        Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_GENUINE, 1.0));
+    stretched * vectors.transpose()
 }
 
 /// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
@@ -468,7 +474,7 @@ fn exchangeable(problem: &Problem<'_>, descent: &Descent) -> Result<Vec<(usize, 
             let bounds = problem.model.parameters[index].bounds;
             (bounds.0..=bounds.1).contains(&values[index])
         });
-        let own = descent.passed.cost();
+        let own = crate::solver::squares(&descent.passed);
         let swapped = if inside { crate::solver::squares_at(problem, descent, values)? } else { None };
         if swapped.is_some_and(|cost| cost - own < CHANCE) {
             found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));

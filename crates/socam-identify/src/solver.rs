@@ -11,7 +11,7 @@ use rand_chacha::{
 };
 
 use crate::{
-    IdentifyError, combinations, input_noise, levels, outliers,
+    IdentifyError, colour, combinations, input_noise, levels, outliers,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
@@ -102,8 +102,9 @@ fn with_locals(problem: &Problem<'_>, values: &[f64]) -> Result<Descent, Identif
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
     let weights = first_weights(problem, &point)?;
-    let passed = run(problem, &point, &weights)?.ok_or_else(diverged)?;
-    let mut at = Descent { cost: passed.cost(), point, weights, passed, iterations: 0, end: End::Converged };
+    let passed = pass::run(problem, &point, &weights)?.ok_or_else(diverged)?;
+    let mut at =
+        Descent { cost: squares(&passed), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
     Ok(at)
 }
@@ -117,41 +118,16 @@ pub(crate) fn squares_at(
 ) -> Result<Option<f64>, IdentifyError> {
     let point = Point { values, locals: from.point.locals.clone() };
     let weights = from.weights.clone();
-    let Some(passed) = run(problem, &point, &weights)? else { return Ok(None) };
-    let mut at = Descent { cost: passed.cost(), point, weights, passed, iterations: 0, end: End::Converged };
+    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
+    let mut at =
+        Descent { cost: squares(&passed), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
     Ok(Some(at.cost))
 }
 
-/// A pass over the data, and what input noise is expected to have of it.
-pub(crate) struct Passed {
-    pub(crate) results: Vec<StretchResult>,
-    /// See [`input_noise::excess`].
-    pub(crate) excess: Mat<f64>,
-}
-
-impl Passed {
-    /// Sum of squared residuals as weighted.
-    pub(crate) fn squares(&self) -> f64 {
-        self.results.iter().map(|result| result.weighted_squares).sum()
-    }
-
-    /// The same less what input noise is expected to have of it: least, on average, at the truth.
-    pub(crate) fn cost(&self) -> f64 {
-        let last = self.excess.nrows() - 1;
-        self.squares() - self.excess[(last, last)]
-    }
-}
-
-/// `None` where the prediction overflowed.
-pub(crate) fn run(
-    problem: &Problem<'_>,
-    point: &Point,
-    weights: &Weights,
-) -> Result<Option<Passed>, IdentifyError> {
-    let Some(results) = pass::run(problem, point, weights)? else { return Ok(None) };
-    let excess = input_noise::excess(problem, point, weights, &results)?;
-    Ok(excess.map(|excess| Passed { results, excess }))
+/// Sum of squared residuals as weighted.
+pub(crate) fn squares(results: &[StretchResult]) -> f64 {
+    results.iter().map(|result| result.weighted_squares).sum()
 }
 
 /// Moves start states and offsets only, until that no longer helps: one step is exact for a linear model, a law that
@@ -160,8 +136,8 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     let still = vec![0.0; problem.free.len()];
     for _ in 0..MOST_START_STEPS {
         let trial = moved(problem, at, &still);
-        let Some(passed) = run(problem, &trial, &at.weights)? else { break };
-        let cost = passed.cost();
+        let Some(passed) = pass::run(problem, &trial, &at.weights)? else { break };
+        let cost = squares(&passed);
         if cost >= at.cost * (1.0 - 1e-9) {
             break;
         }
@@ -174,7 +150,7 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
 pub(crate) struct Descent {
     pub(crate) point: Point,
     pub(crate) weights: Weights,
-    pub(crate) passed: Passed,
+    pub(crate) passed: Vec<StretchResult>,
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) end: End,
@@ -184,11 +160,11 @@ impl Descent {
     /// Mean of the squared residuals in noise units.
     fn misfit(&self) -> f64 {
         let values: f64 = self.channels().iter().map(|channel| channel.count).sum();
-        self.passed.squares() / values.max(1.0)
+        squares(&self.passed) / values.max(1.0)
     }
 
     pub(crate) fn channels(&self) -> Vec<ChannelSums> {
-        channel_sums(&self.passed.results)
+        channel_sums(&self.passed)
     }
 }
 
@@ -274,13 +250,17 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
             inputs: descent.weights.input_std.clone(),
         };
         let levels = judged_levels(problem, &descent, &most)?;
+        let levels = if colour::exists(problem, &descent.point, &levels) {
+            levels
+        } else {
+            NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels }
+        };
         let settled = round > 1 && alike(&before, &levels);
         if settled && (levels.inputs.iter().all(|std| *std == 0.0) || round > 2) {
             break;
         }
         let weights = Weights {
             input_std: levels.inputs.clone(),
-            colours: input_noise::colours(problem, &descent.point, &levels, &levels.outputs)?,
             ..Weights::white(levels.outputs, scales(problem, &descent.point.values))
         };
         let stage = Stage::Descent { round: round + 1 };
@@ -390,22 +370,16 @@ fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec
 }
 
 /// [`information_factor`] and what anchors add: what steps are made of.
-fn global_factor(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &Passed) -> Mat<f64> {
-    let information = information_factor(problem, point, weights, &passed.results);
+fn global_factor(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    passed: &[StretchResult],
+) -> Mat<f64> {
+    let information = information_factor(problem, point, weights, passed);
     let anchors = anchor_rows(problem, point, weights);
     let free = problem.free.len();
-    let mut factor = triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), free + 1);
-    // R' r loses what input noise adds to it: r moves by R'^-1 times that.
-    let norms = triangle::lengths(factor.as_ref(), free);
-    let mut shift = vec![0.0; free];
-    for i in 0..free {
-        let known: f64 = (0..i).map(|k| factor[(k, i)] * shift[k]).sum();
-        if factor[(i, i)].abs() > 1e-12 * norms[i] {
-            shift[i] = (passed.excess[(i, free)] - known) / factor[(i, i)];
-        }
-    }
-    shift.iter().enumerate().for_each(|(i, shift)| factor[(i, free)] -= shift);
-    factor
+    triangle::join([information.as_ref(), anchors.as_ref()].into_iter(), free + 1)
 }
 
 /// What the data say of the free parameters, with priors but without anchors: what intervals are made of.
@@ -450,9 +424,9 @@ pub(crate) fn prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights
 }
 
 /// The cost of the data with what priors and anchors add.
-fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &Passed) -> f64 {
+fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &[StretchResult]) -> f64 {
     let pull = |rows: Mat<f64>| rows.as_ref().col(problem.free.len()).squared_norm_l2();
-    passed.cost() + pull(prior_rows(problem, point, weights)) + pull(anchor_rows(problem, point, weights))
+    squares(passed) + pull(prior_rows(problem, point, weights)) + pull(anchor_rows(problem, point, weights))
 }
 
 /// Levenberg-Marquardt from `point` at fixed noise levels.
@@ -464,7 +438,7 @@ fn descend(
     max_iterations: usize,
     stage: Stage,
 ) -> Result<Descent, IdentifyError> {
-    let Some(passed) = run(problem, &point, &weights)? else {
+    let Some(passed) = pass::run(problem, &point, &weights)? else {
         return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
     };
     let cost = total_cost(problem, &point, &weights, &passed);
@@ -494,7 +468,7 @@ fn descend(
             break;
         };
         let trial = moved(problem, &at, &step);
-        let gained = match run(problem, &trial, &at.weights)? {
+        let gained = match pass::run(problem, &trial, &at.weights)? {
             Some(passed) => {
                 let cost = total_cost(problem, &trial, &at.weights, &passed);
                 Some((passed, cost)).filter(|_| cost < at.cost)
@@ -546,7 +520,7 @@ fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     carry_dampings(problem, at, step, &mut point.values);
-    for (locals, result) in point.locals.iter_mut().zip(&at.passed.results) {
+    for (locals, result) in point.locals.iter_mut().zip(&at.passed) {
         let (r, count) = (result.factor.as_ref(), result.locals());
         let change = result.solve_locals(|row| {
             let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();

@@ -3,16 +3,18 @@
 //! A prediction from a measured input carries that input's error through the drivetrain: residuals swell at the
 //! resonances and stay alike for as long as those ring, in all outputs at once. The residual of a right model is
 //!
-//! xi(k+1) = Phi xi(k) + Gamma e(k),  r(k) = C xi(k) + F e(k) + v(k)
+//! xi(k+1) = Phi xi(k) + sum of Gamma_j e(k+j),  r(k) = C xi(k) + F e(k) + v(k)
 //!
-//! with e the noise of the inputs and v that of the outputs, all white. The filter of Kalman (1960) that predicts
+//! with e the noise of the inputs and v that of the outputs, all white, and j running over the samples about an interval
+//! that the input's course within it depends on. The filter of Kalman (1960) that predicts
 //! r from its past leaves a white remainder; divided by its covariance's root it has unit variance in every
 //! channel. Residuals and slopes pass through the same filter, so that least squares weighs them as the inverse
 //! covariance of all residuals would, at a cost linear in samples.
 
-use faer::{MatMut, reborrow::ReborrowMut};
 use nalgebra::{Cholesky, DMatrix};
 use socam_model::Equations;
+
+use crate::{Intersample, between};
 
 /// Standard deviations of white noise, SI, in the model's order.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,17 +47,18 @@ pub(crate) struct Whitener {
     pub(crate) covariance: DMatrix<f64>,
     /// Inverse of its lower root, row by row.
     inverse_root: Vec<f64>,
-    /// Largest modulus of the filter's poles.
-    pub(crate) memory: f64,
 }
 
-/// How noise enters the residual.
+/// How noise enters the residual: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), w of unit variance.
 struct NoiseModel {
     transition: DMatrix<f64>,
     drive: DMatrix<f64>,
     output: DMatrix<f64>,
-    through: DMatrix<f64>,
 }
+
+/// Samples before and after an interval whose noise is taken to matter within it; a band-limited course depends on more of
+/// them, by less than a hundredth.
+const REACH: usize = 3;
 
 impl Whitener {
     /// For the linear part of `equations`; force laws are taken where they no longer bend. `None` where no steady filter
@@ -67,22 +70,17 @@ impl Whitener {
         levels: &NoiseLevels,
         units: &[f64],
         sample_time_s: f64,
+        intersample: Intersample,
     ) -> Option<Self> {
-        let noise = NoiseModel::new(equations, levels, units, sample_time_s)?;
+        let noise = NoiseModel::new(equations, levels, units, sample_time_s, intersample)?;
         let (n, p) = (noise.transition.nrows(), noise.output.nrows());
-        let own =
+        let spread =
             DMatrix::from_fn(p, p, |i, j| if i == j { (levels.outputs[i] / units[i]).powi(2) } else { 0.0 });
-        let spread = &noise.through * noise.through.transpose() + own;
-        let cross = &noise.drive * noise.through.transpose();
-        let covariance = steady_covariance(&noise, &spread, &cross)?;
+        let covariance = steady_covariance(&noise, &spread)?;
         let innovation = &noise.output * &covariance * noise.output.transpose() + &spread;
         let cholesky = Cholesky::new(innovation.clone())?;
-        let gain = (&noise.transition * &covariance * noise.output.transpose() + cross) * cholesky.inverse();
+        let gain = &noise.transition * &covariance * noise.output.transpose() * cholesky.inverse();
         let inverse_root = cholesky.l().solve_lower_triangular(&DMatrix::identity(p, p))?;
-        let closed = &noise.transition - &gain * &noise.output;
-        // Nothing to remember without states.
-        let poles = if n == 0 { Vec::new() } else { closed.complex_eigenvalues().as_slice().to_vec() };
-        let memory = poles.iter().fold(0.0_f64, |most, pole| most.max(pole.norm()));
         let rows = |m: &DMatrix<f64>| m.transpose().as_slice().to_vec();
         let filter = Self {
             outputs: p,
@@ -92,10 +90,18 @@ impl Whitener {
             gain: rows(&gain),
             inverse_root: rows(&inverse_root),
             covariance: innovation,
-            memory,
         };
         let finite = filter.gain.iter().chain(&filter.transition).all(|value| value.is_finite());
-        (finite && memory < 1.0).then_some(filter)
+        finite.then_some(filter)
+    }
+
+    /// Largest modulus of the filter's poles; one or more where it never forgets.
+    pub(crate) fn memory(&self) -> f64 {
+        let (n, p) = (self.states, self.outputs);
+        let gain = DMatrix::from_row_slice(n, p, &self.gain);
+        let closed = DMatrix::from_row_slice(n, n, &self.transition)
+            - gain * DMatrix::from_row_slice(p, n, &self.output);
+        spectral_radius(closed)
     }
 
     /// Nothing remembered yet, for rows of this many columns.
@@ -164,49 +170,41 @@ impl Whitener {
         std::mem::swap(&mut state.values, &mut state.next);
     }
 
-    /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other, and
-    /// the columns of `state` from `skipped` on; `present` is by row of the block.
-    pub(crate) fn apply(
-        &self,
-        state: &mut Filtered,
-        mut block: MatMut<'_, f64>,
-        samples: usize,
-        skipped: usize,
-        present: &[bool],
-    ) {
-        let (p, width) = (self.outputs, block.ncols());
-        let mut rows = vec![0.0; p * width];
-        let mut here = vec![true; p];
-        for k in 0..samples {
-            for (o, here) in here.iter_mut().enumerate() {
-                *here = present[o * samples + k];
-                let source = block.rb_mut().row_mut(o * samples + k);
-                rows[o * width..(o + 1) * width].iter_mut().zip(source.iter()).for_each(|(r, v)| *r = *v);
-            }
-            self.advance(state, &mut rows, skipped, &here);
-            for (o, here) in here.iter().enumerate() {
-                let mut row = block.rb_mut().row_mut(o * samples + k);
-                if !*here {
-                    row.fill(0.0);
-                    continue;
-                }
-                for (j, value) in row.iter_mut().enumerate() {
-                    *value = (0..=o).map(|q| self.inverse_root[o * p + q] * rows[q * width + j]).sum();
-                }
-            }
-        }
-    }
-
     /// Inverse of the root of the remainder's covariance.
     pub(crate) fn inverse_root(&self) -> DMatrix<f64> {
         DMatrix::from_row_slice(self.outputs, self.outputs, &self.inverse_root)
     }
 
-    /// Divides one sample's remainder by its root.
-    pub(crate) fn normalise(&self, remainder: &[f64]) -> Vec<f64> {
+    /// Divides one sample's remainder by its root: `rows`, one per output. A missing output stays nothing.
+    pub(crate) fn normalise(&self, rows: &mut [f64], present: &[bool]) {
         let p = self.outputs;
-        (0..p).map(|o| (0..=o).map(|q| self.inverse_root[o * p + q] * remainder[q]).sum()).collect()
+        let width = rows.len() / p;
+        for o in (0..p).rev() {
+            let (before, own) = rows.split_at_mut(o * width);
+            let own = &mut own[..width];
+            let scale = if present[o] { self.inverse_root[o * p + o] } else { 0.0 };
+            own.iter_mut().for_each(|value| *value *= scale);
+            for q in (0..o).filter(|_| present[o]) {
+                add(own, self.inverse_root[o * p + q], &before[q * width..(q + 1) * width]);
+            }
+        }
     }
+}
+
+/// From the growth of a matrix's powers: an iteration for its eigenvalues need not end.
+pub(crate) fn spectral_radius(mut matrix: DMatrix<f64>) -> f64 {
+    const DOUBLINGS: i32 = 24;
+    let mut log_scale = 0.0;
+    for _ in 0..DOUBLINGS {
+        let size = matrix.norm();
+        if size == 0.0 {
+            return 0.0;
+        }
+        matrix /= size;
+        log_scale = 2.0 * (log_scale + size.ln());
+        matrix = &matrix * &matrix;
+    }
+    ((log_scale + matrix.norm().ln()) / 2.0_f64.powi(DOUBLINGS)).exp()
 }
 
 /// What the filter remembers of each column.
@@ -228,53 +226,111 @@ fn add(target: &mut [f64], factor: f64, source: &[f64]) {
 }
 
 impl NoiseModel {
-    /// Outputs are divided by `units`, inputs' noise has unit variance.
-    fn new(equations: &Equations, levels: &NoiseLevels, units: &[f64], sample_time_s: f64) -> Option<Self> {
-        let (n, m) = equations.input.shape();
-        let noisy: Vec<usize> = (0..m).filter(|i| levels.inputs[*i] > 0.0).collect();
-        let size = n + 2 * m;
-        let mut generator = DMatrix::zeros(size, size);
-        generator.view_mut((0, 0), (n, n)).copy_from(&(&equations.state * sample_time_s));
-        generator.view_mut((0, n), (n, m)).copy_from(&(&equations.input * sample_time_s));
-        generator.view_mut((n, n + m), (m, m)).fill_diagonal(1.0);
-        let step = generator.exp();
-        let transition = step.view((0, 0), (n, n)).into_owned();
-        let after = step.view((0, n + m), (n, m)).into_owned();
-        let before = step.view((0, n), (n, m)) - &after;
-        let weight = |output: usize| 1.0 / units[output];
-        let p = equations.output.nrows();
-        let output = DMatrix::from_fn(p, n, |i, j| equations.output[(i, j)] * weight(i));
-        let feedthrough = DMatrix::from_fn(p, m, |i, j| equations.feedthrough[(i, j)] * weight(i));
-        // With the state moved back by what the sample at its own instant adds, each sample's noise enters once.
-        let drive = &transition * &after + before;
-        let through = &output * &after + feedthrough;
-        let pick = |matrix: &DMatrix<f64>| {
-            DMatrix::from_fn(matrix.nrows(), noisy.len(), |i, j| {
-                matrix[(i, noisy[j])] * levels.inputs[noisy[j]]
-            })
-        };
-        let (drive, through) = (pick(&drive), pick(&through));
-        let finite = transition.iter().chain(drive.iter()).all(|value| value.is_finite());
-        finite.then_some(Self { transition, drive, output, through })
+    /// Outputs are divided by `units`.
+    fn new(
+        equations: &Equations,
+        levels: &NoiseLevels,
+        units: &[f64],
+        sample_time_s: f64,
+        intersample: Intersample,
+    ) -> Option<Self> {
+        let noisy: Vec<usize> = (0..levels.inputs.len()).filter(|i| levels.inputs[*i] > 0.0).collect();
+        let drive = DMatrix::from_fn(equations.input.nrows(), noisy.len(), |i, j| {
+            equations.input[(i, noisy[j])] * levels.inputs[noisy[j]]
+        });
+        let (step, taps) = response(&equations.state, &drive, sample_time_s, intersample);
+        let (n, m, p) = (step.nrows(), noisy.len(), units.len());
+        // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
+        // last sample that matters for the coming interval.
+        let (count, ahead) = (taps.len(), taps.len() / 2);
+        let size = n + m * (count - 1);
+        let mut transition = DMatrix::zeros(size, size);
+        transition.view_mut((0, 0), (n, n)).copy_from(&step);
+        let mut entering = DMatrix::zeros(size, m);
+        entering.view_mut((0, 0), (n, m)).copy_from(&taps[count - 1]);
+        entering.view_mut((n, 0), (m, m)).fill_diagonal(1.0);
+        for past in 1..count {
+            let column = n + (past - 1) * m;
+            transition.view_mut((0, column), (n, m)).copy_from(&taps[count - 1 - past]);
+            if past + 1 < count {
+                transition.view_mut((column + m, column), (m, m)).fill_diagonal(1.0);
+            }
+        }
+        let mut output = DMatrix::zeros(p, size);
+        let now = n + (ahead - 1) * m;
+        for (i, unit) in units.iter().enumerate() {
+            (0..n).for_each(|j| output[(i, j)] = equations.output[(i, j)] / unit);
+            for (j, input) in noisy.iter().enumerate() {
+                output[(i, now + j)] = equations.feedthrough[(i, *input)] * levels.inputs[*input] / unit;
+            }
+        }
+        let finite = transition.iter().chain(entering.iter()).all(|value| value.is_finite());
+        finite.then_some(Self { transition, drive: entering, output })
     }
+}
+
+/// What the state becomes in an interval: of itself, and of the input's samples about it, the earliest first.
+fn response(
+    state: &DMatrix<f64>,
+    drive: &DMatrix<f64>,
+    sample_time_s: f64,
+    intersample: Intersample,
+) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
+    let (n, m) = drive.shape();
+    let pieces = between::pieces(intersample);
+    let degrees = if intersample == Intersample::Linear { 2 } else { 6 };
+    let size = n + degrees * m;
+    let mut generator = DMatrix::zeros(size, size);
+    generator.view_mut((0, 0), (n, n)).copy_from(&(state * sample_time_s));
+    generator.view_mut((0, n), (n, m)).copy_from(&(drive * sample_time_s));
+    for degree in 1..degrees {
+        generator.view_mut((n + (degree - 1) * m, n + degree * m), (m, m)).fill_diagonal(1.0);
+    }
+    let step = generator.exp();
+    let mut factorial = 1.0;
+    let powers: Vec<DMatrix<f64>> = (0..degrees)
+        .map(|degree| {
+            factorial *= degree.max(1) as f64;
+            step.view((0, n + degree * m), (n, m)) * factorial
+        })
+        .collect();
+    let of_coefficients: Vec<DMatrix<f64>> = pieces
+        .iter()
+        .map(|piece| piece.iter().zip(&powers).fold(DMatrix::zeros(n, m), |sum, (c, power)| sum + power * *c))
+        .collect();
+    let sharpening = between::sharpening(intersample);
+    let mut of_samples = vec![DMatrix::zeros(n, m); of_coefficients.len() + sharpening.len() - 1];
+    for (i, tap) in of_coefficients.iter().enumerate() {
+        for (j, weight) in sharpening.iter().enumerate() {
+            of_samples[i + j] += tap * *weight;
+        }
+    }
+    (step.view((0, 0), (n, n)).into_owned(), shortened(of_samples))
+}
+
+/// Leaves out the samples beyond [`REACH`], and gives what they would do to those beside the interval.
+fn shortened(taps: Vec<DMatrix<f64>>) -> Vec<DMatrix<f64>> {
+    let beyond = (taps.len() / 2).saturating_sub(REACH + 1);
+    let mut kept = taps[beyond..taps.len() - beyond].to_vec();
+    let middle = kept.len() / 2;
+    for tap in taps[..beyond].iter().chain(&taps[taps.len() - beyond..]) {
+        kept[middle - 1] += tap * 0.5;
+        kept[middle] += tap * 0.5;
+    }
+    kept
 }
 
 /// Solution of the filter's Riccati equation by the structure-preserving doubling algorithm (Chu, Fan, Lin and Wang,
 /// International Journal of Control 77, 2004), which converges quadratically.
-fn steady_covariance(
-    noise: &NoiseModel,
-    spread: &DMatrix<f64>,
-    cross: &DMatrix<f64>,
-) -> Option<DMatrix<f64>> {
+fn steady_covariance(noise: &NoiseModel, spread: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = noise.transition.nrows();
     if n == 0 {
         return Some(DMatrix::zeros(0, 0));
     }
     let spread_inverse = spread.clone().try_inverse()?;
-    let free = &noise.transition - cross * &spread_inverse * &noise.output;
-    let mut a = free.transpose();
+    let mut a = noise.transition.transpose();
     let mut g = noise.output.transpose() * &spread_inverse * &noise.output;
-    let mut h = &noise.drive * noise.drive.transpose() - cross * &spread_inverse * cross.transpose();
+    let mut h = &noise.drive * noise.drive.transpose();
     for _ in 0..60 {
         let inner = (DMatrix::identity(n, n) + &g * &h).lu();
         let (wa, wg) = (inner.solve(&a)?, inner.solve(&g)?);
@@ -292,4 +348,17 @@ fn steady_covariance(
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spectral_radius_is_found_beside_delays_and_rotation() {
+        let turning = DMatrix::from_row_slice(2, 2, &[0.6, -0.7, 0.7, 0.6]);
+        assert!((spectral_radius(turning) - 0.85_f64.sqrt()).abs() < 1e-6);
+        let delays = DMatrix::from_row_slice(3, 3, &[0.0, 0.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(spectral_radius(delays), 0.0);
+    }
 }

@@ -123,6 +123,8 @@ pub(crate) struct Case {
     pub(crate) truth: Vec<(String, f64)>,
     /// Whether the fit starts from random values; otherwise from the model file's.
     pub(crate) starts_anywhere: bool,
+    /// Starts that compete; as many as by default if `None`.
+    pub(crate) starts: Option<usize>,
     /// Where the fit starts, SI.
     pub(crate) start: Vec<(String, f64)>,
     /// Noise of all channels, SI.
@@ -163,7 +165,7 @@ impl Case {
         let noise = std::iter::once((input.to_owned(), stds[level])).chain(outputs).collect();
         let gains = (0.005 * draw.between(1.0, 3.0), 0.1 * draw.between(1.0, 5.0));
         let runs = (0..draw.whole(1, 4)).map(|_| run(family, &mut draw)).collect::<Result<_, _>>()?;
-        Ok(Self { number, family, level, truth, starts_anywhere, start, noise, gains, runs })
+        Ok(Self { number, family, level, truth, starts_anywhere, starts: None, start, noise, gains, runs })
     }
 
     pub(crate) fn is_kept_aside(&self) -> bool {
@@ -178,6 +180,11 @@ impl Case {
     /// Whether a command that jumps excites the bench, beyond what sampling resolves.
     pub(crate) fn has_prbs(&self) -> bool {
         self.runs.iter().any(|run| matches!(run.profile.course, Course::Prbs { .. }))
+    }
+
+    /// The same with its fit begun at the truth.
+    pub(crate) fn from_truth(self) -> Self {
+        Self { start: self.truth.clone(), starts: Some(1), ..self }
     }
 
     /// Length of all recordings, without their fading out.

@@ -48,6 +48,9 @@ struct Args {
     /// Let the board run so many times as fast and keep every so manieth sample, to tell what the steps of its command do
     #[arg(long, value_name = "TIMES", default_value = "1", value_parser = ["1", "2", "5", "10", "20"])]
     oversample: String,
+    /// Begin every fit at the truth, with one start: what differs was a wrong minimum
+    #[arg(long)]
+    from_truth: bool,
     /// Keep recordings in a folder and use them again; not across changes of the simulation or the model's equations
     #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = CACHE)]
     cache: Option<PathBuf>,
@@ -106,11 +109,14 @@ fn half(trials: &[Trial], aside: bool) -> Vec<&Trial> {
 
 impl Args {
     fn cases(&self) -> Result<Vec<Case>, String> {
+        let draw = |number: u64| {
+            let case = Case::draw(self.seed, number)?;
+            Ok::<Case, String>(if self.from_truth { case.from_truth() } else { case })
+        };
         if let Some(number) = self.case {
-            return Ok(vec![Case::draw(self.seed, number)?]);
+            return Ok(vec![draw(number)?]);
         }
-        let all =
-            (0..self.benches).map(|number| Case::draw(self.seed, number)).collect::<Result<Vec<_>, _>>()?;
+        let all = (0..self.benches).map(draw).collect::<Result<Vec<_>, _>>()?;
         let cases: Vec<Case> = all.into_iter().filter(|case| self.wants(case)).collect();
         if cases.is_empty() { Err("no bench is of that kind".into()) } else { Ok(cases) }
     }

@@ -180,6 +180,8 @@ pub(crate) fn detail(trial: &Trial) -> String {
             (quantity.found, quantity.z(), quantity.relative_half_width())
         {
             let _ = write!(text, " {:>12.5e} {z:>12.2} {:>12.3}", found.value, 100.0 * half);
+        } else if let Some(point) = quantity.point {
+            let _ = write!(text, " {point:>12.5e} not determined");
         }
         text.push('\n');
     }

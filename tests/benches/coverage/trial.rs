@@ -14,6 +14,8 @@ pub(crate) struct Quantity {
     pub(crate) name: String,
     /// SI.
     pub(crate) truth: f64,
+    /// Where the fit ended, determined or not, SI; `None` for combinations.
+    pub(crate) point: Option<f64>,
     /// `None` where it was called not determined.
     pub(crate) found: Option<Found>,
 }
@@ -84,7 +86,9 @@ impl Trial {
 fn identify(case: &Case, data: &[Dataset]) -> Result<Fit, String> {
     let mut model = case.family.model()?;
     set(&mut model, &case.start)?;
-    let result = Problem::new(&model, data, Options::default()).and_then(|problem| output_error(&problem));
+    let mut options = Options::default();
+    options.starts = case.starts.unwrap_or(options.starts);
+    let result = Problem::new(&model, data, options).and_then(|problem| output_error(&problem));
     let result = result.map_err(|error| error.to_string())?;
     set(&mut model, &case.truth)?;
     let outputs = result.fit.channels.iter().map(|(name, fit)| {
@@ -113,10 +117,12 @@ fn quantities(model: &Model, result: &Identification) -> Vec<Quantity> {
     let found = |value: Option<f64>, std: Option<f64>, [low, high]: [Option<f64>; 2]| {
         Some(Found { value: value?, std: std?, low: low?, high: high? })
     };
-    let free = model.parameters.iter().zip(&result.parameters).filter(|(known, _)| !known.fixed);
-    let parameters = free.map(|(known, estimate)| Quantity {
+    let all = model.parameters.iter().zip(&result.parameters).zip(&result.point);
+    let free = all.filter(|((known, _), _)| !known.fixed);
+    let parameters = free.map(|((known, estimate), point)| Quantity {
         name: estimate.name.clone(),
         truth: known.value,
+        point: Some(*point),
         found: found(estimate.value, estimate.std, estimate.ci95).filter(|_| estimate.identifiable),
     });
     let truths = combination_values(model, &model.values());
@@ -125,6 +131,7 @@ fn quantities(model: &Model, result: &Identification) -> Vec<Quantity> {
         Some(Quantity {
             name: estimate.name.clone(),
             truth: *truth,
+            point: None,
             found: found(estimate.value, estimate.std, estimate.ci95),
         })
     });
