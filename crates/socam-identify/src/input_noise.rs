@@ -1,8 +1,8 @@
-//! How much noise a measured input can hold.
+//! How much noise a channel can hold.
 
 use socam_model::{Channel, Quantity};
 
-use crate::{IdentifyError, Intersample, Problem, feed};
+use crate::{IdentifyError, Intersample, Problem, feed, whitener::NoiseLevels};
 
 /// Order of the differences that leave an input's noise and not its motion.
 const DIFFERENCES: usize = 8;
@@ -12,6 +12,8 @@ const DIFFERENCED: f64 = 12_870.0;
 const WINDOW: usize = 64;
 /// The median of windows lies below the mean, and neither is exact.
 const MARGIN: f64 = 1.1;
+/// An output's noise need not be white: at its highest frequencies it may be so many times less.
+const COLOURED: f64 = 3.0;
 /// Rows and stretches that are looked at.
 const MOST_ROWS: u64 = 32_768;
 const MOST_STRETCHES: usize = 8;
@@ -21,26 +23,33 @@ pub(crate) fn is_measured(channel: &Channel) -> bool {
     channel.quantity != Quantity::Reference
 }
 
-/// Most noise that each input can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input
-/// that is not measured.
-pub(crate) fn most(problem: &Problem<'_>) -> Result<Vec<f64>, IdentifyError> {
-    let inputs: Vec<&Channel> = problem.model.inputs().collect();
-    let mut windows: Vec<Vec<f64>> = vec![Vec::new(); inputs.len()];
+/// Most noise that each channel can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input
+/// that is not measured. What an output's residual has beyond it is misfit: to take it for noise would be to believe that
+/// output less, and noisy inputs more, than they deserve.
+pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
+    let inputs = problem.model.inputs().count();
+    let mut windows: Vec<Vec<f64>> = vec![Vec::new(); inputs + problem.outputs()];
     for stretch in problem.stretches.iter().take(MOST_STRETCHES) {
         let head = feed::Stretch { rows: stretch.rows.min(MOST_ROWS), ..stretch.clone() };
         let dataset = &problem.datasets[stretch.recording];
         feed::read(problem.model, dataset, &head, Intersample::Linear, |chunk| {
-            for (input, windows) in chunk.inputs.iter().zip(&mut windows) {
-                windows.extend(input.chunks_exact(WINDOW).map(differenced));
+            for (values, windows) in chunk.inputs.iter().chain(&chunk.outputs).zip(&mut windows) {
+                let variances = values.chunks_exact(WINDOW).map(differenced);
+                windows.extend(variances.filter(|variance| !variance.is_nan()));
             }
         })?;
     }
-    let median = |mut values: Vec<f64>| {
+    let quantile = |mut values: Vec<f64>, part: f64| {
         values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).map_or(0.0, |variance| MARGIN * variance.sqrt())
+        let at = (part * values.len() as f64) as usize;
+        values.get(at).map(|variance| variance.sqrt()).filter(|std| *std > 0.0)
     };
-    let each = windows.into_iter().zip(inputs);
-    Ok(each.map(|(windows, channel)| if is_measured(channel) { median(windows) } else { 0.0 }).collect())
+    let outputs = windows.split_off(inputs).into_iter();
+    let outputs = outputs.map(|windows| quantile(windows, 0.9).map_or(f64::INFINITY, |std| COLOURED * std));
+    let inputs = windows.into_iter().zip(problem.model.inputs()).map(|(windows, channel)| {
+        if is_measured(channel) { MARGIN * quantile(windows, 0.5).unwrap_or(0.0) } else { 0.0 }
+    });
+    Ok(NoiseLevels { outputs: outputs.collect(), inputs: inputs.collect() })
 }
 
 /// Variance of white noise that would leave differences of this size.

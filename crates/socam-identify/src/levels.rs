@@ -30,12 +30,12 @@ const FIRST_STEPS: usize = 12;
 /// Steps on all data.
 const MOST_STEPS: usize = 3;
 
-/// Levels of greatest likelihood at given parameters; inputs' stay below `most`, known ones where they are.
+/// Levels of greatest likelihood at given parameters; they stay below `most`, known ones where they are.
 pub(crate) fn likeliest(
     problem: &Problem<'_>,
     point: &Point,
     start: NoiseLevels,
-    most: &[f64],
+    most: &NoiseLevels,
 ) -> Result<NoiseLevels, IdentifyError> {
     let mut kept: Vec<usize> = (0..problem.stretches.len()).collect();
     let whole = without_slopes(problem, &kept, u64::MAX);
@@ -69,7 +69,7 @@ fn climb(
     problem: &Problem<'_>,
     point: &Point,
     start: NoiseLevels,
-    most: &[f64],
+    most: &NoiseLevels,
     steps: usize,
 ) -> Result<NoiseLevels, IdentifyError> {
     let equations = problem.model.equations(&point.values)?;
@@ -85,7 +85,14 @@ fn climb(
         for (level, change) in sought.iter().zip(step) {
             levels = scaled(&levels, *level, change);
         }
-        levels.inputs.iter_mut().zip(most).for_each(|(std, most)| *std = std.min(*most));
+        for level in sought {
+            let (level_now, most) = if level < outputs {
+                (&mut levels.outputs[level], most.outputs[level])
+            } else {
+                (&mut levels.inputs[level - outputs], most.inputs[level - outputs])
+            };
+            *level_now = level_now.min(most);
+        }
         if gain < LEAST_GAIN {
             break;
         }

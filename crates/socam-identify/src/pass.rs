@@ -135,14 +135,7 @@ pub(crate) struct Weights {
 impl Weights {
     /// White noise of the outputs, no other.
     pub(crate) fn white(noise_std: Vec<f64>, scales: Vec<f64>) -> Self {
-        Self {
-            noise_std,
-            input_std: Vec::new(),
-            scales,
-            scores: false,
-            probes: Arc::default(),
-            gate: None,
-        }
+        Self { noise_std, input_std: Vec::new(), scales, scores: false, probes: Arc::default(), gate: None }
     }
 
     pub(crate) fn levels(&self) -> NoiseLevels {

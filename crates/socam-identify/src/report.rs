@@ -476,7 +476,7 @@ fn exchangeable(problem: &Problem<'_>, descent: &Descent) -> Result<Vec<(usize, 
         });
         let own = crate::solver::squares(&descent.passed);
         let swapped = if inside { crate::solver::squares_at(problem, descent, values)? } else { None };
-        if swapped.is_some_and(|cost| cost - own < CHANCE) {
+        if swapped.is_some_and(|cost| cost - own < CHANCE * descent.misfit().max(1.0)) {
             found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));
         }
     }

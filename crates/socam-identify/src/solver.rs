@@ -37,6 +37,8 @@ const LARGEST_RELIEF: f64 = 0.03;
 const COARSE_TOLERANCE: f64 = 10.0;
 /// Noise levels are settled when they change by less than this fraction.
 const NOISE_SETTLED: f64 = 0.01;
+/// They are near enough for a fine descent when they change by less than this fraction.
+const NOISE_NEAR: f64 = 0.1;
 /// Descents between which noise levels are judged anew.
 const MOST_ROUNDS: usize = 6;
 /// Times that outliers are looked for: once they are gone, smaller ones show.
@@ -158,7 +160,7 @@ pub(crate) struct Descent {
 
 impl Descent {
     /// Mean of the squared residuals in noise units.
-    fn misfit(&self) -> f64 {
+    pub(crate) fn misfit(&self) -> f64 {
         let values: f64 = self.channels().iter().map(|channel| channel.count).sum();
         squares(&self.passed) / values.max(1.0)
     }
@@ -230,41 +232,44 @@ fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
 fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
     let weights = first_weights(problem, &point)?;
     let most = match &problem.options.noise {
-        Noise::Given(given) => given.inputs.clone(),
+        Noise::Given(given) => given.clone(),
         Noise::Estimated => input_noise::most(problem)?,
     };
     let first = Stage::Descent { round: 1 };
-    if matches!(problem.options.noise, Noise::Given(_)) && most.iter().all(|std| *std == 0.0) {
+    if matches!(problem.options.noise, Noise::Given(_)) && !most.in_the_input() {
         return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations, first);
     }
     let mut descent =
         descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
     let mut iterations = descent.iterations;
+    let mut fine = false;
     for round in 1..=MOST_ROUNDS {
         // Once judged, noise levels are good enough for whoever does not want to wait.
         if round > 1 && descent.end == End::Interrupted {
             break;
         }
-        let before = NoiseLevels {
-            outputs: descent.weights.noise_std.clone(),
-            inputs: descent.weights.input_std.clone(),
-        };
+        let before = descent.weights.levels();
         let levels = judged_levels(problem, &descent, &most)?;
         let levels = if colour::exists(problem, &descent.point, &levels) {
             levels
         } else {
             NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels }
         };
-        let settled = round > 1 && alike(&before, &levels);
-        if settled && (levels.inputs.iter().all(|std| *std == 0.0) || round > 2) {
+        if fine && alike(&before, &levels, NOISE_SETTLED) {
             break;
         }
+        fine = fine
+            || !levels.in_the_input()
+            || matches!(problem.options.noise, Noise::Given(_))
+            || round + 1 >= MOST_ROUNDS
+            || alike(&before, &levels, NOISE_NEAR);
+        let tolerance = if fine { TOLERANCE } else { COARSE_TOLERANCE };
         let weights = Weights {
             input_std: levels.inputs.clone(),
             ..Weights::white(levels.outputs, scales(problem, &descent.point.values))
         };
         let stage = Stage::Descent { round: round + 1 };
-        descent = descend(problem, descent.point, weights, TOLERANCE, problem.options.max_iterations, stage)?;
+        descent = descend(problem, descent.point, weights, tolerance, problem.options.max_iterations, stage)?;
         iterations += descent.iterations;
     }
     descent.iterations = iterations;
@@ -275,28 +280,32 @@ fn settle_noise(problem: &Problem<'_>, point: Point) -> Result<Descent, Identify
 fn judged_levels(
     problem: &Problem<'_>,
     descent: &Descent,
-    most: &[f64],
+    most: &NoiseLevels,
 ) -> Result<NoiseLevels, IdentifyError> {
     if let Noise::Given(given) = &problem.options.noise {
         return Ok(given.clone());
     }
     let known: Vec<Option<f64>> = problem.model.outputs().map(|channel| channel.noise_std).collect();
     let channels = descent.channels();
-    let rms =
-        channels.iter().zip(&known).map(|(channel, known)| known.unwrap_or(floor(channel.rms(), channel)));
-    let first_time = descent.weights.input_std.is_empty();
-    let start = NoiseLevels {
-        outputs: if first_time { rms.collect() } else { descent.weights.noise_std.clone() },
-        inputs: if first_time { most.to_vec() } else { descent.weights.input_std.clone() },
+    let most_matters = most.in_the_input();
+    let each = channels.iter().zip(&known).zip(&most.outputs);
+    let outputs = each.map(|((channel, known), most)| {
+        let most = if most_matters { *most } else { f64::INFINITY };
+        known.unwrap_or(floor(channel.rms().min(most), channel))
+    });
+    let start = if descent.weights.input_std.is_empty() {
+        NoiseLevels { outputs: outputs.collect(), inputs: most.inputs.clone() }
+    } else {
+        descent.weights.levels()
     };
     if start.in_the_input() { levels::likeliest(problem, &descent.point, start, most) } else { Ok(start) }
 }
 
 /// Whether two sets of levels differ by less than matters.
-fn alike(a: &NoiseLevels, b: &NoiseLevels) -> bool {
+fn alike(a: &NoiseLevels, b: &NoiseLevels, tolerance: f64) -> bool {
     let pairs = a.outputs.iter().chain(&a.inputs).zip(b.outputs.iter().chain(&b.inputs));
     a.inputs.len() == b.inputs.len()
-        && pairs.fold(true, |alike, (a, b)| alike && (a - b).abs() <= NOISE_SETTLED * b)
+        && pairs.fold(true, |alike, (a, b)| alike && (a - b).abs() <= tolerance * b)
 }
 
 /// What one start of the race came to.
@@ -453,13 +462,15 @@ fn descend(
             break;
         }
         at.iterations += 1;
+        // Where the model does not fit, what a step may gain by chance is more.
+        let unit = at.misfit().max(1.0);
         let promise = |damping: f64| {
             let step = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping)?;
             let predicted = promised_gain(factor.as_ref(), &step);
             Some((step, predicted))
         };
         // Damping shortens steps along a valley to nothing; only an undamped step that gains nothing is the end.
-        if promise(LEAST_DAMPING).is_some_and(|(_, predicted)| predicted <= tolerance) {
+        if promise(LEAST_DAMPING).is_some_and(|(_, predicted)| predicted <= tolerance * unit) {
             at.end = End::Converged;
             break;
         }
@@ -482,7 +493,7 @@ fn descend(
             (at.point, at.passed, at.cost) = (trial, passed, cost);
             factor = global_factor(problem, &at.point, &at.weights, &at.passed);
             costs.push(cost);
-            if costs.len() > SLOW_STEPS && costs[costs.len() - 1 - SLOW_STEPS] - cost < SLOW_GAIN {
+            if costs.len() > SLOW_STEPS && costs[costs.len() - 1 - SLOW_STEPS] - cost < SLOW_GAIN * unit {
                 at.end = End::Converged;
                 break;
             }

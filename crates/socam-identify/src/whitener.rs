@@ -43,6 +43,8 @@ pub(crate) struct Whitener {
     output: Vec<f64>,
     /// K, row by row.
     gain: Vec<f64>,
+    /// Phi and K, column by column.
+    columns: [Vec<f64>; 2],
     /// Covariance of the remainder.
     pub(crate) covariance: DMatrix<f64>,
     /// Inverse of its lower root, row by row.
@@ -88,6 +90,7 @@ impl Whitener {
             transition: rows(&noise.transition),
             output: rows(&noise.output),
             gain: rows(&gain),
+            columns: [noise.transition.as_slice().to_vec(), gain.as_slice().to_vec()],
             inverse_root: rows(&inverse_root),
             covariance: innovation,
         };
@@ -126,6 +129,13 @@ impl Whitener {
         present: &[bool],
     ) {
         let (n, whole) = (self.states, state.columns);
+        if whole == 1 {
+            for (o, value) in rows.iter_mut().enumerate() {
+                let own = self.output[o * n..(o + 1) * n].iter().zip(&state.values);
+                *value = if present[o] { *value - own.map(|(c, x)| c * x).sum::<f64>() } else { 0.0 };
+            }
+            return;
+        }
         let width = whole - skipped;
         if whole == 1 {
             for (o, value) in rows.iter_mut().enumerate() {
@@ -148,6 +158,15 @@ impl Whitener {
     /// The second half.
     pub(crate) fn follow(&self, state: &mut Filtered, rows: &[f64], skipped: usize) {
         let (n, p, whole) = (self.states, self.outputs, state.columns);
+        if whole == 1 {
+            state.next.fill(0.0);
+            for (columns, factors) in self.columns.iter().zip([&*state.values, rows]) {
+                let each = columns.chunks_exact(n.max(1)).zip(factors);
+                each.for_each(|(column, factor)| add(&mut state.next, *factor, column));
+            }
+            std::mem::swap(&mut state.values, &mut state.next);
+            return;
+        }
         let width = whole - skipped;
         if whole == 1 {
             for (i, next) in state.next.iter_mut().enumerate() {

@@ -190,19 +190,19 @@ fn noise(given: &[String], model: &Model) -> anyhow::Result<Noise> {
     for text in given {
         let wrong = || {
             WrongArguments(format!(
-                "--noise {text}: expected CHANNEL=STD with one of {}, {} and a positive number",
+                "--noise {text}: expected CHANNEL=STD with one of {}, {} and a positive number, or nought for an input",
                 outputs.join(", "),
                 inputs.join(", ")
             ))
         };
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
         let std: f64 =
-            value.parse().ok().filter(|std: &f64| *std > 0.0 && std.is_finite()).ok_or_else(wrong)?;
+            value.parse().ok().filter(|std: &f64| *std >= 0.0 && std.is_finite()).ok_or_else(wrong)?;
         let position = |names: &[&str]| names.iter().position(|known| *known == name);
         match (position(&outputs), position(&inputs)) {
-            (Some(output), _) => levels.0[output] = Some(std),
+            (Some(output), _) if std > 0.0 => levels.0[output] = Some(std),
             (None, Some(input)) => levels.1[input] = std,
-            (None, None) => return Err(wrong().into()),
+            _ => return Err(wrong().into()),
         }
     }
     let known: Option<Vec<f64>> = levels.0.into_iter().collect();

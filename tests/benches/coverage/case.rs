@@ -183,7 +183,7 @@ impl Case {
     }
 
     /// The same with its fit begun at the truth.
-    pub(crate) fn from_truth(self) -> Self {
+    pub(crate) fn begun_at_truth(self) -> Self {
         Self { start: self.truth.clone(), starts: Some(1), ..self }
     }
 

@@ -111,7 +111,7 @@ impl Args {
     fn cases(&self) -> Result<Vec<Case>, String> {
         let draw = |number: u64| {
             let case = Case::draw(self.seed, number)?;
-            Ok::<Case, String>(if self.from_truth { case.from_truth() } else { case })
+            Ok::<Case, String>(if self.from_truth { case.begun_at_truth() } else { case })
         };
         if let Some(number) = self.case {
             return Ok(vec![draw(number)?]);
