@@ -129,13 +129,6 @@ impl Whitener {
         present: &[bool],
     ) {
         let (n, whole) = (self.states, state.columns);
-        if whole == 1 {
-            for (o, value) in rows.iter_mut().enumerate() {
-                let own = self.output[o * n..(o + 1) * n].iter().zip(&state.values);
-                *value = if present[o] { *value - own.map(|(c, x)| c * x).sum::<f64>() } else { 0.0 };
-            }
-            return;
-        }
         let width = whole - skipped;
         if whole == 1 {
             for (o, value) in rows.iter_mut().enumerate() {
@@ -168,14 +161,6 @@ impl Whitener {
             return;
         }
         let width = whole - skipped;
-        if whole == 1 {
-            for (i, next) in state.next.iter_mut().enumerate() {
-                *next = dot(&self.transition[i * n..(i + 1) * n], &state.values)
-                    + dot(&self.gain[i * p..(i + 1) * p], rows);
-            }
-            std::mem::swap(&mut state.values, &mut state.next);
-            return;
-        }
         for i in 0..n {
             let next = &mut state.next[i * whole + skipped..(i + 1) * whole];
             next.fill(0.0);
