@@ -126,6 +126,22 @@ fn summary(offsets: &[ParameterEstimate]) -> Vec<Vec<String>> {
     std::iter::once(head).chain(channels.iter().map(line)).collect()
 }
 
+/// Levels on which weights and intervals rest, in one line.
+pub(crate) fn noise(result: &Identification) -> String {
+    if result.input_noise_std.is_empty() {
+        return String::new();
+    }
+    let list = |levels: Vec<(&String, f64)>| {
+        let each = levels.into_iter().map(|(name, std)| format!("{name} {}", number(std)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let outputs = result.fit.channels.iter().map(|(name, fit)| (name, fit.noise_std)).collect();
+    let noisy = result.input_noise_std.iter().filter(|(_, std)| *std > 0.0);
+    let inputs: Vec<_> = noisy.map(|(name, std)| (name, *std)).collect();
+    let inputs = if inputs.is_empty() { "none".into() } else { list(inputs) };
+    format!("  noise, SI: of outputs {}; of inputs {inputs}\n", list(outputs))
+}
+
 pub(crate) fn fit(title: &str, fit: &Fit) -> String {
     let head = ["channel", "residual rms", "of its std", "of its norm"].map(String::from).to_vec();
     let row = |(name, fit): &(String, ChannelFit)| {

@@ -306,6 +306,7 @@ impl<'m> Axis<'m> {
             nuisance: Vec::new(),
             fit,
             left_out: Vec::new(),
+            input_noise_std: Vec::new(),
             warnings: vec![
                 "intervals of inverse dynamics take its residuals as white and its regressors as exact"
                     .into(),

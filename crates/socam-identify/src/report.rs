@@ -14,7 +14,7 @@ use crate::{
     noise_in_slopes,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
-    solver::{Descent, Race},
+    solver::{Descent, Race, curve},
     triangle,
     watch::Stage,
 };
@@ -129,8 +129,11 @@ pub struct Fit {
     pub channels: Vec<(String, ChannelFit)>,
 }
 
-fn as_map<S: serde::Serializer>(channels: &[(String, ChannelFit)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(channels.iter().map(|(name, fit)| (name, fit)))
+fn as_map<T: Serialize, S: serde::Serializer>(
+    channels: &[(String, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(channels.iter().map(|(name, value)| (name, value)))
 }
 
 /// The answer.
@@ -160,6 +163,10 @@ pub struct Identification {
     pub nuisance: Vec<ParameterEstimate>,
     /// How well the model fits.
     pub fit: Fit,
+    /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
+    /// dynamics.
+    #[serde(serialize_with = "as_map")]
+    pub input_noise_std: Vec<(String, f64)>,
     /// Samples that were not used as measured.
     pub left_out: Vec<LeftOut>,
     /// Anything a careful reader should know.
@@ -266,11 +273,18 @@ pub(crate) fn identification(
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.locals, results, &uncertainty, &weights.scales),
         fit: fit(problem.model, &crate::solver::channel_sums(results), &weights.noise_std),
+        input_noise_std: input_noise(problem.model, &weights.input_std),
         left_out: problem.left_out.clone(),
         warnings,
         point: descent.point.values,
         cost,
     })
+}
+
+/// By channel name; no level was sought for inputs that no sensor measures.
+fn input_noise(model: &Model, levels: &[f64]) -> Vec<(String, f64)> {
+    let levels = levels.iter().copied().chain(std::iter::repeat(0.0));
+    model.inputs().zip(levels).map(|(channel, std)| (channel.name.clone(), std)).collect()
 }
 
 /// Outputs that say nothing, in words.
@@ -511,9 +525,10 @@ fn parameter_estimates(
         let stuck =
             value <= low + 1e-6 * (value - low).abs().max(low.abs()) || value >= high - 1e-6 * high.abs();
         at_bound |= stuck;
+        let [from, to] = curve(problem, index).interval(value, half);
         // Not finite counts as not determined.
-        let narrow = half <= LARGEST_HALF_WIDTH * value.abs();
-        let inside = value - half >= low && value + half <= high;
+        let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * value.abs();
+        let inside = from >= low && to <= high;
         // Not determined if it could as well be what its counterpart is.
         let twin = twins.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
         let twin = twin.filter(|other| (values[*other] - value).abs() > half);
@@ -525,10 +540,9 @@ fn parameter_estimates(
             determined_with.push(other.clone());
         }
         let (ci, note) = if identifiable {
-            ([Some(value - half), Some(value + half)], String::new())
+            ([Some(from), Some(to)], String::new())
         } else {
-            let ends =
-                [Some(value - half).filter(|end| *end > low), Some(value + half).filter(|end| *end < high)];
+            let ends = [Some(from).filter(|end| *end > low), Some(to).filter(|end| *end < high)];
             let ends = ends.map(|end| end.filter(|_| narrow && twin.is_none()));
             (ends, why_not(stuck, twin.is_some(), half / value.abs(), &determined_with))
         };

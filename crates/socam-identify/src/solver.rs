@@ -564,7 +564,7 @@ fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mu
 
 /// The coordinate in which a parameter's steps are straight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Curve {
+pub(crate) enum Curve {
     /// The parameter itself.
     Straight,
     /// Its inverse: compliances in series add, so what two stiffnesses in a row leave undetermined is a straight line
@@ -572,7 +572,7 @@ enum Curve {
     Inverse,
 }
 
-fn curve(problem: &Problem<'_>, index: usize) -> Curve {
+pub(crate) fn curve(problem: &Problem<'_>, index: usize) -> Curve {
     let free = |index: usize| problem.free.contains(&index);
     // A spring alone has no valley, and its stiffness is the more linear coordinate.
     let in_a_row = combinations::pairs(problem.model).any(|(a, b)| {
@@ -589,6 +589,18 @@ impl Curve {
         match self {
             Self::Straight => value + change,
             Self::Inverse => value / (1.0 - change / value),
+        }
+    }
+
+    /// Ends of an interval whose half in the tangent is `half`: symmetric in the coordinate.
+    pub(crate) fn interval(self, value: f64, half: f64) -> [f64; 2] {
+        match self {
+            Self::Straight => [value - half, value + half],
+            Self::Inverse => {
+                let part = half / value.abs();
+                let far = if part < 1.0 { value / (1.0 - part) } else { f64::INFINITY };
+                [value / (1.0 + part), far]
+            }
         }
     }
 

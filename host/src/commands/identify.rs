@@ -303,6 +303,7 @@ fn report(result: &Identification, validation: &[Validation]) -> String {
     text.push_str(&table::combinations(result));
     text.push_str(&table::nuisance(result));
     text.push_str(&table::fit("Fit (free run)", &result.fit));
+    text.push_str(&table::noise(result));
     for held_out in validation {
         text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
         if let Some(band) = &held_out.band {
