@@ -21,6 +21,7 @@ mod equations;
 mod error;
 mod file;
 mod jet;
+pub mod layout;
 mod model;
 mod network;
 mod take;

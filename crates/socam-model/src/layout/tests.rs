@@ -1,0 +1,189 @@
+use std::collections::HashSet;
+
+use super::*;
+
+const AALTO: &str = include_str!("../../../../tests/models/aalto.toml");
+
+/// The layout as text, a name per place: what a reader of the drawing sees.
+fn text(layout: &Layout) -> Vec<Vec<&str>> {
+    let mut grid = vec![vec![""; layout.columns]; layout.rows];
+    for element in &layout.elements {
+        let place = &mut grid[element.row][element.column];
+        assert_eq!(*place, "", "{} stands on {place}", element.name);
+        *place = &element.name;
+    }
+    grid
+}
+
+fn kind(layout: &Layout, name: &str) -> ElementKind {
+    layout.elements[layout.find(name).unwrap()].kind
+}
+
+#[test]
+fn the_default_bench_is_drawn_as_in_the_thesis() {
+    let layout = Layout::of(&Model::builtin("speed-o-cam").unwrap());
+    let chain = [
+        "motor",
+        "coupling_1",
+        "torque_sensor_in",
+        "coupling_2",
+        "cam_shaft",
+        "mesh",
+        "disk",
+        "roller_pins",
+        "torque_sensor_out",
+        "coupling_3",
+        "load_hub",
+        "load_shaft",
+        "load",
+    ];
+    let mut above = [""; 13];
+    (above[0], above[1], above[7], above[12]) = ("motor_speed", "torque_in", "torque_out", "output_speed");
+    let mut below = [""; 13];
+    (below[4], below[12]) = ("cam_bearing", "load_bearing");
+    assert_eq!(text(&layout), [above, chain, below]);
+
+    assert_eq!(kind(&layout, "motor"), ElementKind::Motor);
+    assert_eq!(kind(&layout, "torque_sensor_in"), ElementKind::Point);
+    assert_eq!(kind(&layout, "coupling_1"), ElementKind::Spring { damped: true });
+    assert_eq!(kind(&layout, "roller_pins"), ElementKind::Spring { damped: false });
+    assert_eq!(kind(&layout, "mesh"), ElementKind::Gear { ratio: 8.0 });
+    assert_eq!(kind(&layout, "load_shaft"), ElementKind::Shaft);
+    assert_eq!(kind(&layout, "cam_bearing"), ElementKind::Bearing { damped: false });
+    assert_eq!(kind(&layout, "load"), ElementKind::Load);
+    assert_eq!(
+        kind(&layout, "motor_speed"),
+        ElementKind::Sensor { role: Role::Input, quantity: Quantity::Speed }
+    );
+}
+
+#[test]
+fn small_models() {
+    let two_mass = Layout::of(&Model::builtin("two-mass").unwrap());
+    assert_eq!(
+        text(&two_mass),
+        [
+            ["motor_speed", "", ""],
+            ["motor_torque", "", "load_speed"],
+            ["motor", "shaft", "load"],
+            ["motor_bearing", "", "load_bearing"]
+        ]
+    );
+    let emps = Layout::of(&Model::builtin("emps").unwrap());
+    assert_eq!(text(&emps), [["position"], ["force"], ["carriage"], ["guide"]]);
+    assert_eq!(kind(&emps, "carriage"), ElementKind::Inertia);
+    assert_eq!(emps.elements[emps.find("guide").unwrap()].effects, ["coulomb_friction"]);
+    let with_servo = Layout::of(&Model::builtin("emps-loop").unwrap());
+    assert_eq!(
+        text(&with_servo),
+        [["force", ""], ["position_ref", "position"], ["servo", "carriage"], ["", "guide"]]
+    );
+}
+
+#[test]
+fn a_long_chain_is_wrapped() {
+    let model = Model::parse(AALTO).unwrap();
+    let whole = Layout::of(&model);
+    assert_eq!((whole.columns, whole.rows), (47, 3));
+    let wrapped = Layout::wrapped(&model, 13);
+    text(&wrapped);
+    assert_eq!(wrapped.columns, 13);
+    assert_eq!(wrapped.joints, whole.joints);
+    let row = |name: &str| wrapped.elements[wrapped.find(name).unwrap()].row;
+    let ends_of_lines = ["motor", "part_7", "spring_7", "part_13", "spring_13", "load"];
+    assert_eq!(ends_of_lines.map(row), [1, 1, 4, 6, 6, 9]);
+}
+
+#[test]
+fn every_place_and_channel_is_there_once() {
+    let builtin = crate::BUILTIN.iter().map(|(name, _)| Model::builtin(name).unwrap());
+    for model in builtin.chain([Model::parse(AALTO).unwrap(), Model::parse(BRANCHES).unwrap()]) {
+        let layout = Layout::wrapped(&model, 5);
+        let places = model
+            .nodes
+            .iter()
+            .map(|node| &node.name)
+            .chain(model.springs.iter().map(|spring| &spring.name))
+            .chain(model.gears.iter().map(|gear| &gear.name))
+            .chain(model.shafts.iter().map(|shaft| &shaft.name))
+            .chain(model.bearings.iter().map(|bearing| &bearing.name))
+            .chain(model.servo.iter().map(|servo| &servo.name));
+        let names: HashSet<_> = places.chain(model.channels.iter().map(|channel| &channel.name)).collect();
+        let drawn: Vec<_> = layout.elements.iter().map(|element| &element.name).collect();
+        assert_eq!(drawn.len(), names.len(), "{}", model.name);
+        assert_eq!(drawn.into_iter().collect::<HashSet<_>>(), names, "{}", model.name);
+        text(&layout);
+    }
+}
+
+#[test]
+fn branches_and_loops_get_their_own_lanes() {
+    let layout = Layout::of(&Model::parse(BRANCHES).unwrap());
+    assert_eq!(
+        text(&layout),
+        [
+            ["drive", "", "", "", ""],
+            ["motor", "shaft", "hub", "belt", "roll"],
+            ["", "", "held", "", ""],
+            ["", "", "", "", "fan_speed"],
+            ["", "", "", "arm", "fan"],
+            ["", "second_shaft", "", "", ""],
+        ]
+    );
+}
+
+/// A branch at the hub, two shafts side by side, and a spring to the ground.
+const BRANCHES: &str = r#"
+schema = "socam.model/1"
+name = "branches"
+description = "branches"
+motion = "rotation"
+[parameters]
+J = { value = 1, unit = "kg m2", source = "test" }
+k = { value = 1, unit = "N m/rad", source = "test" }
+[[nodes]]
+name = "motor"
+inertia = "J"
+[[nodes]]
+name = "hub"
+inertia = "J"
+[[nodes]]
+name = "roll"
+inertia = "J"
+[[nodes]]
+name = "fan"
+inertia = "J"
+[[springs]]
+name = "shaft"
+from = "motor"
+to = "hub"
+stiffness = "k"
+[[springs]]
+name = "second_shaft"
+from = "motor"
+to = "hub"
+stiffness = "k"
+[[springs]]
+name = "belt"
+from = "hub"
+to = "roll"
+stiffness = "k"
+[[springs]]
+name = "arm"
+from = "hub"
+to = "fan"
+stiffness = "k"
+[[springs]]
+name = "held"
+from = "hub"
+to = "ground"
+stiffness = "k"
+[channels.drive]
+role = "input"
+quantity = "torque"
+at = "motor"
+[channels.fan_speed]
+role = "output"
+quantity = "speed"
+at = "fan"
+"#;
