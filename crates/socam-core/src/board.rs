@@ -32,6 +32,11 @@ pub trait Ports {
     fn emergency_stop(&mut self) -> bool {
         false
     }
+
+    /// Whether the cable to the host is unplugged, where the board can tell.
+    fn cable_pulled(&mut self) -> bool {
+        false
+    }
 }
 
 /// What a board tells about itself.
@@ -109,6 +114,13 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             seq: 0,
             config,
         }
+    }
+
+    /// Latches a cause from before the board was there, such as a reset by the watchdog: it is told to the host, and has to be
+    /// cleared like any other. The first cause stays.
+    pub fn latch(&mut self, cause: Fault) {
+        self.cut(cause);
+        self.drive();
     }
 
     /// One sampling instant: read, watch, command, record.
@@ -272,6 +284,9 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
         if self.ports.emergency_stop() {
             return Some(Fault::EmergencyStopInput);
+        }
+        if self.ports.cable_pulled() {
+            return Some(Fault::CablePulled);
         }
         if now_us.saturating_sub(self.heard_us) > u64::from(self.config.host_timeout_us) {
             return Some(Fault::HostSilent { timeout_us: self.config.host_timeout_us });

@@ -71,6 +71,12 @@ pub enum Fault {
     ConverterSilent,
     /// The output converter did not answer.
     OutputSilent,
+    /// The cable to the host was pulled.
+    CablePulled,
+    /// The hardware watchdog restarted the board: its program hung or gave up.
+    Watchdog,
+    /// The board was reset from outside.
+    Reset,
 }
 
 impl Fault {
@@ -88,6 +94,9 @@ impl Fault {
             Self::SensorMissing { .. } => 9,
             Self::ConverterSilent => 10,
             Self::OutputSilent => 11,
+            Self::CablePulled => 12,
+            Self::Watchdog => 13,
+            Self::Reset => 14,
         }
     }
 
@@ -166,6 +175,9 @@ impl fmt::Display for Sentence<'_> {
             Fault::OutputSilent => {
                 f.write_str("the output converter does not answer: check its supply and wiring")
             }
+            Fault::CablePulled => f.write_str("the cable to the host was pulled"),
+            Fault::Watchdog => f.write_str("the board's program hung and its watchdog restarted it"),
+            Fault::Reset => f.write_str("the board was reset"),
         }
     }
 }

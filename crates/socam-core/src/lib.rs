@@ -29,6 +29,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod average;
 mod board;
 mod config;
 mod fault;
@@ -42,6 +43,7 @@ pub mod scaling;
 mod schedule;
 mod velocity;
 
+pub use average::{Average, conversions_per_sample};
 pub use board::{Board, ConverterSilent, Ports, Status};
 pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
 pub use fault::Fault;

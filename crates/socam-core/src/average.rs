@@ -1,0 +1,144 @@
+//! From conversions to samples: each sample is a mean of several conversions.
+//!
+//! A sample weighs the conversions of the last two sampling intervals by a triangle: 1, 2, 3, 4, 3, 2, 1, 0 with four conversions per
+//! interval. So what lies about the sampling frequency does not pass for something slow, and a sample stands for one instant: the
+//! tick before it. Conversions of even and odd number have the same weight in all, which is why a converter that goes through its
+//! channels forth and back in turns samples all of them at the same mean instant.
+
+use crate::MAX_CHANNELS;
+
+/// Longest time between two conversions: board and bench are looked at this often, however slow the sampling.
+const LONGEST_STEP_US: u32 = 500;
+
+/// From here on a sampling interval has room for four conversions; a shorter one has two.
+const FOUR_FROM_US: u32 = 400;
+
+/// How many conversions there are in a sampling interval: a power of two, at least 2.
+pub fn conversions_per_sample(sample_period_us: u32) -> u32 {
+    let steps = sample_period_us.div_ceil(LONGEST_STEP_US).checked_next_power_of_two().unwrap_or(1);
+    steps.max(if sample_period_us < FOUR_FROM_US { 2 } else { 4 })
+}
+
+/// Adds up conversions.
+#[derive(Debug, Clone, Copy)]
+pub struct Average {
+    /// Base-two logarithm of the conversions per interval.
+    log2: u32,
+    /// Conversions of the current interval.
+    taken: u32,
+    rising: [i64; MAX_CHANNELS],
+    falling: [i64; MAX_CHANNELS],
+    /// What the interval before the current one adds to the sample.
+    before: [i64; MAX_CHANNELS],
+    mean: [i16; MAX_CHANNELS],
+}
+
+impl Average {
+    /// Before the first conversion. It counts as if it had been there for ever.
+    pub fn new(sample_period_us: u32) -> Self {
+        let none = [0; MAX_CHANNELS];
+        let log2 = conversions_per_sample(sample_period_us).trailing_zeros();
+        Self { log2, taken: 0, rising: none, falling: none, before: none, mean: [0; MAX_CHANNELS] }
+    }
+
+    /// Number of the next conversion within its interval, from 0.
+    pub fn position(&self) -> u32 {
+        self.taken
+    }
+
+    /// Adds a conversion of all channels; returns whether it completes a sample.
+    pub fn push(&mut self, counts: &[i16; MAX_CHANNELS]) -> bool {
+        let per_interval = 1u32.wrapping_shl(self.log2);
+        self.taken = self.taken.wrapping_add(1);
+        let up = i32::try_from(self.taken).unwrap_or(0);
+        let down = i32::try_from(per_interval.wrapping_sub(self.taken)).unwrap_or(0);
+        for ((rising, falling), &count) in self.rising.iter_mut().zip(&mut self.falling).zip(counts) {
+            // At most 2048 * 32768: an i32, which the board multiplies in one cycle.
+            *rising = rising.wrapping_add(i64::from(i32::from(count).wrapping_mul(up)));
+            *falling = falling.wrapping_add(i64::from(i32::from(count).wrapping_mul(down)));
+        }
+        if self.taken < per_interval {
+            return false;
+        }
+        self.complete();
+        true
+    }
+
+    /// The latest sample.
+    pub fn sample(&self) -> &[i16; MAX_CHANNELS] {
+        &self.mean
+    }
+
+    /// The weights of both intervals add up to the square of the conversions per interval.
+    fn complete(&mut self) {
+        let shift = self.log2.wrapping_mul(2);
+        let half = 1i64.wrapping_shl(shift) >> 1;
+        for (((mean, before), rising), falling) in
+            self.mean.iter_mut().zip(&mut self.before).zip(&mut self.rising).zip(&mut self.falling)
+        {
+            *mean = before.wrapping_add(*falling).wrapping_add(half).wrapping_shr(shift) as i16;
+            *before = *rising;
+            *rising = 0;
+            *falling = 0;
+        }
+        self.taken = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    fn samples(period_us: u32, conversions: impl Iterator<Item = i16>) -> Vec<i16> {
+        let mut average = Average::new(period_us);
+        conversions
+            .filter_map(|count| average.push(&[count; MAX_CHANNELS]).then(|| average.sample()[7]))
+            .collect()
+    }
+
+    #[test]
+    fn a_sample_is_a_triangle_over_two_intervals() {
+        // One conversion of 1600 in an otherwise silent stream finds its weight, in sixteenths.
+        let weight = |at: usize| samples(1000, (0..12).map(|i| if i == at { 1600 } else { 0 }))[2];
+        let weights: Vec<i16> = (4..12).map(weight).collect();
+        assert_eq!(weights, [100, 200, 300, 400, 300, 200, 100, 0]);
+        let weight = |at: usize| samples(200, (0..6).map(|i| if i == at { 400 } else { 0 }))[2];
+        assert_eq!([weight(2), weight(3), weight(4), weight(5)], [100, 200, 100, 0]);
+    }
+
+    #[test]
+    fn forth_and_back_in_turns_puts_all_channels_at_one_instant() {
+        // A ramp, read by a converter that takes channel 0 first on even conversions and last on odd ones.
+        for period_us in [200, 1000, 100_000] {
+            let mut average = Average::new(period_us);
+            let mut conversion = 0i16;
+            loop {
+                let early = conversion * 8;
+                let counts = core::array::from_fn(|channel| {
+                    let place = if conversion % 2 == 0 { channel } else { MAX_CHANNELS - 1 - channel };
+                    early + place as i16
+                });
+                let is_whole = average.push(&counts);
+                conversion += 1;
+                if is_whole && conversion as u32 >= 3 * conversions_per_sample(period_us) {
+                    break;
+                }
+            }
+            let [first, .., last] = *average.sample();
+            assert_eq!(first, last, "{period_us} us");
+        }
+    }
+
+    #[test]
+    fn full_scale_stays_full_scale_at_any_rate() {
+        for period_us in [50, 100, 200, 400, 1000, 3000, 1_000_000] {
+            let count = 3 * conversions_per_sample(period_us) as usize;
+            for full in [i16::MIN, i16::MAX, -1] {
+                let samples = samples(period_us, core::iter::repeat_n(full, count));
+                assert_eq!(samples[1..], [full, full], "{period_us} us");
+            }
+            assert!(period_us / conversions_per_sample(period_us) <= LONGEST_STEP_US);
+        }
+    }
+}
