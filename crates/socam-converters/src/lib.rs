@@ -1,0 +1,41 @@
+//! Drivers of the board's converters, on the traits of `embedded-hal`.
+//!
+//! Both chips answer in a way that proves that they are there: [`Ads8688`] sends channel and range with every conversion,
+//! [`Ad5761r`] is read back after every write. A line that is cut, stuck or shorted is an [`Error`] at once, never a value.
+#![no_std]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::arithmetic_side_effects,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used
+    )
+)]
+
+mod ad5761r;
+mod ads8688;
+
+pub use ad5761r::Ad5761r;
+pub use ads8688::{Ads8688, Order};
+
+/// What went wrong with a converter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Error<E> {
+    /// The bus itself.
+    Bus(E),
+    /// What came back is not what this chip sends here: it is absent, not configured, or a line is stuck.
+    NoAnswer,
+}
+
+impl<E> From<E> for Error<E> {
+    fn from(error: E) -> Self {
+        Self::Bus(error)
+    }
+}
+
+/// A 16-bit count around 0 V as the offset binary that both chips speak, and back.
+fn offset_binary(count: i16) -> u16 {
+    count as u16 ^ 0x8000
+}
