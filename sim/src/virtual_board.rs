@@ -1,7 +1,7 @@
 //! A board in software: the same core and the same link as on the real one, on a simulated bench and a simulated clock.
 
 use socam_core::{Board, Ring, State};
-use socam_wire::{BATCH_SAMPLES, BoardLink, Identity, MAX_FRAME, Text};
+use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Text};
 
 use crate::SimError;
 use crate::bench::Setup;
@@ -41,6 +41,11 @@ impl VirtualBoard<'_> {
         let identity = Identity {
             board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
             firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),
+            front_end: FrontEnd {
+                input_full_scale_uv: (setup.calibration.input.full_scale_v * 1e6).round() as u32,
+                output_full_scale_uv: (setup.calibration.output.full_scale_v * 1e6).round() as u32,
+                channel_step_ns: 0,
+            },
         };
         let mut board = VirtualBoard {
             board: Board::new(wiring, producer),

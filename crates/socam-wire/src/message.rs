@@ -47,6 +47,20 @@ pub struct Identity {
     pub board: Text<48>,
     /// Version of its firmware.
     pub firmware: Text<24>,
+    /// What it measures and commands with.
+    pub front_end: FrontEnd,
+}
+
+/// The converters between a board and its bench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrontEnd {
+    /// Voltage at 2^15 counts of the inputs, in microvolt.
+    pub input_full_scale_uv: u32,
+    /// Voltage at 2^15 counts of the output, in microvolt.
+    pub output_full_scale_uv: u32,
+    /// Time from one channel to the next within one conversion of all of them. It is no skew between the channels of a sample:
+    /// those are means over conversions that go forth and back in turns.
+    pub channel_step_ns: u32,
 }
 
 /// How the board and its end of the link are doing.

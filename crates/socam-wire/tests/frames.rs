@@ -6,8 +6,8 @@ use socam_core::{
     Refusal, Request, Ring, Sample, Shape, State,
 };
 use socam_wire::{
-    BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, Identity, LinkCounts, LinkError, MAX_FRAME,
-    SCHEMA_VERSION, Text, ToBoard, ToHost,
+    BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, FrontEnd, Identity, LinkCounts, LinkError,
+    MAX_FRAME, SCHEMA_VERSION, Text, ToBoard, ToHost,
 };
 
 fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
@@ -24,7 +24,9 @@ fn decode<M: serde::de::DeserializeOwned>(
 }
 
 fn identity() -> Identity {
-    Identity { board: Text::new("bench 7, serial 0123456789abcdef"), firmware: Text::new("0.1.0") }
+    let front_end =
+        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
+    Identity { board: Text::new("bench 7, serial 0123456789abcdef"), firmware: Text::new("0.1.0"), front_end }
 }
 
 fn numbered(number: u16) -> ToBoard {
@@ -116,7 +118,7 @@ fn the_bytes_of_every_kind_of_message_are_pinned() {
     let hash = bytes
         .iter()
         .fold(0xcbf2_9ce4_8422_2325u64, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
-    assert_eq!((SCHEMA_VERSION, bytes.len(), hash), (1, 340, 0xbb23_570c_0cd6_282f));
+    assert_eq!((SCHEMA_VERSION, bytes.len(), hash), (2, 350, 4_861_280_925_108_503_105));
 }
 
 #[test]
@@ -128,7 +130,7 @@ fn another_version_is_told_in_words_whatever_its_frames_look_like() {
     let items = decode(&mut decoder, &bytes);
     assert_eq!(items, [Err(LinkError::ForeignVersion { theirs: foreign }), Ok(ToHost::Hello(identity()))]);
     let words = items[0].as_ref().unwrap_err().to_string();
-    assert!(words.contains("version 2 of the messages, this one speaks version 1"), "{words}");
+    assert!(words.contains("version 3 of the messages, this one speaks version 2"), "{words}");
 
     // A board answers a foreign host all the same: its frame shows its version.
     let mut ring = Ring::<4>::new();

@@ -10,7 +10,7 @@ use socam_recording::{Attachment, Calibration, ProfileFile};
 use super::Outcome;
 use crate::device::run::{self, End, Plan, Report};
 use crate::device::virtual_bench::BenchArgs;
-use crate::device::{self, Device, Pace};
+use crate::device::{self, Device, Pace, Session, front_end};
 use crate::interrupt::Interrupt;
 use crate::model_file;
 use crate::output::{self, WrongArguments};
@@ -89,26 +89,37 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     plan.replace = args.force;
     plan.start_unix_ns = now_unix_ns();
     let setup = (*device == Device::Sim).then(|| args.bench.setup(calibration.clone())).transpose()?;
-    plan.calibration =
-        setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration).unwrap_or_default();
     plan.metadata.insert("device".into(), device.to_string());
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     plan.attachments.extend(attachment("model.toml", model_file::text(&args.bench.model)?));
-    match &args.calibration {
-        Some(path) => plan.attachments.extend(attachment("calibration.toml", std::fs::read_to_string(path)?)),
-        None if plan.calibration == Calibration::default() => {
-            plan.attachments.extend(attachment("calibration.toml", Calibration::default_text()));
-        }
-        None => {}
-    }
     let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
     let rate_hz = args.course.rate;
     let interrupt = Interrupt::listen();
-    let mut session = device::open(device, setup.map(|setup| (setup, pace)))?;
+    let bench = setup.as_ref().map(|setup| (setup.clone(), pace));
+    let mut session = device::open(device, bench)?;
+    let text = args.calibration.as_ref().map(std::fs::read_to_string).transpose()?;
+    calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
     let report = run::record(&mut session, plan, &interrupt)?;
     tell(path, &report, rate_hz, args.json)?;
     tell_early_end(&args.course, &report);
     outcome(path, &report)
+}
+
+/// The calibration that was given, or what suits a virtual bench, or else the default one on the board's converters; and its text,
+/// where there is one.
+fn calibrate(
+    plan: &mut Plan,
+    session: &Session,
+    given: Option<Calibration>,
+    text: Option<String>,
+) -> anyhow::Result<()> {
+    let front_end = &session.identity().front_end;
+    let (default_text, default) = front_end::default_calibration(front_end)?;
+    plan.calibration = given.unwrap_or_else(|| default.clone());
+    front_end::check(&plan.calibration, front_end)?;
+    let text = text.or((plan.calibration == default).then_some(default_text));
+    plan.attachments.extend(text.into_iter().flat_map(|text| attachment("calibration.toml", text)));
+    Ok(())
 }
 
 /// Some profiles end by themselves: whoever asked for longer should know.

@@ -2,6 +2,7 @@
 //!
 //! All three are a [`Stream`] of bytes; a [`Session`] turns it into a conversation, and [`run::record`] a profile into a recording.
 
+pub(crate) mod front_end;
 mod in_process;
 pub(crate) mod run;
 pub(crate) mod session;

@@ -1,0 +1,71 @@
+//! A board's converters and the calibration that reads their counts.
+
+use anyhow::{Context, bail};
+use socam_core::scaling::Converter;
+use socam_recording::Calibration;
+use socam_wire::FrontEnd;
+
+/// The default bench's calibration on a board's own converters, as text and read.
+pub(crate) fn default_calibration(front_end: &FrontEnd) -> anyhow::Result<(String, Calibration)> {
+    let text = Calibration::default_text();
+    let (inputs, outputs) = text.split_once("[output]").context("the default calibration has no [output]")?;
+    let with =
+        |part: &str, uv| part.replacen("full_scale_V = 10\n", &format!("full_scale_V = {}\n", volts(uv)), 1);
+    let text = format!(
+        "{}[output]{}",
+        with(inputs, front_end.input_full_scale_uv),
+        with(outputs, front_end.output_full_scale_uv)
+    );
+    let calibration = Calibration::parse(&text)?;
+    Ok((text, calibration))
+}
+
+/// A calibration for other converters would read every count wrong by a few per cent.
+pub(crate) fn check(calibration: &Calibration, front_end: &FrontEnd) -> anyhow::Result<()> {
+    for (table, converter, uv) in [
+        ("input", calibration.input, front_end.input_full_scale_uv),
+        ("output", calibration.output, front_end.output_full_scale_uv),
+    ] {
+        if !fits(&converter, uv) {
+            bail!(
+                "the calibration says [{table}] full_scale_V = {} at {} bits, but the board's converter has {} V at 16 bits",
+                converter.full_scale_v,
+                converter.bits,
+                volts(uv)
+            );
+        }
+    }
+    Ok(())
+}
+
+fn fits(converter: &Converter, full_scale_uv: u32) -> bool {
+    converter.bits == 16 && (converter.full_scale_v / volts(full_scale_uv) - 1.0).abs() < 1e-6
+}
+
+fn volts(uv: u32) -> f64 {
+    f64::from(uv) / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PICO: FrontEnd =
+        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
+
+    #[test]
+    fn the_default_calibration_takes_the_boards_converters_and_another_one_is_refused() {
+        let (text, calibration) = default_calibration(&PICO).unwrap();
+        assert!(text.contains("full_scale_V = 10.24\n") && text.contains("full_scale_V = 10\n"), "{text}");
+        assert_eq!(calibration.input.full_scale_v, 10.24);
+        assert_eq!(calibration.output, Converter::DEFAULT);
+        check(&calibration, &PICO).unwrap();
+        let sentence = check(&Calibration::default(), &PICO).unwrap_err().to_string();
+        assert!(
+            sentence.contains("[input] full_scale_V = 10 at 16 bits") && sentence.contains("10.24 V"),
+            "{sentence}"
+        );
+        let coarse = Calibration { output: Converter { bits: 12, ..Converter::DEFAULT }, ..calibration };
+        assert!(check(&coarse, &PICO).is_err());
+    }
+}
