@@ -24,6 +24,7 @@ pub fn conversions_per_sample(sample_period_us: u32) -> u32 {
 pub struct Average {
     /// Base-two logarithm of the conversions per interval.
     log2: u32,
+    channels: usize,
     /// Conversions of the current interval.
     taken: u32,
     rising: [i64; MAX_CHANNELS],
@@ -34,11 +35,19 @@ pub struct Average {
 }
 
 impl Average {
-    /// Before the first conversion. It counts as if it had been there for ever.
-    pub fn new(sample_period_us: u32) -> Self {
+    /// Before the first conversion, of so many channels. The first sample lacks what was before it.
+    pub fn new(sample_period_us: u32, channels: u8) -> Self {
         let none = [0; MAX_CHANNELS];
         let log2 = conversions_per_sample(sample_period_us).trailing_zeros();
-        Self { log2, taken: 0, rising: none, falling: none, before: none, mean: [0; MAX_CHANNELS] }
+        Self {
+            log2,
+            channels: usize::from(channels),
+            taken: 0,
+            rising: none,
+            falling: none,
+            before: none,
+            mean: [0; MAX_CHANNELS],
+        }
     }
 
     /// Number of the next conversion within its interval, from 0.
@@ -46,13 +55,15 @@ impl Average {
         self.taken
     }
 
-    /// Adds a conversion of all channels; returns whether it completes a sample.
+    /// Adds a conversion; returns whether it completes a sample.
     pub fn push(&mut self, counts: &[i16; MAX_CHANNELS]) -> bool {
         let per_interval = 1u32.wrapping_shl(self.log2);
         self.taken = self.taken.wrapping_add(1);
         let up = i32::try_from(self.taken).unwrap_or(0);
         let down = i32::try_from(per_interval.wrapping_sub(self.taken)).unwrap_or(0);
-        for ((rising, falling), &count) in self.rising.iter_mut().zip(&mut self.falling).zip(counts) {
+        for ((rising, falling), &count) in
+            self.rising.iter_mut().zip(&mut self.falling).zip(counts).take(self.channels)
+        {
             // At most 2048 * 32768: an i32, which the board multiplies in one cycle.
             *rising = rising.wrapping_add(i64::from(i32::from(count).wrapping_mul(up)));
             *falling = falling.wrapping_add(i64::from(i32::from(count).wrapping_mul(down)));
@@ -73,8 +84,13 @@ impl Average {
     fn complete(&mut self) {
         let shift = self.log2.wrapping_mul(2);
         let half = 1i64.wrapping_shl(shift) >> 1;
-        for (((mean, before), rising), falling) in
-            self.mean.iter_mut().zip(&mut self.before).zip(&mut self.rising).zip(&mut self.falling)
+        for (((mean, before), rising), falling) in self
+            .mean
+            .iter_mut()
+            .zip(&mut self.before)
+            .zip(&mut self.rising)
+            .zip(&mut self.falling)
+            .take(self.channels)
         {
             *mean = before.wrapping_add(*falling).wrapping_add(half).wrapping_shr(shift) as i16;
             *before = *rising;
@@ -91,10 +107,14 @@ mod tests {
     use std::vec::Vec;
 
     fn samples(period_us: u32, conversions: impl Iterator<Item = i16>) -> Vec<i16> {
-        let mut average = Average::new(period_us);
-        conversions
-            .filter_map(|count| average.push(&[count; MAX_CHANNELS]).then(|| average.sample()[7]))
-            .collect()
+        let mut average = Average::new(period_us, 8);
+        let mut samples = Vec::new();
+        for count in conversions {
+            if average.push(&[count; MAX_CHANNELS]) {
+                samples.push(average.sample()[7]);
+            }
+        }
+        samples
     }
 
     #[test]
@@ -111,7 +131,7 @@ mod tests {
     fn forth_and_back_in_turns_puts_all_channels_at_one_instant() {
         // A ramp, read by a converter that takes channel 0 first on even conversions and last on odd ones.
         for period_us in [200, 1000, 100_000] {
-            let mut average = Average::new(period_us);
+            let mut average = Average::new(period_us, 8);
             let mut conversion = 0i16;
             loop {
                 let early = conversion * 8;

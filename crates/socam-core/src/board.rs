@@ -79,6 +79,8 @@ pub struct Board<'r, P, const N: usize> {
     watch: Watch,
     loaded: Option<Profile>,
     generator: Option<Generator>,
+    /// The next setpoint, where it was worked out ahead.
+    ahead: Option<Setpoint>,
     speed_loop: SpeedLoop,
     /// The command in force.
     output_uv: i32,
@@ -106,6 +108,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             watch: Watch::new(&config),
             loaded: None,
             generator: None,
+            ahead: None,
             speed_loop: SpeedLoop::default(),
             output_uv: 0,
             heard_us,
@@ -163,6 +166,14 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
                 flags,
             });
             self.seq = self.seq.wrapping_add(1);
+        }
+    }
+
+    /// Works out the next setpoint ahead of its tick: for a board that has more time before a tick than in it. Samples are the same
+    /// with and without, but for a stop that is asked for afterwards: it begins a sample later.
+    pub fn prepare(&mut self) {
+        if self.state.is_live() && self.ahead.is_none() {
+            self.ahead = self.generator.as_mut().map(Generator::step);
         }
     }
 
@@ -257,6 +268,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.expect(State::Idle)?;
         let profile = self.loaded.ok_or(Refusal::NoProfile)?;
         self.generator = Some(Generator::new(&profile, self.config.sample_period_us)?);
+        self.ahead = None;
         self.speed_loop = SpeedLoop::new(&self.config.speed, self.config.sample_period_us);
         self.watch = Watch::new(&self.config);
         self.limited = 0;
@@ -299,6 +311,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.state = State::Fault;
         self.fault.get_or_insert(cause);
         self.generator = None;
+        self.ahead = None;
     }
 
     /// What the profile asks for at this sample, and the end of the run where it is reached.
@@ -310,7 +323,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             self.state = State::Idle;
             return Setpoint::default();
         };
-        let setpoint = generator.step();
+        let setpoint = self.ahead.take().unwrap_or_else(|| generator.step());
         if setpoint.finished {
             self.state = State::Idle;
             self.generator = None;
@@ -358,7 +371,9 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             Ok(()) if live => self.ports.enable(true),
             Ok(()) => {}
             Err(ConverterSilent) => {
-                self.cut(Fault::OutputSilent);
+                // An emergency stop may silence the output converter, and come at any time within a tick.
+                let is_stopped = self.ports.emergency_stop();
+                self.cut(if is_stopped { Fault::EmergencyStopInput } else { Fault::OutputSilent });
                 self.output_uv = 0;
                 self.ports.enable(false);
             }

@@ -39,6 +39,7 @@ pub struct Generator {
 }
 
 /// A shape in progress.
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with, and there is one of it")]
 #[derive(Debug, Clone, Copy)]
 enum Course {
     Constant(i32),

@@ -27,7 +27,8 @@ pub(super) struct Multisine {
     first: u32,
     stride: u32,
     count: u32,
-    seed: u32,
+    /// Of each line at the beginning of a period. Kept, because a tick has no time to draw them anew.
+    phases: [u32; MAX_LINES as usize],
 }
 
 impl Multisine {
@@ -56,22 +57,30 @@ impl Multisine {
         let highest_uhz =
             u64::from(last).wrapping_mul(1_000_000_000_000).checked_div(u64::from(period_us)).unwrap_or(0);
         check_frequency(highest_uhz, sample_period_us)?;
-        Ok(Self { offset_micro, line_micro, clock: PeriodClock::new(period), first, stride, count, seed })
+        let mut phases = [0; MAX_LINES as usize];
+        phases.iter_mut().zip(0..).for_each(|(phase, line)| *phase = fixed::mix(seed, line));
+        Ok(Self { offset_micro, line_micro, clock: PeriodClock::new(period), first, stride, count, phases })
     }
 
     pub(super) fn step(&mut self) -> Wish {
         let segment = self.clock.periods;
         let base = self.clock.step();
-        let phase_step = base.wrapping_mul(self.stride);
-        let mut phase = base.wrapping_mul(self.first);
-        // At most 256 terms of at most 2^22.
-        let mut sum_q22 = 0i32;
-        for line in 0..self.count {
-            let sine_q22 = fixed::sine_q22(phase.wrapping_add(fixed::mix(self.seed, line)));
-            sum_q22 = sum_q22.wrapping_add(sine_q22);
-            phase = phase.wrapping_add(phase_step);
-        }
+        let sum_q22 = self.sum_q22(base);
         let swing = fixed::scale(self.line_micro, i64::from(sum_q22), 22);
         Wish { value_micro: self.offset_micro.saturating_add(swing), segment, ended: false }
+    }
+
+    /// All lines at one instant: at most 256 terms of at most 2^22. Most of a tick is spent here; by itself, so that the
+    /// processor's few registers are all for this loop.
+    #[inline(never)]
+    fn sum_q22(&self, base: u32) -> i32 {
+        let phase_step = base.wrapping_mul(self.stride);
+        let mut phase = base.wrapping_mul(self.first);
+        let mut sum_q22 = 0i32;
+        for &at_start in self.phases.iter().take(self.count as usize) {
+            sum_q22 = sum_q22.wrapping_add(fixed::sine_q22(phase.wrapping_add(at_start)));
+            phase = phase.wrapping_add(phase_step);
+        }
+        sum_q22
     }
 }
