@@ -50,6 +50,12 @@ impl Setup {
         own.map_or_else(|| noise_std(channel, &self.calibration.input), |(_, std)| *std)
     }
 
+    /// The noise of all channels, so many times as large.
+    pub(crate) fn noise_of_conversions(&self, factor: f64) -> Vec<(String, f64)> {
+        let channels = self.calibration.channels.iter();
+        channels.map(|channel| (channel.channel.name.clone(), factor * self.noise_std_of(channel))).collect()
+    }
+
     /// Noise of channels that do not exist, or of an impossible size.
     fn check_noise(&self) -> Result<(), SimError> {
         for (name, std) in &self.noise_std {
@@ -186,6 +192,7 @@ enum Source {
 pub(crate) struct Bench<'p> {
     trajectory: Trajectory<'p>,
     drive: Drive,
+    converter: Converter,
     inputs: Vec<Input>,
     outputs: Vec<f64>,
     /// Outputs that are speeds of watched shafts, and the shafts' angles, rad.
@@ -214,11 +221,12 @@ impl<'p> Bench<'p> {
         let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
             source: source(setup, &channel.channel),
             flaws: flaws(setup, &channel.channel),
-            sensor: Sensor::new(channel, calibration.input, setup.seed, stream, setup.noise_std_of(channel)),
+            sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
         });
         Ok(Self {
             trajectory: plant.start()?,
             drive: setup.drive.clone(),
+            converter: calibration.input,
             inputs: inputs.collect(),
             outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
@@ -254,19 +262,44 @@ impl<'p> Bench<'p> {
         self.outputs.copy_from_slice(&rising);
         self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += rising[*row] * step_s);
         counts.fill(0);
-        for (count, input) in counts.iter_mut().zip(&mut self.inputs) {
+        let converter = self.converter;
+        for (count, volts) in counts.iter_mut().zip(self.read(to_s, step_s)) {
+            *count = converter.count(volts);
+        }
+        Ok(())
+    }
+
+    /// Lets time pass up to `to_s`, and reads all sensors as they are at that instant, in volt.
+    pub(crate) fn voltages(&mut self, to_s: f64, volts: &mut [f64]) -> Result<(), SimError> {
+        let step_s = to_s - self.trajectory.time_s();
+        self.pass(to_s)?;
+        self.trajectory.outputs(&mut self.outputs);
+        let outputs = &self.outputs;
+        self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += outputs[*row] * step_s);
+        volts.iter_mut().zip(self.read(to_s, step_s)).for_each(|(volts, now)| *volts = now);
+        Ok(())
+    }
+
+    /// Lets time pass.
+    pub(crate) fn pass(&mut self, to_s: f64) -> Result<(), SimError> {
+        self.trajectory.hold(to_s, &[self.settles_at])
+    }
+
+    /// What the sensors make of the outputs, in volt.
+    fn read(&mut self, to_s: f64, step_s: f64) -> impl Iterator<Item = f64> {
+        let (outputs, shafts) = (&self.outputs, &self.shafts);
+        self.inputs.iter_mut().map(move |input| {
             let mut value = match input.source {
-                Source::Output { row, scale, offset } => (self.outputs[row] - offset) / scale,
-                Source::Current { row, torque_per_current } => self.outputs[row] / torque_per_current,
+                Source::Output { row, scale, offset } => (outputs[row] - offset) / scale,
+                Source::Current { row, torque_per_current } => outputs[row] / torque_per_current,
                 Source::Nothing => 0.0,
             };
             for (flaw, shaft) in &mut input.flaws {
-                let angle_rad = shaft.map_or(0.0, |shaft| self.shafts[shaft].1);
+                let angle_rad = shaft.map_or(0.0, |shaft| shafts[shaft].1);
                 value = flaw.pass(value, to_s, step_s, angle_rad);
             }
-            *count = input.sensor.count(value);
-        }
-        Ok(())
+            input.sensor.volts(value)
+        })
     }
 
     pub(crate) fn effort(&self) -> Effort {

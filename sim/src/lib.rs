@@ -4,6 +4,7 @@
 //! * [`Plant`]: its equations of motion, solved by an error-controlled stiff solver.
 //! * [`Setup`]: a whole bench, with [`Drive`] and sensors; [`Setup::record`] runs a profile on it.
 //! * [`Replay`]: a model driven by what was recorded, next to what was measured.
+//! * [`Analog`]: the bench's connectors, for a board that brings converters of its own.
 //! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
 //!
 //! # Conventions
@@ -11,6 +12,7 @@
 //! SI everywhere, units in names, times in seconds. Sensors are sampled at one instant, without skew between channels. The
 //! same seed gives the same numbers on every run. Nothing here prints or panics.
 
+mod analog;
 mod bench;
 mod drive;
 mod error;
@@ -23,6 +25,7 @@ mod truth;
 mod virtual_board;
 mod wiring;
 
+pub use analog::Analog;
 pub use bench::{NO_TACHOMETER, Setup, calibration_for};
 pub use drive::{Answer, Drive};
 pub use error::SimError;

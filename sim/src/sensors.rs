@@ -22,30 +22,23 @@ const OTHER_NOISE: f64 = 1e-4;
 #[derive(Debug)]
 pub(crate) struct Sensor {
     calibration: socam_core::scaling::Sensor,
-    converter: Converter,
     noise: Option<Normal<f64>>,
     random: ChaCha8Rng,
 }
 
 impl Sensor {
     /// The sensor of a channel. Every channel draws from a stream of its own, so that another channel more changes no noise.
-    pub(crate) fn new(
-        channel: &CalibratedChannel,
-        converter: Converter,
-        seed: u64,
-        stream: u64,
-        noise_std: f64,
-    ) -> Self {
+    pub(crate) fn new(channel: &CalibratedChannel, seed: u64, stream: u64, noise_std: f64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
         let noise = Normal::new(0.0, noise_std).ok().filter(|_| noise_std > 0.0);
-        Self { calibration: channel.sensor, converter, noise, random }
+        Self { calibration: channel.sensor, noise, random }
     }
 
-    /// The count for a true value, SI.
-    pub(crate) fn count(&mut self, value: f64) -> i16 {
+    /// The voltage for a true value, SI.
+    pub(crate) fn volts(&mut self, value: f64) -> f64 {
         let noise = self.noise.map_or(0.0, |noise| noise.sample(&mut self.random));
-        self.converter.count(self.calibration.volts(value + noise))
+        self.calibration.volts(value + noise)
     }
 }
 
