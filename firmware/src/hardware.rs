@@ -1,0 +1,148 @@
+//! What the core sees of the board.
+
+use embassy_rp::gpio::{Input, Output};
+use embassy_rp::pac;
+use socam_converters::{Ad5761r, Ads8688, Order};
+use socam_core::{Average, ConverterSilent, MAX_CHANNELS, Ports};
+
+use crate::bus::Chip;
+
+/// Inputs that are wired.
+pub(crate) const CHANNELS: u8 = 4;
+
+/// From the release of the output converter's reset line until it is up: 1 us.
+const RELEASE_CYCLES: u32 = 125;
+
+/// Converters, lines and clock.
+pub(crate) struct Hardware {
+    input: Ads8688<Chip>,
+    input_answers: bool,
+    output: Ad5761r<Chip>,
+    output_answers: bool,
+    /// Low: the output converter is in reset. Both this and the drive's enable line fall by themselves when the chip is reset.
+    output_reset: Output<'static>,
+    enable: Output<'static>,
+    /// High while the emergency stop is closed: taken behind its contact, at the output converter's reset pin.
+    stop: Input<'static>,
+    /// High while the cable to the host carries a supply.
+    cable: Input<'static>,
+    average: Average,
+    latest: [i16; MAX_CHANNELS],
+    /// A conversion of the current sample failed.
+    failed: bool,
+}
+
+/// The lines that [`Hardware`] is made of.
+pub(crate) struct Lines {
+    pub(crate) output_reset: Output<'static>,
+    pub(crate) enable: Output<'static>,
+    pub(crate) stop: Input<'static>,
+    pub(crate) cable: Input<'static>,
+}
+
+impl Hardware {
+    /// With converters that have not been spoken to: the first conversion and the first write configure them.
+    pub(crate) fn new(input: Chip, output: Chip, lines: Lines, sample_period_us: u32) -> Self {
+        Self {
+            input: Ads8688::new(input, CHANNELS),
+            input_answers: false,
+            output: Ad5761r::new(output),
+            output_answers: false,
+            output_reset: lines.output_reset,
+            enable: lines.enable,
+            stop: lines.stop,
+            cable: lines.cable,
+            average: Average::new(sample_period_us, CHANNELS),
+            latest: [0; MAX_CHANNELS],
+            failed: false,
+        }
+    }
+
+    /// Begins a new sampling interval of this length.
+    pub(crate) fn restart(&mut self, sample_period_us: u32) {
+        self.average = Average::new(sample_period_us, CHANNELS);
+        self.failed = false;
+    }
+
+    /// Number of the next conversion within its sampling interval.
+    pub(crate) fn position(&self) -> u32 {
+        self.average.position()
+    }
+
+    /// Converts all channels; returns whether that completes a sample.
+    pub(crate) fn convert(&mut self) -> bool {
+        let is_even = self.average.position() & 1 == 0;
+        let order = if is_even { Order::Forth } else { Order::Back };
+        if !self.input_answers {
+            self.input_answers = self.input.configure().is_ok();
+        }
+        if self.input_answers {
+            self.input_answers = self.input.convert(order, &mut self.latest).is_ok();
+        }
+        self.failed |= !self.input_answers;
+        self.average.push(&self.latest)
+    }
+
+    /// A conversion for which there was no time counts as the one before it.
+    pub(crate) fn skip(&mut self) {
+        self.average.push(&self.latest);
+    }
+}
+
+impl Ports for Hardware {
+    fn now_us(&mut self) -> u64 {
+        // Raw registers: the latching pair would disturb whoever was interrupted between its two halves.
+        let timer = pac::TIMER;
+        loop {
+            let high = timer.timerawh().read();
+            let low = timer.timerawl().read();
+            if timer.timerawh().read() == high {
+                return u64::from(high) << 32 | u64::from(low);
+            }
+        }
+    }
+
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+        let failed = core::mem::replace(&mut self.failed, false);
+        counts.iter_mut().zip(self.average.sample()).for_each(|(count, sample)| *count = *sample);
+        if failed || counts.len() > usize::from(CHANNELS) { Err(ConverterSilent) } else { Ok(()) }
+    }
+
+    fn write(&mut self, count: i16) -> Result<(), ConverterSilent> {
+        if self.output_reset.is_set_low() {
+            self.output_reset.set_high();
+            cortex_m::asm::delay(RELEASE_CYCLES);
+        }
+        if self.emergency_stop() {
+            // The contact holds the converter in reset, its output clamped to ground.
+            self.output_answers = false;
+            return if count == 0 { Ok(()) } else { Err(ConverterSilent) };
+        }
+        if !self.output_answers {
+            self.output_answers = self.output.configure().is_ok();
+        }
+        if self.output_answers {
+            self.output_answers = self.output.write(count).is_ok();
+        }
+        if self.output_answers {
+            return Ok(());
+        }
+        if !self.emergency_stop() {
+            // Whatever it holds, this puts it to 0 V.
+            self.output_reset.set_low();
+        }
+        Err(ConverterSilent)
+    }
+
+    fn enable(&mut self, on: bool) {
+        if on { self.enable.set_high() } else { self.enable.set_low() }
+    }
+
+    fn emergency_stop(&mut self) -> bool {
+        self.output_reset.is_set_high() && self.stop.is_low()
+    }
+
+    fn cable_pulled(&mut self) -> bool {
+        self.cable.is_low()
+    }
+}

@@ -1,0 +1,189 @@
+//! The link to the host: USB, as a serial line (CDC ACM).
+
+use core::cell::RefCell;
+use core::sync::atomic::Ordering;
+
+use embassy_futures::join::join4;
+use embassy_rp::peripherals::USB;
+use embassy_rp::usb::Driver;
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::pipe::Pipe;
+use embassy_time::{Duration, Instant, Ticker};
+use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State as CdcState};
+use embassy_usb::{Builder, Config, UsbDevice};
+use socam_core::{Refusal, Request};
+use socam_wire::{BATCH_SAMPLES, BoardLink, MAX_FRAME};
+use static_cell::StaticCell;
+
+use crate::sampling::{self, Answer, Ask, MOOD, RING_SAMPLES};
+use crate::slot::{Filler, Taker};
+use crate::watchdog;
+
+/// Raspberry Pi's vendor number, and their product number for a serial line. The host knows the board by its product's name.
+const VENDOR: u16 = 0x2e8a;
+const PRODUCT: u16 = 0x000a;
+
+const PACKET: usize = 64;
+
+/// Bytes on their way to the host.
+const OUTGOING: usize = 4096;
+
+/// How often samples are looked for.
+const LOOK_EVERY: Duration = Duration::from_millis(1);
+
+/// Frames wait for a whole batch, but no longer than this.
+const LATEST_SEND: Duration = Duration::from_millis(20);
+
+/// How often the board says how it is doing.
+const STATUS_EVERY: Duration = Duration::from_millis(200);
+
+type Usb = Driver<'static, USB>;
+type Outgoing = Pipe<NoopRawMutex, OUTGOING>;
+
+/// This program's end of the slots to the core.
+pub(crate) struct Core {
+    pub(crate) asks: Filler<'static, Ask>,
+    pub(crate) answers: Taker<'static, Answer>,
+}
+
+impl Core {
+    /// Asks and waits for the answer: at most until after the next conversion.
+    fn ask(&mut self, ask: Ask) -> Answer {
+        // Nothing else is under way: there is room.
+        self.asks.put(ask);
+        loop {
+            sampling::nudge();
+            if let Some(answer) = self.answers.take() {
+                return answer;
+            }
+        }
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), Refusal> {
+        self.ask(Ask::Request(request)).result
+    }
+}
+
+/// Both ends of the conversation.
+struct Talk {
+    link: BoardLink<'static, RING_SAMPLES>,
+    core: Core,
+}
+
+/// Talks to the host for ever.
+#[embassy_executor::task]
+pub(crate) async fn run(driver: Usb, link: BoardLink<'static, RING_SAMPLES>, core: Core) {
+    static OUT: StaticCell<Outgoing> = StaticCell::new();
+    let out = OUT.init(Pipe::new());
+    let (mut device, line) = build(driver);
+    let (sender, receiver) = line.split();
+    let talk = RefCell::new(Talk { link, core });
+    join4(device.run(), listen(receiver, &talk, out), speak(&talk, out), send(sender, out)).await;
+}
+
+fn build(driver: Usb) -> (UsbDevice<'static, Usb>, CdcAcmClass<'static, Usb>) {
+    static DESCRIPTOR: StaticCell<[u8; 256]> = StaticCell::new();
+    static BOS: StaticCell<[u8; 64]> = StaticCell::new();
+    static CONTROL: StaticCell<[u8; 64]> = StaticCell::new();
+    static STATE: StaticCell<CdcState<'static>> = StaticCell::new();
+    let mut config = Config::new(VENDOR, PRODUCT);
+    config.manufacturer = Some("socam");
+    config.product = Some("socam board");
+    config.serial_number = Some(env!("SOCAM_COMMIT"));
+    config.self_powered = true;
+    config.max_power = 100;
+    config.max_packet_size_0 = PACKET as u8;
+    let mut builder = Builder::new(
+        driver,
+        config,
+        DESCRIPTOR.init([0; 256]),
+        BOS.init([0; 64]),
+        &mut [],
+        CONTROL.init([0; 64]),
+    );
+    let line = CdcAcmClass::new(&mut builder, STATE.init(CdcState::new()), PACKET as u16);
+    (builder.build(), line)
+}
+
+/// Takes what the host says. It never waits for the host to listen: an answer for which there is no room is left out.
+async fn listen(mut receiver: Receiver<'static, Usb>, talk: &RefCell<Talk>, out: &Outgoing) {
+    static FRAME: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
+    let frame = FRAME.init([0; MAX_FRAME]);
+    let mut packet = [0; PACKET];
+    loop {
+        receiver.wait_connection().await;
+        while let Ok(len) = receiver.read_packet(&mut packet).await {
+            let mut bytes = packet.get(..len).unwrap_or_default();
+            let Talk { link, core } = &mut *talk.borrow_mut();
+            while let Some(len) = link.receive(&mut bytes, frame, |request| core.request(request)) {
+                put(out, frame.get(..len).unwrap_or_default());
+            }
+        }
+    }
+}
+
+/// Says what the host should know unasked.
+async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
+    static FRAME: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
+    let frame = FRAME.init([0; MAX_FRAME]);
+    let mut ticker = Ticker::every(LOOK_EVERY);
+    let (mut sent, mut status_sent) = (Instant::now(), Instant::now());
+    let mut told = MOOD.load(Ordering::Relaxed);
+    let mut channels = 0;
+    loop {
+        ticker.next().await;
+        watchdog::link_is_at_work();
+        let Talk { link, core } = &mut *talk.borrow_mut();
+        let mood = MOOD.load(Ordering::Relaxed);
+        let has_changed = mood != told;
+        let is_late = sent.elapsed() >= LATEST_SEND;
+        let at_least = if is_late || has_changed { 1 } else { BATCH_SAMPLES };
+        let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || channels == 0)
+            .then(|| core.ask(Ask::Status));
+        channels = asked.as_ref().map_or(channels, |answer| answer.channels);
+        while out.free_capacity() >= MAX_FRAME
+            && let Some(len) = link.samples(channels, at_least, frame)
+        {
+            put(out, frame.get(..len).unwrap_or_default());
+            sent = Instant::now();
+        }
+        if let Some(Answer { status, .. }) = asked
+            && out.free_capacity() >= MAX_FRAME
+            && let Some(len) = link.status(status, frame)
+        {
+            put(out, frame.get(..len).unwrap_or_default());
+            (told, status_sent) = (mood, Instant::now());
+        }
+    }
+}
+
+/// A whole frame or nothing.
+fn put(out: &Outgoing, mut frame: &[u8]) {
+    if out.free_capacity() < frame.len() {
+        return;
+    }
+    while let Ok(len) = out.try_write(frame)
+        && len > 0
+    {
+        frame = frame.get(len..).unwrap_or_default();
+    }
+}
+
+/// Sends what was said. What nobody hears is thrown away when the line is opened again.
+async fn send(mut sender: Sender<'static, Usb>, out: &Outgoing) {
+    let mut packet = [0; PACKET];
+    loop {
+        sender.wait_connection().await;
+        out.clear();
+        loop {
+            let len = out.read(&mut packet).await;
+            if sender.write_packet(packet.get(..len).unwrap_or_default()).await.is_err() {
+                break;
+            }
+            // A transfer that ends with a full packet needs an empty one to be over.
+            if len == PACKET && out.is_empty() && sender.write_packet(&[]).await.is_err() {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The hardware watchdog, what becomes of a program that gave up, and why the board was started.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use embassy_rp::pac;
+use socam_core::Fault;
+
+/// Without a conversion for so long, the chip is reset and all its lines fall. Conversions are at most 0.5 ms apart.
+const BITES_AFTER_US: u32 = 1500;
+
+/// Sampling feeds the watchdog only while the link to the host has been at work this recently.
+const LINK_MAY_REST_US: u32 = 1_000_000;
+
+/// Marks, over a reset by the watchdog, that it was this program that was interrupted.
+const AT_WORK: u32 = 0x50c4_a3be;
+
+/// When the link was last at work.
+static LINK_US: AtomicU32 = AtomicU32::new(0);
+
+/// Why the board was started, unless it was switched on. To be asked once.
+pub(crate) fn cause() -> Option<Fault> {
+    let bitten = pac::WATCHDOG.reason().read().0 != 0;
+    let at_work = pac::WATCHDOG.scratch0().read() == AT_WORK;
+    if bitten && at_work {
+        return Some(Fault::Watchdog);
+    }
+    pac::VREG_AND_CHIP_RESET.chip_reset().read().had_run().then_some(Fault::Reset)
+}
+
+/// Starts it.
+pub(crate) fn start() {
+    link_is_at_work();
+    pac::WATCHDOG.scratch0().write_value(AT_WORK);
+    // Everything but the oscillators is reset.
+    pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_fffc));
+    feed();
+    pac::WATCHDOG.ctrl().modify(|ctrl| {
+        ctrl.set_pause_dbg0(true);
+        ctrl.set_pause_dbg1(true);
+        ctrl.set_enable(true);
+    });
+}
+
+/// To be called at every conversion.
+pub(crate) fn feed() {
+    let rested_us = now_us().wrapping_sub(LINK_US.load(Ordering::Relaxed));
+    if rested_us < LINK_MAY_REST_US {
+        // It counts down two per microsecond (erratum RP2040-E1).
+        pac::WATCHDOG.load().write_value(pac::watchdog::regs::Load(2 * BITES_AFTER_US));
+    }
+}
+
+/// To be called by the link to the host, whether or not there is one.
+pub(crate) fn link_is_at_work() {
+    LINK_US.store(now_us(), Ordering::Relaxed);
+}
+
+fn now_us() -> u32 {
+    pac::TIMER.timerawl().read()
+}
+
+/// Drive off, then a reset, which takes every line down.
+fn give_up() -> ! {
+    cortex_m::interrupt::disable();
+    pac::SIO.gpio_oe(0).value_clr().write_value(1 << crate::ENABLE_PIN | 1 << crate::OUTPUT_RESET_PIN);
+    pac::WATCHDOG.scratch0().write_value(AT_WORK);
+    pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_fffc));
+    pac::WATCHDOG.ctrl().modify(|ctrl| ctrl.set_trigger(true));
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    give_up()
+}
+
+#[cortex_m_rt::exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    give_up()
+}
