@@ -12,6 +12,7 @@ mod interrupt;
 mod model_file;
 mod output;
 mod table;
+mod uf2;
 mod watch;
 
 use std::process::ExitCode;

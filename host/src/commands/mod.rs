@@ -4,6 +4,7 @@ mod check;
 mod completions;
 mod demo;
 mod export;
+mod flash;
 mod identify;
 mod import;
 mod info;
@@ -62,6 +63,7 @@ commands! {
     Record => record,
     Simulate => simulate,
     VirtualBoard => virtual_board,
+    Flash => flash,
     Template => template,
     Completions => completions,
 }

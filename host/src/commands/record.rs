@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Log to write (.mcap)
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
     output: Option<PathBuf>,
-    /// Board: sim (a virtual one), serial:PATH or tcp:HOST:PORT
+    /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one)
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Device>,
     #[command(flatten)]

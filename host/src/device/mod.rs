@@ -14,6 +14,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
+use serialport::{SerialPortInfo, SerialPortType};
 use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
@@ -36,6 +37,8 @@ const CONNECT_WITHIN: Duration = Duration::from_secs(3);
 pub(crate) enum Device {
     /// A virtual board in this process.
     Sim,
+    /// The board on USB, known by its product's name.
+    Usb,
     /// A serial line, USB included.
     Serial(String),
     /// A board behind TCP: `HOST:PORT`.
@@ -48,9 +51,10 @@ impl FromStr for Device {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
             None if text == "sim" => Ok(Self::Sim),
+            None if text == "serial" => Ok(Self::Usb),
             Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
             Some(("tcp", address)) if address.contains(':') => Ok(Self::Tcp(address.into())),
-            _ => Err("expected sim, serial:PATH or tcp:HOST:PORT".into()),
+            _ => Err("expected sim, serial (the board on USB), serial:PATH or tcp:HOST:PORT".into()),
         }
     }
 }
@@ -59,6 +63,7 @@ impl std::fmt::Display for Device {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Sim => f.write_str("sim"),
+            Self::Usb => f.write_str("serial"),
             Self::Serial(path) => write!(f, "serial:{path}"),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
         }
@@ -71,10 +76,33 @@ pub(crate) fn open(device: &Device, bench: Option<(Setup, Pace)>) -> anyhow::Res
     let stream: Box<dyn Stream> = match (device, bench) {
         (Device::Sim, Some((setup, pace))) => Box::new(InProcess::start(setup, pace)?),
         (Device::Sim, None) => return Err(anyhow!("a virtual board needs a bench")),
+        (Device::Usb, _) => Box::new(open_serial(&find_board(&serialport::available_ports()?)?)?),
         (Device::Serial(path), _) => Box::new(open_serial(path)?),
         (Device::Tcp(address), _) => Box::new(open_tcp(address)?),
     };
     Session::open(stream, device.to_string(), is_patient)
+}
+
+/// What the firmware calls itself on USB.
+const PRODUCT: &str = "socam board";
+
+/// The one serial line that is a board.
+fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
+    // Some systems report names with underscores in place of spaces.
+    let is_board = |port: &&SerialPortInfo| match &port.port_type {
+        SerialPortType::UsbPort(usb) => {
+            usb.product.as_ref().is_some_and(|name| name.replace('_', " ") == PRODUCT)
+        }
+        _ => false,
+    };
+    let boards: Vec<&str> = ports.iter().filter(is_board).map(|port| port.port_name.as_str()).collect();
+    match boards[..] {
+        [board] => Ok(board.to_owned()),
+        [] => Err(anyhow!(
+            "no `{PRODUCT}` is on USB: is it plugged in, and does it have its firmware (`flash`)?"
+        )),
+        _ => Err(anyhow!("several boards are on USB: say which with serial:PATH ({})", boards.join(", "))),
+    }
 }
 
 fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {

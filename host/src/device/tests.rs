@@ -159,3 +159,23 @@ fn devices_are_read() {
         assert!(text.parse::<Device>().is_err(), "{text}");
     }
 }
+
+#[test]
+fn a_board_is_found_by_what_it_calls_itself() {
+    let port = |name: &str, product: &str| SerialPortInfo {
+        port_name: name.to_owned(),
+        port_type: SerialPortType::UsbPort(serialport::UsbPortInfo {
+            vid: 0x2e8a,
+            pid: 0x000a,
+            serial_number: None,
+            manufacturer: None,
+            product: Some(product.to_owned()),
+        }),
+    };
+    let other = port("/dev/ttyACM0", "Pico");
+    let board = port("/dev/ttyACM1", "socam_board");
+    assert_eq!(find_board(&[other.clone(), board.clone()]).unwrap(), "/dev/ttyACM1");
+    assert!(find_board(&[other]).unwrap_err().to_string().contains("is it plugged in"));
+    let two = find_board(&[board, port("/dev/ttyACM2", "socam board")]).unwrap_err().to_string();
+    assert!(two.contains("/dev/ttyACM1, /dev/ttyACM2"), "{two}");
+}

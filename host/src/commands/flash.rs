@@ -1,0 +1,79 @@
+//! `flash`: the firmware onto the board.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, anyhow, bail};
+
+use super::Outcome;
+use crate::{output, uf2};
+
+/// Put the firmware on the board
+///
+/// Hold the board's BOOTSEL button while plugging it in: it shows up as a drive, takes the image and starts it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host flash firmware/target/thumbv6m-none-eabi/release/socam-firmware
+  socam-host flash FIRMWARE --probe                                             with a debug probe attached")]
+pub(crate) struct Args {
+    /// Image, as `cargo build --release` leaves it in firmware/target (ELF)
+    #[arg(value_name = "FIRMWARE")]
+    image: PathBuf,
+    /// Where the boot drive is mounted; looked for in the usual places when not given
+    #[arg(long, value_name = "FOLDER", conflicts_with = "probe")]
+    drive: Option<PathBuf>,
+    /// Through a debug probe, by the program `probe-rs`
+    #[arg(long)]
+    probe: bool,
+}
+
+/// The file by which a boot drive is known, and what it says of this chip.
+const MARK: &str = "INFO_UF2.TXT";
+const CHIP: &str = "RPI-RP2";
+
+/// Where systems mount drives: folders of drives, or folders of users with theirs.
+const MOUNTS: [&str; 4] = ["/media", "/run/media", "/Volumes", "/mnt"];
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let image = std::fs::read(&args.image).with_context(|| format!("`{}`", args.image.display()))?;
+    let uf2 = uf2::from_elf(&image).with_context(|| format!("`{}`", args.image.display()))?;
+    if args.probe {
+        return by_probe(&args.image);
+    }
+    let drive = match args.drive {
+        Some(drive) if is_boot_drive(&drive) => drive,
+        Some(drive) => bail!("`{}` is no boot drive: it has no {MARK} that names {CHIP}", drive.display()),
+        None => find_drive().ok_or_else(|| {
+            anyhow!("no board shows its boot drive: hold BOOTSEL while plugging it in, or name the drive's folder with --drive")
+        })?,
+    };
+    let file = drive.join("socam.uf2");
+    std::fs::write(&file, &uf2).with_context(|| format!("cannot write `{}`", file.display()))?;
+    output::print(&format!("{} bytes to {}; the board restarts by itself\n", uf2.len(), file.display()))?;
+    Ok(Outcome::Done)
+}
+
+fn by_probe(image: &Path) -> anyhow::Result<Outcome> {
+    let ended =
+        Command::new("probe-rs").args(["download", "--chip", "RP2040", "--verify"]).arg(image).status();
+    let ended =
+        ended.context("cannot start probe-rs, which --probe needs (`cargo install probe-rs-tools`)")?;
+    if !ended.success() {
+        bail!("probe-rs did not put the firmware on the board");
+    }
+    Ok(Outcome::Done)
+}
+
+fn is_boot_drive(folder: &Path) -> bool {
+    std::fs::read_to_string(folder.join(MARK)).is_ok_and(|text| text.contains(CHIP))
+}
+
+fn find_drive() -> Option<PathBuf> {
+    let folders = |folder: &Path| {
+        let entries = folder.read_dir().into_iter().flatten().map_while(Result::ok);
+        entries.map(|entry| entry.path()).collect::<Vec<_>>()
+    };
+    let drives = MOUNTS.iter().flat_map(|mount| folders(Path::new(mount)));
+    let drives: Vec<PathBuf> = drives.flat_map(|drive| folders(&drive).into_iter().chain([drive])).collect();
+    drives.into_iter().find(|drive| is_boot_drive(drive))
+}
