@@ -1,6 +1,8 @@
 //! What the end-to-end tests share: the program as a process, and recordings that none of its crates has made.
 
 pub mod bench;
+pub mod emulator;
+pub mod firmware;
 mod process;
 
 pub use process::{Ran, program, run, socam_host};

@@ -1,0 +1,173 @@
+// The microcontroller: rp2040js with the gaps cured that this firmware would fall into.
+//
+// Cured here: alarms ring at the exact microsecond; SPI takes its clock edges; taking and leaving an interrupt takes cycles; SEV
+// wakes; the reset register exists; a watchdog reset ends the run instead of looping. Not modelled: misses of the flash's cache, the
+// second core.
+
+import { RP2040 } from 'rp2040js';
+import { load } from './elf.mjs';
+
+const FLASH = 0x10000000;
+const RAM = 0x20000000;
+const VECTORS = 0x10000100;
+export const CYCLE_NS = 8;
+
+// Cortex-M0+ with memory that does not wait: 15 cycles to the first instruction of an interrupt, 13 back.
+const ENTRY_CYCLES = 15;
+const RETURN_CYCLES = 13;
+
+// A word that no program writes by chance: where it still stands, the stack has never been.
+const PAINT = 0xa5c3_96e1;
+
+const WATCHDOG = 0x40058;
+const TIMER = 0x40054;
+const CHIP_RESET = 0x40064;
+
+/** Why the chip starts. */
+export const Cause = { POWER: 'power', PIN: 'pin', WATCHDOG: 'watchdog' };
+
+/** Thrown out of the instruction that lets the watchdog bite. */
+export class WatchdogBite extends Error {}
+
+export class Chip {
+  /** `image`: an ELF file. `before`: the chip before a reset, whose watchdog remembers. */
+  constructor(image, cause, before) {
+    this.rp2040 = new RP2040();
+    this.clock = this.rp2040.clock;
+    this.core = this.rp2040.core;
+    this.interrupts = new Map();
+    this.frozen = false;
+    const { rp2040, core } = this;
+    rp2040.logger = quiet(core);
+    rp2040.clkSys = rp2040.clkPeri = 125e6;
+    for (let address = 0; address < rp2040.sram.length; address += 4) rp2040.sramView.setUint32(address, PAINT, true);
+    load(image, (address, bytes) => {
+      if (address >= FLASH && address < RAM) rp2040.flash.set(bytes, address - FLASH);
+    });
+    core.VTOR = VECTORS;
+    core.reset();
+    this.cureTimer();
+    this.cureSpi();
+    this.cureInterrupts();
+    this.cureResets(cause, before);
+  }
+
+  get nanos() {
+    return this.clock.nanos;
+  }
+
+  /** Runs up to this time. */
+  runUntil(nanos) {
+    const { core, clock } = this;
+    while (clock.nanosCounter < nanos) {
+      if (core.waiting || this.frozen) {
+        const next = clock.nextAlarm ? clock.nextAlarm.nanos : nanos;
+        clock.tick(Math.max(0, Math.min(next, nanos) - clock.nanosCounter));
+      } else {
+        const cycles = core.executeInstruction() + this.extraCycles;
+        this.extraCycles = 0;
+        const now = clock.nanosCounter + cycles * CYCLE_NS;
+        if (clock.nextAlarm !== null && clock.nextAlarm.nanos <= now) clock.tick(cycles * CYCLE_NS);
+        else clock.nanosCounter = now;
+      }
+    }
+  }
+
+  /** Bytes of the stack that were ever used; it grows down from the end of the memory. */
+  stackUsed() {
+    const { sram, sramView } = this.rp2040;
+    // Statics come first: what lies between them and the stack was never written.
+    let free = 0;
+    let longest = 0;
+    let end = sram.length;
+    for (let address = 0; address < sram.length; address += 4) {
+      free = sramView.getUint32(address, true) === PAINT ? free + 4 : 0;
+      if (free > longest) [longest, end] = [free, address + 4];
+    }
+    return sram.length - end;
+  }
+
+  /** Calls `entered()` and `left(cycles)` around every run of the handler of an interrupt. */
+  watchInterrupt(number, entered, left) {
+    this.interrupts.set(16 + number, { entered, left, since: 0 });
+  }
+
+  cureTimer() {
+    const timer = this.rp2040.peripherals[TIMER];
+    const { clock } = this;
+    const write = timer.writeUint32.bind(timer);
+    timer.writeUint32 = (offset, value) => {
+      write(offset, value);
+      if (offset < 0x10 || offset > 0x1c) return;
+      const now = Math.floor(clock.nanos / 1000);
+      const rings = (now + ((value - now) >>> 0)) * 1000;
+      timer.alarms[(offset - 0x10) / 4].clockAlarm.schedule(Math.max(0, rings - clock.nanos));
+    };
+  }
+
+  cureSpi() {
+    for (const spi of this.rp2040.spi) {
+      let answer = 0;
+      const done = this.clock.createAlarm(() => spi.completeTransmit(answer));
+      spi.chip = { byte: () => 0 };
+      spi.onTransmit = (value) => {
+        answer = spi.chip.byte(value);
+        done.schedule((spi.dataBits / spi.clockFrequency) * 1e9);
+      };
+    }
+  }
+
+  cureInterrupts() {
+    const { core } = this;
+    this.extraCycles = 0;
+    const enter = core.exceptionEntry.bind(core);
+    core.exceptionEntry = (number) => {
+      enter(number);
+      this.extraCycles += ENTRY_CYCLES;
+      const watched = this.interrupts.get(number);
+      if (watched) {
+        watched.since = this.clock.nanos;
+        watched.entered();
+      }
+    };
+    const leave = core.exceptionReturn.bind(core);
+    core.exceptionReturn = (value) => {
+      const watched = this.interrupts.get(core.IPSR);
+      leave(value);
+      this.extraCycles += RETURN_CYCLES;
+      if (watched) watched.left(Math.round((this.clock.nanos - watched.since) / CYCLE_NS) + ENTRY_CYCLES + RETURN_CYCLES);
+    };
+  }
+
+  cureResets(cause, before) {
+    const { peripherals } = this.rp2040;
+    const watchdog = peripherals[WATCHDOG];
+    watchdog.onWatchdogTrigger = () => {
+      throw new WatchdogBite();
+    };
+    // A reset from outside clears what the watchdog keeps over its own.
+    if (cause === Cause.WATCHDOG) {
+      const old = before.rp2040.peripherals[WATCHDOG];
+      watchdog.reason = old.reason;
+      watchdog.scratchData.set(old.scratchData);
+    }
+    const hadRun = cause === Cause.PIN ? 1 << 16 : 0;
+    const hadPower = cause === Cause.POWER ? 1 << 8 : 0;
+    peripherals[CHIP_RESET] = {
+      readUint32: (offset) => (offset === 8 ? hadRun | hadPower : 0),
+      writeUint32Atomic: () => {},
+    };
+  }
+}
+
+function quiet(core) {
+  const nothing = () => {};
+  return {
+    debug: nothing,
+    warn: nothing,
+    error: (name, message) => process.stderr.write(`${name}: ${message}\n`),
+    info: (name, message) => {
+      if (message === 'SEV') core.eventRegistered = true;
+    },
+  };
+}

@@ -1,0 +1,54 @@
+//! The firmware's image, built for its board.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+/// What the board's processor is called by the compiler.
+pub const TARGET: &str = "thumbv6m-none-eabi";
+
+/// The image as an ELF file, up to date; `None`, with the reason said, where this Rust cannot build it.
+///
+/// # Panics
+/// When it does not build.
+pub fn image() -> Option<&'static Path> {
+    static IMAGE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let image = IMAGE.get_or_init(build).as_deref();
+    if image.is_none() {
+        crate::skip(&format!("Rust here has no target {TARGET}, which the firmware is built for"));
+    }
+    image
+}
+
+fn build() -> Option<PathBuf> {
+    if !has_target() {
+        return None;
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware");
+    let target = kept("firmware");
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--locked", "--release", "--target-dir"])
+        .arg(&target)
+        .current_dir(&folder)
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_TARGET_DIR")
+        .stdin(Stdio::null())
+        .output()
+        .expect("cargo starts");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    Some(target.join(TARGET).join("release/socam-firmware"))
+}
+
+fn has_target() -> bool {
+    let output = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output();
+    output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
+}
+
+/// A folder beside the build, so that `cargo clean` takes it too.
+///
+/// # Panics
+/// When this program does not lie in a target folder.
+pub fn kept(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("this test's path");
+    test.ancestors().nth(3).expect("target/PROFILE/deps/TEST").join(name)
+}

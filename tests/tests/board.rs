@@ -1,0 +1,231 @@
+//! The firmware's image on the emulated board: what it records, how long it takes, and what the processor makes of the core's arithmetic.
+
+use std::time::Duration;
+
+use serde_json::json;
+use socam_core::{Board, ConverterSilent, Ports, Request, Ring};
+use socam_model::Model;
+use socam_recording::{Calibration, Dataset, ProfileFile};
+use socam_sim::{Setup, Truth};
+use socam_tests::emulator::Emulator;
+use socam_tests::run;
+
+/// A profile for the closed velocity loop: all odd lines from 0.5 to 60 Hz about 860 rpm.
+const CLOSED_LOOP: &str = "
+command = 'speed'
+control = 'closed_loop'
+shape = 'multisine'
+offset_rad_s = 90
+amplitude_rad_s = 10
+lines = 'odd'
+from_Hz = 0.5
+to_Hz = 60
+period_s = 2
+seed = 1
+ramp_s = 1
+limit_rad_s = 140
+slew_rad_s2 = 4000
+duration_s = 9
+";
+
+const CHANNELS: [&str; 5] =
+    ["command_V", "motor_speed_rad_s", "output_speed_rad_s", "torque_in_Nm", "torque_out_Nm"];
+
+fn setup() -> Setup {
+    let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();
+    Setup::new(truth, Calibration::default(), 7)
+}
+
+/// The default bench's calibration on this board's converters.
+fn calibration() -> Calibration {
+    let mut calibration = Calibration::default();
+    calibration.input.full_scale_v = 10.24;
+    calibration
+}
+
+fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().unwrap().to_owned()
+}
+
+/// Records on the emulated board; all samples must arrive. Returns what was measured of the sampling interrupt.
+fn record(board: &mut Emulator, log: &str, profile: &str, duration: &str, rate: u32) -> serde_json::Value {
+    let _ = board.ask(&json!({ "ask": "reset-measured" }));
+    let rate_text = rate.to_string();
+    let recorded = run([
+        "record",
+        "-o",
+        log,
+        "--device",
+        &board.device,
+        "--profile",
+        profile,
+        "--duration",
+        duration,
+        "--rate",
+        &rate_text,
+        "--json",
+    ])
+    .json();
+    assert_eq!((&recorded["lost"], &recorded["end"]), (&json!(0), &json!("finished")), "{recorded}");
+    let step_us = 1_000_000 / rate / socam_core::conversions_per_sample(1_000_000 / rate);
+    board.ask(&json!({ "ask": "measured", "stepUs": step_us }))
+}
+
+fn columns(log: &str) -> Vec<Vec<f64>> {
+    let loaded = Dataset::open(log).unwrap().load(&CHANNELS).unwrap();
+    loaded.columns.iter().map(|column| column.values().to_vec()).collect()
+}
+
+/// The bench's counts as they were recorded, for a core that runs on this machine.
+struct Replayed {
+    rows: std::vec::IntoIter<[i16; 4]>,
+    now_us: u64,
+    output: i16,
+}
+
+impl Ports for Replayed {
+    fn now_us(&mut self) -> u64 {
+        self.now_us
+    }
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+        counts.copy_from_slice(&self.rows.next().unwrap_or_default());
+        Ok(())
+    }
+    fn write(&mut self, count: i16) -> Result<(), ConverterSilent> {
+        self.output = count;
+        Ok(())
+    }
+    fn enable(&mut self, _: bool) {}
+}
+
+/// Runs the core here on recorded counts and returns the counts that it commands.
+fn replay(profile: &str, columns: &[Vec<f64>]) -> Vec<i16> {
+    let calibration = calibration();
+    let counts = |row: usize| {
+        std::array::from_fn(|channel| {
+            let volts = calibration.channels[channel].sensor.volts(columns[channel + 1][row]);
+            calibration.input.count(volts)
+        })
+    };
+    let rows: Vec<[i16; 4]> = (0..columns[0].len()).map(counts).collect();
+    let mut ring = Ring::<4>::new();
+    let (producer, mut samples) = ring.split();
+    let mut board = Board::new(Replayed { rows: rows.into_iter(), now_us: 0, output: 0 }, producer);
+    let profile = ProfileFile::open(profile).unwrap().profile(1000).unwrap();
+    for request in [
+        Request::Configure(calibration.config(1000).unwrap()),
+        Request::Load(profile),
+        Request::Arm,
+        Request::Stream(true),
+        Request::Run,
+    ] {
+        board.handle(request).unwrap();
+    }
+    (0..columns[0].len())
+        .map(|_| {
+            board.handle(Request::Heartbeat).unwrap();
+            board.ports_mut().now_us += 1000;
+            board.tick();
+            samples.pop().unwrap().output_count
+        })
+        .collect()
+}
+
+#[test]
+fn a_closed_loop_run_matches_the_virtual_board_and_is_identified() {
+    let Some(mut board) = Emulator::start(setup()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (profile, emulated, simulated) =
+        (path(&folder, "loop.toml"), path(&folder, "emulated.mcap"), path(&folder, "virtual.mcap"));
+    std::fs::write(&profile, format!("schema = 'socam.profile/1'\n{CLOSED_LOOP}")).unwrap();
+    let measured = record(&mut board, &emulated, &profile, "10s", 1000);
+    println!("measured: 1 kHz closed loop: {measured}");
+    assert!(measured["worstCycles"].as_u64().unwrap() <= 12_000, "{measured}");
+    // What the firmware tells its host of itself.
+    assert!((measured["channelStepNs"].as_f64().unwrap() - 3700.0).abs() < 50.0, "{measured}");
+
+    let file = path(&folder, "pico.toml");
+    let text =
+        run(["template", "calibration"]).done().replacen("full_scale_V = 10\n", "full_scale_V = 10.24\n", 1);
+    std::fs::write(&file, text).unwrap();
+    let arguments =
+        ["record", "-o", &simulated, "--device", "sim", "--calibration", &file, "--profile", &profile];
+    let _ = run(arguments.iter().chain(&["--duration", "10s"])).done();
+    let (ours, theirs) = (columns(&emulated), columns(&simulated));
+    // The bench's sensor noise in both, and what it stirs up in the closed loop; the board's command acts 0.06 ms later.
+    for (channel, noise) in [(1, 0.02), (2, 0.01), (3, 2e-3), (4, 1e-2)] {
+        let squares: f64 = ours[channel].iter().zip(&theirs[channel]).map(|(a, b)| (a - b).powi(2)).sum();
+        let rms = (squares / ours[channel].len() as f64).sqrt() / (std::f64::consts::SQRT_2 * noise);
+        println!("measured: {}: differs by {rms:.2} times the noise of both", CHANNELS[channel]);
+        assert!((0.5..2.0).contains(&rms), "{}: {rms}", CHANNELS[channel]);
+    }
+
+    // The same counts lead to the same commands on a Cortex-M0+ and here, bit by bit.
+    let commands: Vec<i16> = ours[0].iter().map(|volts| calibration().output.count(*volts)).collect();
+    assert_eq!(replay(&profile, &ours), commands);
+
+    let result = run(["identify", &emulated, "--json"]).json();
+    let found = |list: &str, name: &str| {
+        let entry =
+            result[list].as_array().unwrap().iter().find(|entry| entry["name"] == name).unwrap().clone();
+        (entry["ci95"][0].as_f64().unwrap(), entry["ci95"][1].as_f64().unwrap())
+    };
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let truth = |name: &str| model.parameters.iter().find(|parameter| parameter.name == name).unwrap().value;
+    let series = |a: &str, b: &str| 1.0 / (1.0 / truth(a) + 1.0 / truth(b));
+    for (list, name, truth) in [
+        ("parameters", "k4", truth("k4")),
+        ("parameters", "c4", truth("c4")),
+        ("parameters", "c5", truth("c5")),
+        ("combinations", "k_series_12", series("k1", "k2")),
+        ("combinations", "k_series_34", series("k3", "k4")),
+    ] {
+        let (low, high) = found(list, name);
+        println!("measured: {name}: {truth} in [{low}, {high}]");
+        // Intervals of 95 %, widened to what one in a million leaves.
+        let margin = 0.75 * (high - low);
+        assert!((low - margin..high + margin).contains(&truth), "{name} is {truth}, not in [{low}, {high}]");
+    }
+}
+
+#[test]
+fn every_profile_runs_and_is_the_hosts_own_bit_by_bit() {
+    let Some(mut board) = Emulator::start(setup()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for profile in ProfileFile::built_in_names() {
+        let (ours, theirs) = (path(&folder, "board.mcap"), path(&folder, "virtual.mcap"));
+        let _ = std::fs::remove_file(&ours);
+        let measured = record(&mut board, &ours, profile, "2.5s", 1000);
+        println!("measured: 1 kHz {profile}: {measured}");
+        assert!(measured["worstCycles"].as_u64().unwrap() <= 12_000, "{profile}: {measured}");
+        let arguments = ["record", "--force", "-o", &theirs, "--device", "sim", "--profile", profile];
+        let _ = run(arguments.iter().chain(&["--duration", "2.5s"])).done();
+        assert_eq!(columns(&ours)[0], columns(&theirs)[0], "{profile}");
+    }
+    let info = run(["info", &path(&folder, "board.mcap")]).done();
+    for known in ["ADS8688", "firmware: 0.1.0 ", "mean skew between channels 0 ns", "0 link errors"] {
+        assert!(info.contains(known), "{info}");
+    }
+    let last = board.log().into_iter().rfind(|happened| happened.what != "boot").unwrap();
+    assert_eq!((last.what.as_str(), last.value), ("volts", json!(0)));
+}
+
+#[test]
+fn a_minute_at_five_kilohertz_loses_nothing_and_takes_its_time() {
+    let Some(mut board) = Emulator::start(setup()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    board.inject("host=chatter", None);
+    // The profile with the most to work out.
+    let measured = record(&mut board, &path(&folder, "short.mcap"), "multisine", "4s", 5000);
+    println!("measured: 5 kHz multisine, with random host traffic: {measured}");
+    assert!(measured["worstCycles"].as_u64().unwrap() <= 10_000, "{measured}");
+    // Within 2 us of the grid, either way.
+    assert!(measured["spreadNs"].as_f64().unwrap() <= 4000.0, "{measured}");
+    board.inject("host=alone", None);
+    let started = std::time::Instant::now();
+    let measured = record(&mut board, &path(&folder, "long.mcap"), "chirp", "60s", 5000);
+    println!("measured: 5 kHz chirp, one minute: {measured}");
+    assert!(measured["worstCycles"].as_u64().unwrap() <= 10_000, "{measured}");
+    assert!(started.elapsed() < Duration::from_secs(600));
+    assert_eq!(Dataset::open(&path(&folder, "long.mcap")).unwrap().rows(), 300_000);
+}

@@ -1,0 +1,159 @@
+//! Everything that can go wrong at the emulated board: output at 0 V and drive disabled in time, the cause told afterwards, and no
+//! movement before the host asks for it anew.
+
+use socam_core::Fault;
+use socam_model::Model;
+use socam_recording::Calibration;
+use socam_sim::{Setup, Truth};
+use socam_tests::emulator::{Emulator, Happened};
+use socam_tests::{Ran, run};
+
+/// Into the run.
+const AFTER_S: f64 = 0.4;
+
+fn board() -> Option<Emulator> {
+    let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();
+    Emulator::start(Setup::new(truth, Calibration::default(), 3))
+}
+
+fn record(board: &Emulator, more: &[&str]) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
+    let arguments =
+        ["record", "-o", &log, "--device", &board.device, "--profile", "steps", "--duration", "2s"];
+    run(arguments.iter().chain(more))
+}
+
+/// When it happened first after `from_s`.
+fn first(log: &[Happened], from_s: f64, what: &str, is: impl Fn(&serde_json::Value) -> bool) -> Option<f64> {
+    log.iter()
+        .find(|entry| entry.at_s >= from_s && entry.what == what && is(&entry.value))
+        .map(|entry| entry.at_s)
+}
+
+/// Lets `what` happen in a run: the drive must be off and the output at 0 V within `within_s`, and stay so.
+#[track_caller]
+fn stops(board: &mut Emulator, what: &str, within_s: f64, more: &[&str]) -> Ran {
+    board.inject(what, Some(AFTER_S));
+    let ran = record(board, more);
+    board.run_for(0.1);
+    let log = board.log();
+    let injected =
+        log.iter().rfind(|entry| entry.what == "injected").unwrap_or_else(|| panic!("{what}: {ran:?}")).at_s;
+    let disabled =
+        first(&log, injected, "enable", |on| on == false).unwrap_or_else(|| panic!("{what}: {log:?}"));
+    let zero =
+        first(&log, injected, "volts", |volts| volts == 0).unwrap_or_else(|| panic!("{what}: {log:?}"));
+    println!(
+        "measured: {what}: drive disabled after {:.3} ms, output at 0 V after {:.3} ms",
+        (disabled - injected) * 1e3,
+        (zero - injected) * 1e3
+    );
+    assert!(disabled - injected <= within_s && zero - injected <= within_s, "{what}: {log:?}");
+    assert_eq!(first(&log, disabled, "enable", |on| on == true), None, "{what}: it moved again");
+    assert_eq!(ran.code, Some(1), "{what}: {ran:?}");
+    ran
+}
+
+/// The next run goes well, and its host is told first what the board remembers.
+#[track_caller]
+fn remembers(board: &mut Emulator, fault: &Fault) {
+    let ran = record(board, &[]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(
+        ran.stderr.contains("remembers an earlier fault") && ran.stderr.contains(&fault.to_string()),
+        "{ran:?}"
+    );
+}
+
+/// Samples that nobody takes fill the board's buffer; the thesis' program had one without a bound.
+#[test]
+fn a_pulled_cable_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    let _ = stops(&mut board, "pull-cable", 0.002, &[]);
+    board.run_for(2.0);
+    board.inject("plug-cable", None);
+    remembers(&mut board, &Fault::CablePulled);
+}
+
+#[test]
+fn a_host_that_falls_silent_or_mad_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    for what in ["host=nothing", "host=garbage"] {
+        // The host's last word was up to 0.1 s before.
+        let _ = stops(&mut board, what, 0.502, &[]);
+        board.inject("host=alone", None);
+        remembers(&mut board, &Fault::HostSilent { timeout_us: 500_000 });
+    }
+}
+
+/// The thesis' program waited for ever for a converter, and took 0xffff for a voltage.
+#[test]
+fn a_converter_that_does_not_answer_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    for what in ["input=low", "input=high", "input=frozen"] {
+        let ran = stops(&mut board, what, 0.002, &[]);
+        assert!(ran.stderr.contains(&Fault::ConverterSilent.to_string()), "{ran:?}");
+        board.inject("input=well", None);
+        remembers(&mut board, &Fault::ConverterSilent);
+    }
+    for what in ["output=low", "output=high"] {
+        let ran = stops(&mut board, what, 0.002, &[]);
+        assert!(ran.stderr.contains(&Fault::OutputSilent.to_string()), "{ran:?}");
+        board.inject("output=well", None);
+        remembers(&mut board, &Fault::OutputSilent);
+    }
+}
+
+/// A converter that answers well but with one and the same value cannot be told from a quiet bench at once: a second is allowed.
+#[test]
+fn a_value_that_never_changes_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    let ran = stops(&mut board, "input=stuck", 1.004, &[]);
+    assert!(ran.stderr.contains("is stuck"), "{ran:?}");
+}
+
+#[test]
+fn over_speed_and_over_torque_stop_the_bench() {
+    let Some(mut board) = board() else { return };
+    for (what, says) in
+        [("reading=0@9.95", "over-speed: motor_speed"), ("reading=3@9.9", "over-torque: torque_out")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("limits.toml");
+        let text = run(["template", "calibration"]).done();
+        let text = text
+            .replacen("full_scale_V = 10\n", "full_scale_V = 10.24\n", 1)
+            .replacen("limit = 1.425", "limit = 1.1", 1)
+            .replacen("limit = 38", "limit = 20", 1);
+        std::fs::write(&file, text).unwrap();
+        let ran = stops(&mut board, what, 0.002, &["--calibration", file.to_str().unwrap()]);
+        assert!(ran.stderr.contains(says), "{ran:?}");
+        board.inject(&format!("{}@0.01", what.split_once('@').unwrap().0), None);
+        board.run_for(0.01);
+    }
+}
+
+#[test]
+fn the_emergency_stop_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    let ran = stops(&mut board, "open-stop", 1e-6, &[]);
+    assert!(ran.stderr.contains(&Fault::EmergencyStopInput.to_string()), "{ran:?}");
+    // While it is open nothing starts.
+    let ran = record(&board, &[]);
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    board.inject("close-stop", None);
+    remembers(&mut board, &Fault::EmergencyStopInput);
+}
+
+/// The thesis' program stopped by its timer alone.
+#[test]
+fn a_program_that_hangs_and_a_reset_stop_the_bench() {
+    let Some(mut board) = board() else { return };
+    let ran = stops(&mut board, "hang", 0.002, &[]);
+    assert!(ran.stderr.contains(&Fault::Watchdog.to_string()), "{ran:?}");
+    remembers(&mut board, &Fault::Watchdog);
+    let ran = stops(&mut board, "press-reset", 0.002, &[]);
+    assert!(ran.stderr.contains(&Fault::Reset.to_string()), "{ran:?}");
+    remembers(&mut board, &Fault::Reset);
+}
