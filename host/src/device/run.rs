@@ -220,6 +220,8 @@ struct Run<'s> {
 impl Run<'_> {
     fn start(&mut self) -> anyhow::Result<()> {
         self.session.request(Request::Arm)?.context("the board cannot be armed")?;
+        // A fault that has been cleared, or samples of an earlier run, are not of this one.
+        self.session.forget();
         self.session.request(Request::Stream(true))?.context("the board does not stream")?;
         self.session.request(Request::Run)?.context("the board does not start")
     }

@@ -142,6 +142,11 @@ impl Session {
         Ok(number)
     }
 
+    /// Lets go of what the board said until now.
+    pub(crate) fn forget(&mut self) {
+        self.heard.clear();
+    }
+
     /// What the board said next, or `None` when it said nothing for a moment.
     pub(crate) fn next(&mut self) -> anyhow::Result<Option<Heard>> {
         if self.heard.is_empty() {

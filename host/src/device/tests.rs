@@ -1,5 +1,6 @@
 use std::io::{self, Read, Write};
 
+use socam_core::Request;
 use socam_model::Model;
 use socam_recording::{Calibration, Dataset, ProfileFile, Selection};
 use socam_sim::{Setup, Truth};
@@ -84,6 +85,18 @@ fn a_run_that_never_began_leaves_no_file() {
     let problem = format!("{:#}", record(&mut session, plan, &Interrupt::default()).unwrap_err());
     assert!(problem.contains("refuses the profile"), "{problem}");
     assert!(!path.exists());
+}
+
+#[test]
+fn a_fault_that_was_cleared_before_the_run_does_not_end_it() {
+    let calibration = Calibration::default();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut session = Session::open(in_process(&calibration), "test".into(), true).unwrap();
+    // The board tells of its fault at once; nobody takes note before the run.
+    session.request(Request::EmergencyStop).unwrap().unwrap();
+    let report = record(&mut session, plan(&calibration, &path), &Interrupt::default()).unwrap();
+    assert_eq!(report.end, End::Finished);
 }
 
 /// A line that swallows some bytes once samples flow.
