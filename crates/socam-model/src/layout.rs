@@ -69,6 +69,8 @@ pub struct Element {
     pub column: usize,
     /// Grid row, from the top.
     pub row: usize,
+    /// Line of a wrapped chain, from 0: joints between lines are continuations.
+    pub line: usize,
     /// Ids of the effects that the model has there.
     pub effects: Vec<&'static str>,
 }
@@ -154,7 +156,7 @@ struct Link<'m> {
 
 impl Builder {
     fn add(&mut self, kind: ElementKind, name: &str, column: usize, lane: usize, level: Level) -> usize {
-        let element = Element { kind, name: name.to_owned(), column, row: 0, effects: Vec::new() };
+        let element = Element { kind, name: name.to_owned(), column, row: 0, line: 0, effects: Vec::new() };
         self.placed.push(Placed { element, lane, level });
         self.lanes = self.lanes.max(lane + 1);
         self.placed.len() - 1
@@ -276,13 +278,14 @@ impl Builder {
         let width =
             self.placed.iter().map(|placed| placed.element.column + 1).max().unwrap_or(0).min(columns);
         let elements = self.placed.into_iter().map(|placed| {
-            let chain = chain_row[placed.element.column / columns][placed.lane];
+            let line = placed.element.column / columns;
+            let chain = chain_row[line][placed.lane];
             let row = match placed.level {
                 Level::Above(steps) => chain - steps,
                 Level::Chain => chain,
                 Level::Below(steps) => chain + steps,
             };
-            Element { column: placed.element.column % columns, row, ..placed.element }
+            Element { column: placed.element.column % columns, row, line, ..placed.element }
         });
         Layout { elements: elements.collect(), joints: self.joints, columns: width, rows }
     }

@@ -1,0 +1,196 @@
+//! Small plots as inline SVG: lines and points with error bars over linear or logarithmic axes.
+//!
+//! Colours, dark mode and fonts come from the page's style sheet by class name; nothing here knows them. Legends stand above
+//! the axes, so that they never cover data. Crates that were looked at: `plotters` writes fixed colours (no dark mode) and an
+//! element per dot, `poloto` has no logarithmic axes or error bars, `charming` needs JavaScript to be read.
+
+mod axis;
+mod path;
+
+#[cfg(test)]
+mod tests;
+
+use maud::{Markup, Render, html};
+
+pub(crate) use axis::{Axis, Scale};
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mark {
+    /// Joined points; drawn with the extremes of every pixel column, so that spikes stay visible.
+    Line,
+    /// The same, interrupted where a recording has a gap.
+    Trace,
+    /// Round dots joined by a thin line, with bars of `spread` to either side.
+    Circles,
+    /// The same with squares.
+    Squares,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone)]
+pub(crate) struct Series<'a> {
+    /// Name in the legend; none where it is empty.
+    pub(crate) label: &'a str,
+    /// Class of the style sheet, which has its colour.
+    pub(crate) class: &'a str,
+    pub(crate) mark: Mark,
+    pub(crate) x: &'a [f64],
+    /// NaN leaves a gap.
+    pub(crate) y: &'a [f64],
+    /// Half-width of bars; may be empty.
+    pub(crate) spread: &'a [f64],
+}
+
+/// One pair of axes.
+#[derive(Debug, Clone)]
+pub(crate) struct Plot<'a> {
+    /// What a reader who can't see it is told.
+    pub(crate) title: String,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    /// Drawn in this order, the last on top.
+    pub(crate) series: Vec<Series<'a>>,
+    /// Most pixel columns to draw; fewer make smaller files.
+    pub(crate) columns: usize,
+}
+
+/// Size of the whole plot in the units of its view box, which a screen shows at about a pixel each.
+const WIDTH: f64 = 420.0;
+const HEIGHT: f64 = 230.0;
+const TOP: f64 = 26.0;
+const BOTTOM: f64 = 40.0;
+const RIGHT: f64 = 12.0;
+/// Mean width of a character of the smallest text.
+pub(crate) const CHARACTER_WIDTH: f64 = 6.2;
+/// Values beyond this are no measurements, and would overflow the arithmetic of axes.
+const LARGEST: f64 = 1e100;
+
+/// Pixel columns of a plot at full resolution.
+pub(crate) const COLUMNS: usize = 350;
+
+/// A value that can be drawn.
+pub(crate) fn usable(value: f64) -> bool {
+    value.is_finite() && value.abs() < LARGEST
+}
+
+impl Series<'_> {
+    fn spread(&self, index: usize) -> f64 {
+        self.spread.get(index).copied().filter(|spread| usable(*spread)).unwrap_or(0.0).abs()
+    }
+
+    /// All points that axes must hold.
+    fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.x.iter().zip(self.y).enumerate().flat_map(|(index, (x, y))| {
+            let spread = self.spread(index);
+            [(*x, y - spread), (*x, y + spread)]
+        })
+    }
+}
+
+/// Data to view box.
+struct Frame {
+    x: Scale,
+    y: Scale,
+}
+
+impl Frame {
+    /// Where a point stands; `None` where it has no place on the axes.
+    fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        Some((self.x.place(x)?, self.y.place(y)?))
+    }
+}
+
+impl Render for Plot<'_> {
+    fn render(&self) -> Markup {
+        let points = || self.series.iter().flat_map(Series::extent).filter(|(x, y)| usable(*x) && usable(*y));
+        if points().next().is_none() {
+            return html! { p class="none" { (self.title) ": no data." } };
+        }
+        let y = self.y.scale(points().map(|(_, y)| y), (HEIGHT - BOTTOM, TOP));
+        // Plots under one another share their left edge unless a label needs more.
+        let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
+        let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
+        let frame = Frame { x, y };
+        html! {
+            svg class="plot" viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(self.title) {
+                (self.grid(&frame, left))
+                @for series in &self.series { (self.draw(series, &frame)) }
+                (self.legend(left))
+            }
+        }
+    }
+}
+
+impl Plot<'_> {
+    fn grid(&self, frame: &Frame, left: f64) -> Markup {
+        let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
+        let middle = f64::midpoint(TOP, bottom);
+        html! {
+            @for tick in frame.y.ticks() {
+                path class=(if tick.is_zero { "zero" } else { "grid" }) d=(format!("M{left:.1} {:.1}H{right}", tick.place)) {}
+                text class="tick" x=(format!("{:.1}", left - 5.0)) y=(format!("{:.1}", tick.place + 3.5)) text-anchor="end" { (tick.label) }
+            }
+            @for tick in frame.x.ticks() {
+                path class="grid" d=(format!("M{:.1} {TOP}V{bottom}", tick.place)) {}
+                text class="tick" x=(format!("{:.1}", tick.place)) y=(bottom + 14.0) text-anchor="middle" { (tick.label) }
+            }
+            path class="axis" d=(format!("M{left:.1} {TOP}V{bottom}H{right}")) {}
+            text class="title" x=(format!("{:.1}", f64::midpoint(left, right))) y=(HEIGHT - 8.0) text-anchor="middle" {
+                (self.x.title(&frame.x))
+            }
+            text class="title" transform=(format!("translate(11 {middle:.1}) rotate(-90)")) text-anchor="middle" {
+                (self.y.title(&frame.y))
+            }
+        }
+    }
+
+    /// One row above the axes.
+    fn legend(&self, left: f64) -> Markup {
+        let mut at = left;
+        let entries = self.series.iter().filter(|series| !series.label.is_empty()).map(|series| {
+            let from = at;
+            at += 30.0 + CHARACTER_WIDTH * series.label.chars().count() as f64;
+            (from, series)
+        });
+        html! {
+            @for (from, series) in entries {
+                (sample(series, from))
+                text class="tick" x=(format!("{:.1}", from + 20.0)) y="14" { (series.label) }
+            }
+        }
+    }
+
+    fn draw(&self, series: &Series<'_>, frame: &Frame) -> Markup {
+        match series.mark {
+            Mark::Line | Mark::Trace => html! {
+                path class=(format!("line {}", series.class)) d=(path::line(series, frame, self.columns)) {}
+            },
+            Mark::Circles | Mark::Squares => self.dots(series, frame),
+        }
+    }
+
+    fn dots(&self, series: &Series<'_>, frame: &Frame) -> Markup {
+        let class = series.class;
+        html! {
+            path class=(format!("thin {class}")) d=(path::line(series, frame, self.columns)) {}
+            path class=(format!("thin {class}")) d=(path::bars(series, frame)) {}
+            path class=(format!("dot {class}")) d=(path::dots(series, frame)) {}
+        }
+    }
+}
+
+/// A series as its legend shows it.
+fn sample(series: &Series<'_>, from: f64) -> Markup {
+    let (x, y) = (from + 8.0, 10.0);
+    let line = format!("M{from:.1} {y}h16");
+    html! {
+        @match series.mark {
+            Mark::Line | Mark::Trace => { path class=(format!("line key {}", series.class)) d=(line) {} }
+            Mark::Circles | Mark::Squares => {
+                path class=(format!("thin {}", series.class)) d=(line) {}
+                path class=(format!("dot {}", series.class)) d=(path::dot(series.mark, x, y)) {}
+            }
+        }
+    }
+}

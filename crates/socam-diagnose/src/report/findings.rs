@@ -1,0 +1,197 @@
+//! What is missing, piece by piece: the sentence, the law, its numbers, where it lives, why it is believed, what else it may be.
+
+use maud::{Markup, html};
+use socam_model::{Model, Motion};
+
+use super::{drawing, words};
+use crate::{
+    document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED},
+    plot::{Axis, COLUMNS, Mark, Plot, Series},
+};
+
+/// One finding, numbered from 1 as in the drawing.
+pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup {
+    html! {
+        article class="finding" id=(format!("finding-{number}")) {
+            h3 {
+                (drawing::marker(number))
+                span { (words::effect(&finding.effect)) " at " code { (finding.location) } }
+            }
+            p class="sentence" { (finding.sentence) }
+            @if !finding.equation.is_empty() { p class="equation" { code { (finding.equation) } } }
+            div class="columns" {
+                div {
+                    (parameters(finding))
+                    (region(finding, model.motion))
+                }
+                div {
+                    (evidence(finding))
+                    (rivals(finding))
+                }
+            }
+            @if let Some(curve) = &finding.curve { (measured(curve, finding, model.motion)) }
+        }
+    }
+}
+
+fn parameters(finding: &Finding) -> Markup {
+    let sets: Vec<&[EffectParameter]> = if finding.components.is_empty() {
+        vec![&finding.parameters]
+    } else {
+        finding.components.iter().map(|component| component.parameters.as_slice()).collect()
+    };
+    if sets.iter().all(|set| set.is_empty()) {
+        return html! {};
+    }
+    html! {
+        h4 { "How much" }
+        div class="scroll" {
+            table {
+                thead { tr { th { "Parameter" } th class="n" { "Value" } th { "95 % interval" } th { "Unit" } } }
+                @for set in sets {
+                    tbody {
+                        @for parameter in set {
+                            tr {
+                                td { code { (parameter.name) } }
+                                td class="n" { (words::estimate(parameter.value, parameter.ci95)) }
+                                td { (words::interval(parameter.value, parameter.ci95)) }
+                                td { (words::unit(&parameter.unit)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn region(finding: &Finding, motion: Motion) -> Markup {
+    let region = &finding.region;
+    let (speed, torque, torque_unit) = match motion {
+        Motion::Rotation => ("Speed", "Torque", "N m"),
+        Motion::Translation => ("Speed", "Force", "N"),
+    };
+    let speed_unit = if motion == Motion::Rotation { "rad/s" } else { "m/s" };
+    let ranges = [
+        (speed, region.speed_rad_s, speed_unit),
+        (torque, region.torque_nm, torque_unit),
+        ("Frequency", region.frequency_hz, "Hz"),
+        ("Time", region.time_s, "s"),
+    ];
+    let known = |range: &[f64; 2]| range.iter().all(|end| end.is_finite());
+    let ranges = || ranges.iter().filter_map(|(name, range, unit)| Some((name, range.filter(known)?, unit)));
+    if ranges().next().is_none() && region.text.is_empty() {
+        return html! {};
+    }
+    html! {
+        h4 { "Where it lives" }
+        @if !region.text.is_empty() { p { (region.text) } }
+        dl {
+            @for (name, [low, high], unit) in ranges() {
+                dt { (name) }
+                dd { (words::number(Some(low))) " to " (words::number(Some(high))) " " (unit) }
+            }
+        }
+    }
+}
+
+fn evidence(finding: &Finding) -> Markup {
+    let proof = &finding.evidence;
+    let percent = |value: Option<f64>| match value.filter(|value| value.is_finite()) {
+        Some(value) => format!("{} %", words::rough(value)),
+        None => "–".to_owned(),
+    };
+    html! {
+        h4 { "Why it is believed" }
+        dl {
+            dt { "Chance of as much by noise alone, p" }
+            dd { (words::chance(proof.p_value)) }
+            dt { "Gain in whitened chi-square, training" }
+            dd { (words::number(proof.chi2_gain)) }
+            dt { "Misfit removed from data that were not fitted" }
+            dd { (percent(proof.holdout_gain_percent)) }
+            @if proof.misfit_percent.is_some() {
+                dt { "Share of the misfit that it carries" }
+                dd { (percent(proof.misfit_percent)) }
+            }
+        }
+    }
+}
+
+fn rivals(finding: &Finding) -> Markup {
+    let weights = finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite());
+    let own = 1.0 - weights.sum::<f64>();
+    let bar = |name: Markup, weight: f64| {
+        let share = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
+        html! {
+            tr {
+                td { (name) }
+                td class="n" { (words::percent(weight)) }
+                td class="weight" { svg viewBox="0 0 100 10" aria-hidden="true" {
+                    rect class="track" width="100" height="10" {}
+                    rect class="share" width=(format!("{:.1}", 100.0 * share)) height="10" {}
+                } }
+            }
+        }
+    };
+    let name = |rival: &Rival| html! { (words::effect(&rival.effect)) " at " code { (rival.location) } };
+    html! {
+        h4 { "What else it could be" }
+        @if finding.rivals.is_empty() {
+            p { @if finding.effect == UNEXPLAINED { "Nothing in the catalogue fits." } @else { "Nothing comes close on these recordings." } }
+        } @else {
+            div class="scroll" {
+                table {
+                    thead { tr { th { "Explanation" } th class="n" { "Weight" } th {} } }
+                    tbody {
+                        (bar(html! { "This finding" }, own.max(0.0)))
+                        @for rival in &finding.rivals { (bar(name(rival), rival.weight)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn measured(curve: &Curve, finding: &Finding, motion: Motion) -> Markup {
+    let rotates = motion == Motion::Rotation;
+    let default_unit = if rotates { "N m" } else { "N" };
+    let unit = if curve.torque_unit.is_empty() { default_unit } else { &curve.torque_unit };
+    let over = match curve.over {
+        Over::Speed => "Speed",
+        Over::Angle if rotates => "Angle",
+        Over::Angle => "Position",
+        Over::Torque if rotates => "Torque",
+        Over::Torque => "Force",
+        Over::Time => "Time",
+        Over::Frequency => "Frequency",
+    };
+    let what = match unit {
+        "N m" => "Missing torque",
+        "N" => "Missing force",
+        _ => "Missing signal",
+    };
+    let numbers =
+        |values: &[Option<f64>]| values.iter().map(|value| value.unwrap_or(f64::NAN)).collect::<Vec<_>>();
+    let torque = numbers(&curve.torque);
+    let spread: Vec<f64> = numbers(&curve.torque_std).iter().map(|std| 1.96 * std).collect();
+    let label = if spread.is_empty() { "measured" } else { "measured, with 95 % interval" };
+    let plot = Plot {
+        title: format!("{what} at {} over {}", finding.location, over.to_lowercase()),
+        x: Axis::new(over, &curve.unit),
+        y: Axis::new(what, unit),
+        series: vec![Series {
+            label,
+            class: "after",
+            mark: Mark::Circles,
+            x: &curve.x,
+            y: &torque,
+            spread: &spread,
+        }],
+        columns: COLUMNS,
+    };
+    html! {
+        h4 { "Its measured shape" }
+        figure class="single" { (plot) }
+    }
+}

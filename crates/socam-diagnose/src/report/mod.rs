@@ -1,0 +1,80 @@
+//! The report of a diagnosis: one page that explains it, its JSON document, and the corrected model.
+
+mod drawing;
+mod findings;
+mod page;
+mod residuals;
+mod tables;
+pub(crate) mod words;
+
+#[cfg(test)]
+mod tests;
+
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+
+use socam_model::Model;
+use socam_recording::{OutputFile, RecordingError};
+use thiserror::Error;
+
+use crate::{Diagnosis, Evidence};
+
+/// A report that could not be written.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// The directory could not be made.
+    #[error("`{}` cannot be made a directory for the report: {source}", path.display())]
+    Directory {
+        /// What was asked for.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] RecordingError),
+}
+
+/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is made if need be. `model.toml` is the
+/// corrected model, or `model` as it is where nothing was corrected. Each file is there whole or not at all, and the page
+/// comes last.
+///
+/// # Errors
+/// [`ReportError`] with the path.
+pub fn write(
+    dir: &Path,
+    diagnosis: &Diagnosis,
+    evidence: &Evidence,
+    model: &Model,
+    corrected_model_toml: Option<&str>,
+) -> Result<(), ReportError> {
+    std::fs::create_dir_all(dir).map_err(|source| ReportError::Directory { path: dir.to_owned(), source })?;
+    write_file(&dir.join("model.toml"), |file| {
+        file.write_all(corrected_model_toml.unwrap_or(&model.text).as_bytes())
+    })?;
+    write_file(&dir.join("diagnosis.json"), |file| {
+        serde_json::to_writer_pretty(&mut *file, diagnosis)?;
+        file.write_all(b"\n")
+    })?;
+    write_file(&dir.join("index.html"), |file| file.write_all(page(diagnosis, evidence, model).as_bytes()))
+}
+
+/// The page alone.
+pub fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> String {
+    page::page(diagnosis, evidence, model).into_string()
+}
+
+fn write_file(
+    path: &Path,
+    content: impl FnOnce(&mut OutputFile) -> io::Result<()>,
+) -> Result<(), ReportError> {
+    let mut file = OutputFile::create(path)?;
+    content(&mut file).map_err(|source| RecordingError::Io {
+        path: path.into(),
+        action: "write to",
+        source,
+    })?;
+    Ok(file.commit()?)
+}

@@ -1,0 +1,229 @@
+//! The page as a whole: the answer first, then its proof, then how it was made.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use socam_model::Model;
+
+use super::{drawing, findings, residuals, tables, words};
+use crate::{
+    Diagnosis, Evidence,
+    document::{UNEXPLAINED, Validation, Verdict},
+};
+
+const STYLE: &str = include_str!("style.css");
+/// Rivals below this weight are not drawn.
+const LEAST_WEIGHT: f64 = 0.05;
+
+pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { "Diagnosis of " (model.name) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                (head(diagnosis, model))
+                main {
+                    (bench(diagnosis, model))
+                    (found(diagnosis, model))
+                    (proof(diagnosis))
+                    section { h2 { "Parameters before and after" } (tables::parameters(diagnosis)) }
+                    (next(diagnosis))
+                    (unseen(diagnosis))
+                    (pictures(diagnosis, evidence, model))
+                    (made(diagnosis))
+                }
+            }
+        }
+    }
+}
+
+fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {
+    let (class, sign) = match diagnosis.verdict {
+        Verdict::Adequate => ("adequate", "✓"),
+        Verdict::MissingPhysics => ("missing", "!"),
+        Verdict::Unexplained => ("unexplained", "?"),
+    };
+    html! {
+        header class=(class) {
+            p class="over" { "Diagnosis of " b { (model.name) } ": " (model.description) }
+            h1 { span class="sign" aria-hidden="true" { (sign) } span { (verdict(diagnosis)) } }
+            @if let Some(summary) = summary(diagnosis) { p class="summary" { (summary) } }
+            @if !diagnosis.warnings.is_empty() {
+                ul class="warnings" {
+                    @for warning in &diagnosis.warnings { li { b { "Warning: " } (warning) } }
+                }
+            }
+        }
+    }
+}
+
+fn verdict(diagnosis: &Diagnosis) -> String {
+    let named: Vec<String> = diagnosis
+        .findings
+        .iter()
+        .filter(|finding| finding.effect != UNEXPLAINED)
+        .map(|finding| format!("{} at {}", words::effect_within(finding), finding.location))
+        .collect();
+    let places: Vec<String> = diagnosis.findings.iter().map(|finding| finding.location.clone()).collect();
+    match diagnosis.verdict {
+        Verdict::Adequate => {
+            "Nothing is missing: the model explains these recordings down to their noise.".to_owned()
+        }
+        Verdict::MissingPhysics if named.is_empty() => "Physics is missing.".to_owned(),
+        Verdict::MissingPhysics => format!("Physics is missing: {}.", words::and(&named)),
+        Verdict::Unexplained if places.is_empty() => {
+            "Something is missing that nothing in the catalogue carries.".to_owned()
+        }
+        Verdict::Unexplained => {
+            format!("Something is missing at {} that nothing in the catalogue carries.", words::and(&places))
+        }
+    }
+}
+
+/// How far the worst channel came on data that it was not fitted to.
+fn summary(diagnosis: &Diagnosis) -> Option<String> {
+    let channels = diagnosis.fit.channels.iter().filter_map(|(name, fit)| {
+        let before = tables::in_noise_floors(fit.holdout_rms_before, fit.noise_std)?;
+        Some((name, before, tables::in_noise_floors(fit.holdout_rms_after, fit.noise_std)))
+    });
+    let (name, before, after) = channels.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(match after {
+        Some(after) if !diagnosis.findings.is_empty() => format!(
+            "On data that were not fitted, the worst channel, {name}, missed by {before:.2} times its noise floor before \
+             the correction and by {after:.2} times after it."
+        ),
+        _ => format!(
+            "On data that were not fitted, the worst channel, {name}, misses by {before:.2} times its noise floor."
+        ),
+    })
+}
+
+fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
+    let findings = diagnosis.findings.iter().enumerate();
+    let found =
+        findings.map(|(index, finding)| (finding.location.as_str(), drawing::Mark::Finding(index + 1)));
+    let rivals = diagnosis.findings.iter().flat_map(|finding| &finding.rivals);
+    let rivals = rivals
+        .filter(|rival| rival.weight >= LEAST_WEIGHT)
+        .map(|rival| (rival.location.as_str(), drawing::Mark::Rival));
+    let marks: Vec<_> = found.chain(rivals).collect();
+    html! {
+        section {
+            h2 { "The bench" }
+            div class="scroll" { (drawing::bench(model, &marks)) }
+            ul class="key" {
+                @for (index, finding) in diagnosis.findings.iter().enumerate() {
+                    li { (drawing::marker(index + 1)) span { (words::effect(&finding.effect)) " at " code { (finding.location) } } }
+                }
+                @if drawing::shows_rivals(model, &marks) {
+                    li { span class="dashed" {} "place of a rival" }
+                }
+                li { span class="box input" {} "channel that drives the model" }
+                li { span class="box" {} "channel that it predicts" }
+            }
+        }
+    }
+}
+
+fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
+    html! {
+        @if !diagnosis.findings.is_empty() {
+            section {
+                h2 { "What is missing" }
+                @for (index, finding) in diagnosis.findings.iter().enumerate() {
+                    (findings::finding(finding, index + 1, model))
+                }
+            }
+        }
+    }
+}
+
+fn proof(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        section {
+            h2 { "Before and after" }
+            p {
+                "Root mean square of measured minus predicted, the model running free. A perfect model leaves the noise floor: "
+                "1.00 in noise floors."
+            }
+            (tables::fit(diagnosis))
+        }
+    }
+}
+
+fn next(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if let Some(experiment) = &diagnosis.suggested_experiment {
+            section {
+                h2 { "What to record next" }
+                p { (experiment.sentence) }
+                dl {
+                    dt { "Profile" }
+                    dd { code { (experiment.profile) } }
+                    dt { "Tells apart" }
+                    dd { @for pair in &experiment.tells_apart { span class="place" { code { (pair) } } " " } }
+                }
+            }
+        }
+    }
+}
+
+fn unseen(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.not_found.is_empty() {
+            section {
+                h2 { "What could not be seen" }
+                p { "These were looked for and not found. Smaller than the sizes given, they may be there all the same." }
+                (tables::not_found(&diagnosis.not_found))
+            }
+        }
+    }
+}
+
+fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup {
+    html! {
+        @if !evidence.channels.is_empty() {
+            section {
+                h2 { "Residuals" }
+                p {
+                    "Measured minus predicted, the model running free; before is the base model at its best fit"
+                    @if diagnosis.findings.is_empty() { "." } @else { ", after the corrected one." }
+                    " The pictures over speed, angle, torque and frequency take all recordings together."
+                }
+                (residuals::residuals(evidence, model))
+            }
+        }
+    }
+}
+
+fn made(diagnosis: &Diagnosis) -> Markup {
+    let validation = match diagnosis.validation {
+        Validation::Holdout => "Proven on recordings that were held out: never fitted, only predicted.",
+        Validation::LeaveOneOut => {
+            "Proven by leaving recordings out one at a time: each was predicted by a fit to the others."
+        }
+        Validation::Blocks => {
+            "Proven by leaving blocks of a single recording out one at a time, which is weaker proof than a second recording."
+        }
+    };
+    html! {
+        section {
+            h2 { "How this was made" }
+            (tables::recordings(diagnosis))
+            p { (validation) }
+            p {
+                "False-alarm rate: on " (words::rough(100.0 * diagnosis.false_alarm_rate))
+                " % of benches with nothing missing, something would be found."
+            }
+            p class="small" {
+                "socam " (diagnosis.version) ", " (words::rough(diagnosis.cpu_s)) " s of processor time. The numbers are in "
+                code { "diagnosis.json" } " (" (diagnosis.schema) "), the "
+                @if diagnosis.findings.is_empty() { "model" } @else { "corrected model" } " in " code { "model.toml" } "."
+            }
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Numbers in rows: the fit of each channel, the parameters, what was not found, the recordings.
+
+use maud::{Markup, html};
+
+use super::words;
+use crate::{
+    Diagnosis,
+    document::{ChannelFit, NotFound, ParameterChange, Validation},
+};
+
+/// Residuals of each channel before and after, on training and on held-out data, against the noise floor.
+pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
+    let held_out = match diagnosis.validation {
+        Validation::Holdout => "Held-out recordings",
+        Validation::LeaveOneOut => "Each recording, fitted without it",
+        Validation::Blocks => "Each block, fitted without it",
+    };
+    html! {
+        div class="scroll" {
+            table class="fit" {
+                thead {
+                    tr {
+                        th rowspan="2" { "Channel" }
+                        th rowspan="2" { "Unit" }
+                        th rowspan="2" class="n" { "Noise floor" }
+                        th colspan="3" class="group" { "Training recordings" }
+                        th colspan="3" class="group" { (held_out) }
+                    }
+                    tr {
+                        @for _ in 0..2 {
+                            th class="n" { "before" }
+                            th class="n" { "after" }
+                            th { "in noise floors" }
+                        }
+                    }
+                }
+                tbody {
+                    @for (name, fit) in &diagnosis.fit.channels { (channel(name, fit)) }
+                }
+            }
+        }
+    }
+}
+
+fn channel(name: &str, fit: &ChannelFit) -> Markup {
+    html! {
+        tr {
+            td { code { (name) } }
+            td { (words::unit(&fit.unit)) }
+            td class="n" { (words::level(fit.noise_std)) }
+            (pair(fit.rms_before, fit.rms_after, fit.noise_std))
+            (pair(fit.holdout_rms_before, fit.holdout_rms_after, fit.noise_std))
+        }
+    }
+}
+
+fn pair(before: Option<f64>, after: Option<f64>, noise: Option<f64>) -> Markup {
+    let ratio = |rms: Option<f64>| match in_noise_floors(rms, noise) {
+        Some(ratio) => format!("{ratio:.2}"),
+        None => "–".to_owned(),
+    };
+    html! {
+        td class="n" { (words::level(before)) }
+        td class="n" { (words::level(after)) }
+        td class="ratio" { (ratio(before)) @if after.is_some() { " → " b { (ratio(after)) } } }
+    }
+}
+
+/// How many times the noise floor a residual is.
+pub(super) fn in_noise_floors(rms: Option<f64>, noise: Option<f64>) -> Option<f64> {
+    let ratio = rms? / noise.filter(|noise| *noise > 0.0)?;
+    ratio.is_finite().then_some(ratio)
+}
+
+/// The base model's parameters before and after.
+pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
+    let (fixed, free): (Vec<_>, Vec<_>) = diagnosis.parameters.iter().partition(|parameter| parameter.fixed);
+    html! {
+        @if free.is_empty() { p { "Every parameter of the model is fixed." } } @else {
+            div class="scroll" {
+                table {
+                    thead {
+                        tr {
+                            th { "Parameter" } th { "Unit" }
+                            th class="n" { "Before" } th { "95 % interval" }
+                            th class="n" { "After" } th { "95 % interval" }
+                            th class="n" { "Change" } th {}
+                        }
+                    }
+                    tbody {
+                        @for parameter in free { (row(parameter)) }
+                        @for it in &diagnosis.combinations {
+                            tr {
+                                td { code { (it.name) } " = " (it.expression) }
+                                td { (words::unit(&it.unit)) }
+                                td class="n" { (words::number(it.before)) }
+                                td {}
+                                td class="n" { (words::estimate(it.after, it.ci95)) }
+                                td { (words::interval(it.after, it.ci95)) }
+                                td class="n" { (change(it.before, it.after)) }
+                                td { "determined together" }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        @if !fixed.is_empty() {
+            p class="small" {
+                "Fixed, not fitted: "
+                @for (index, it) in fixed.iter().enumerate() {
+                    @if index > 0 { ", " }
+                    @let value = format!("{} {}", words::number(it.after.or(it.before)), words::unit(&it.unit));
+                    span class="together" { code { (it.name) } " = " (value.trim_end()) }
+                }
+                "."
+            }
+        }
+    }
+}
+
+fn row(parameter: &ParameterChange) -> Markup {
+    let note = match (parameter.identifiable, parameter.determined_with.as_slice()) {
+        (true, _) => String::new(),
+        (false, []) => "not determined by these data".to_owned(),
+        (false, with) => format!("not determined apart from {}", words::and(with)),
+    };
+    html! {
+        tr class=[(!parameter.identifiable).then_some("faint")] {
+            td { code { (parameter.name) } }
+            td { (words::unit(&parameter.unit)) }
+            td class="n" { (words::estimate(parameter.before, parameter.ci95_before)) }
+            td { (words::interval(parameter.before, parameter.ci95_before)) }
+            td class="n" { (words::estimate(parameter.after, parameter.ci95)) }
+            td { (words::interval(parameter.after, parameter.ci95)) }
+            td class="n" { (change(parameter.before, parameter.after)) }
+            td { (note) }
+        }
+    }
+}
+
+fn change(before: Option<f64>, after: Option<f64>) -> String {
+    let (Some(before), Some(after)) = (before, after) else {
+        return String::new();
+    };
+    let percent = 100.0 * (after - before) / before.abs();
+    match percent {
+        _ if !percent.is_finite() => String::new(),
+        _ if percent.abs() < 0.05 => "0 %".to_owned(),
+        _ if percent.abs() < 9.95 => words::minus(&format!("{percent:+.1} %")),
+        _ => words::minus(&format!("{percent:+.0} %")),
+    }
+}
+
+/// What was looked for and not found: one row per effect, its places side by side.
+pub(super) fn not_found(entries: &[NotFound]) -> Markup {
+    let mut rows: Vec<(&NotFound, Vec<&NotFound>)> = Vec::new();
+    for entry in entries {
+        let same = |first: &NotFound| {
+            (&first.effect, &first.parameter, &first.unit) == (&entry.effect, &entry.parameter, &entry.unit)
+        };
+        match rows.iter_mut().find(|(first, _)| same(first)) {
+            Some((_, places)) => places.push(entry),
+            None => rows.push((entry, vec![entry])),
+        }
+    }
+    html! {
+        div class="scroll" {
+            table class="not-found" {
+                thead { tr { th { "Effect" } th { "Parameter" } th { "Would have been seen from" } th { "Unit" } } }
+                tbody {
+                    @for (first, places) in rows {
+                        tr {
+                            td { (words::effect(&first.effect)) }
+                            td { code { (first.parameter) } }
+                            td { @for it in places { span class="place" { code { (it.location) } " " b { (smallest(it)) } } " " } }
+                            td { (words::unit(&first.unit)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn smallest(entry: &NotFound) -> String {
+    match entry.smallest_detectable.filter(|size| size.is_finite()) {
+        Some(size) => words::rough(size),
+        None => "at no size".to_owned(),
+    }
+}
+
+/// What was read, and what for.
+pub(super) fn recordings(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.recordings.is_empty() {
+            div class="scroll" {
+                table {
+                    thead { tr { th { "Recording" } th { "Used for" } th class="n" { "Samples" } th class="n" { "Duration (s)" } } }
+                    tbody {
+                        @for it in &diagnosis.recordings {
+                            tr {
+                                td { code { (it.name) } }
+                                td { @if it.held_out { "proof only, never fitted" } @else { "training" } }
+                                td class="n" { (it.samples) }
+                                td class="n" { (words::number(Some(it.duration_s))) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Numbers, units and names as people read them.
+
+use crate::document::{Finding, UNEXPLAINED};
+
+/// Digits of a number that has no interval.
+const DIGITS: i32 = 4;
+
+/// A unit with its powers raised; nothing for a pure number.
+pub(crate) fn unit(unit: &str) -> String {
+    if unit == "1" {
+        return String::new();
+    }
+    let mut after_letter = false;
+    unit.chars()
+        .map(|c| {
+            let raised = if after_letter { superscript(c) } else { None };
+            after_letter = c.is_alphabetic() || raised.is_some();
+            raised.unwrap_or(c)
+        })
+        .collect()
+}
+
+fn superscript(c: char) -> Option<char> {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    if c == '-' { Some('⁻') } else { RAISED.get(c.to_digit(10)? as usize).copied() }
+}
+
+/// 10 to a power.
+pub(crate) fn power(exponent: i32) -> String {
+    let raised = exponent.to_string().chars().filter_map(superscript).collect::<String>();
+    format!("10{raised}")
+}
+
+/// A tick of a logarithmic axis, given the logarithm.
+pub(crate) fn power_of_ten_tick(log: f64) -> String {
+    let value = 10_f64.powf(log);
+    let exponent = (log + 1e-9).floor() as i32;
+    if (-3..=4).contains(&exponent) {
+        let digits = usize::try_from(-exponent).unwrap_or(0);
+        format!("{value:.digits$}")
+    } else {
+        let factor = (value / 10_f64.powi(exponent)).round();
+        if factor == 1.0 { power(exponent) } else { format!("{factor}·{}", power(exponent)) }
+    }
+}
+
+/// A true minus sign instead of a hyphen.
+pub(crate) fn minus(number: &str) -> String {
+    // Digits may round a small negative number to nothing.
+    let is_zero = !number.chars().any(|c| ('1'..='9').contains(&c));
+    let number = if is_zero { number.trim_start_matches('-') } else { number };
+    number.replace('-', "−")
+}
+
+/// A number with up to four digits; a dash where there is none.
+pub(crate) fn number(value: Option<f64>) -> String {
+    match value.filter(|value| value.is_finite()) {
+        Some(value) => without_zeros(&rounded(value, resolution(value, DIGITS))),
+        None => "–".to_owned(),
+    }
+}
+
+/// A number of a column, with all its digits; a dash where there is none.
+pub(crate) fn level(value: Option<f64>) -> String {
+    match value.filter(|value| value.is_finite()) {
+        Some(value) => rounded(value, resolution(value, 3)),
+        None => "–".to_owned(),
+    }
+}
+
+/// Zeros at the end of decimals say nothing where no digits are promised.
+fn without_zeros(number: &str) -> String {
+    let (mantissa, power) = number.split_once('×').unwrap_or((number, ""));
+    let mantissa =
+        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    if power.is_empty() { mantissa.to_owned() } else { format!("{mantissa}×{power}") }
+}
+
+/// A number with two digits, for sizes that are not known better.
+pub(crate) fn rough(value: f64) -> String {
+    if value.is_finite() { rounded(value, resolution(value, 2)) } else { "–".to_owned() }
+}
+
+/// A number to the digits that its interval warrants.
+pub(crate) fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+    match value.filter(|value| value.is_finite()) {
+        Some(value) if width(value, ci95) > 0.0 => rounded(value, warranted(value, ci95)),
+        Some(_) => number(value),
+        None => "–".to_owned(),
+    }
+}
+
+/// An interval to the digits that it warrants; nothing where both ends are open.
+pub(crate) fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+    let ends = ci95.map(|end| end.filter(|end| end.is_finite()));
+    let around = value.or(ends[0]).or(ends[1]).unwrap_or(0.0);
+    let resolution = warranted(around, ci95);
+    match ends {
+        [None, None] => String::new(),
+        [Some(low), Some(high)] if low == high => "exact".to_owned(),
+        [Some(low), Some(high)] => format!("{} to {}", rounded(low, resolution), rounded(high, resolution)),
+        [Some(low), None] => format!("above {}", rounded(low, resolution)),
+        [None, Some(high)] => format!("below {}", rounded(high, resolution)),
+    }
+}
+
+/// Power of ten of the last digit worth showing.
+fn warranted(value: f64, ci95: [Option<f64>; 2]) -> i32 {
+    let width = width(value, ci95);
+    if width.is_finite() && width > 0.0 {
+        // More than eight digits of anything are not read.
+        resolution(width, 2).max(resolution(value, 8))
+    } else {
+        resolution(value, DIGITS)
+    }
+}
+
+/// Half-width of an interval, or what there is of it; zero where there is none.
+fn width(value: f64, ci95: [Option<f64>; 2]) -> f64 {
+    match ci95 {
+        [Some(low), Some(high)] => 0.5 * (high - low).abs(),
+        [Some(end), None] | [None, Some(end)] => (value - end).abs(),
+        [None, None] => 0.0,
+    }
+}
+
+fn resolution(value: f64, digits: i32) -> i32 {
+    if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 - digits + 1 }
+}
+
+/// A number to a power of ten, with its own power of ten where it would need many zeros.
+fn rounded(value: f64, resolution: i32) -> String {
+    let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    let plain = (-3..=5).contains(&exponent) || exponent < resolution;
+    let exponent = if plain { 0 } else { exponent };
+    let digits = usize::try_from(exponent - resolution).unwrap_or(0);
+    let mantissa = minus(&format!("{:.digits$}", value / 10_f64.powi(exponent)));
+    if exponent == 0 { mantissa } else { format!("{mantissa}×{}", power(exponent)) }
+}
+
+/// A share as a percentage that never pretends to be 0 or 100.
+pub(crate) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        _ if !percent.is_finite() => "–".to_owned(),
+        _ if percent > 0.0 && percent < 1.0 => "< 1 %".to_owned(),
+        _ if percent > 99.0 && percent < 100.0 => "> 99 %".to_owned(),
+        _ => format!("{} %", minus(&format!("{percent:.0}"))),
+    }
+}
+
+/// A chance.
+pub(crate) fn chance(p: Option<f64>) -> String {
+    match p.filter(|p| p.is_finite()) {
+        None => "–".to_owned(),
+        Some(p) if p < 1e-15 => format!("< {}", power(-15)),
+        Some(p) => rough(p),
+    }
+}
+
+/// An id in words: `coulomb_friction` is Coulomb friction.
+pub(crate) fn effect(id: &str) -> String {
+    if id == UNEXPLAINED {
+        return "Unexplained misfit".to_owned();
+    }
+    let mut words = id.replace('_', " ");
+    if let Some(first) = words.get(..1).map(str::to_uppercase) {
+        words.replace_range(..1, &first);
+    }
+    words
+}
+
+/// A finding's name within a sentence.
+pub(crate) fn effect_within(finding: &Finding) -> String {
+    let words = effect(&finding.effect);
+    let proper = ["Coulomb", "Stribeck"].iter().any(|name| words.starts_with(name));
+    match words.get(..1) {
+        Some(first) if !proper => words.replacen(first, &first.to_lowercase(), 1),
+        _ => words,
+    }
+}
+
+/// A list as people say it.
+pub(crate) fn and(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_raised() {
+        assert_eq!(unit("N m s2/rad2"), "N m s²/rad²");
+        assert_eq!(unit("kg m2"), "kg m²");
+        assert_eq!(unit("1"), "");
+        assert_eq!(unit("1/rad2"), "1/rad²");
+    }
+
+    #[test]
+    fn numbers_show_what_their_intervals_warrant() {
+        let show = |value, low, high| {
+            let ci95 = [Some(low), Some(high)];
+            format!("{}; {}", estimate(Some(value), ci95), interval(Some(value), ci95))
+        };
+        assert_eq!(show(0.050_123, 0.048_01, 0.052_3), "0.0501; 0.0480 to 0.0523");
+        assert_eq!(show(52_485.4, 50_000.0, 55_000.0), "52485; 50000 to 55000");
+        assert_eq!(show(4.123e-5, 4.0e-5, 4.25e-5), "4.12×10⁻⁵; 4.00×10⁻⁵ to 4.25×10⁻⁵");
+        assert_eq!(show(-1e-9, -1.0, 1.0), "0.0; −1.0 to 1.0");
+        assert_eq!(interval(None, [Some(2.5), None]), "above 2.500");
+        assert_eq!(
+            estimate(Some(0.125), [Some(0.125); 2]) + &interval(Some(0.125), [Some(0.125); 2]),
+            "0.125exact"
+        );
+        assert_eq!(number(Some(3e-7)), "3×10⁻⁷");
+        assert_eq!(number(Some(1200.0)), "1200");
+        assert_eq!(level(Some(0.01)), "0.0100");
+        assert_eq!(interval(Some(1.0), [None, None]), "");
+        assert_eq!(number(Some(f64::NAN)), "–");
+        assert_eq!(number(Some(71.047_1)), "71.05");
+    }
+
+    #[test]
+    fn names() {
+        assert_eq!(effect("coulomb_friction"), "Coulomb friction");
+        assert_eq!(effect(""), "");
+        assert_eq!(effect("µ_effect"), "µ effect");
+        assert_eq!(and(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+        assert_eq!(chance(Some(0.0)), "< 10⁻¹⁵");
+        assert_eq!(percent(0.998), "> 99 %");
+    }
+}
