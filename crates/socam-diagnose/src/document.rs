@@ -244,7 +244,7 @@ pub struct ParameterChange {
     pub unit: String,
     /// Fitted without the correction; `None` where the data do not determine it.
     pub before: Option<f64>,
-    /// Fitted with it; `None` where the data do not determine it.
+    /// Fitted with it, the same as `before` where nothing was corrected; `None` where the data do not determine it.
     pub after: Option<f64>,
     /// 95 % interval of `after`; an open end is `None`.
     pub ci95: [Option<f64>; 2],

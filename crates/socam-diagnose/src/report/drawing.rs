@@ -13,7 +13,7 @@ use socam_model::{
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
 /// Width of a cell in the units of the view box.
-const CELL: f64 = 86.0;
+const CELL: f64 = 88.0;
 /// Characters of a label's line that surely fit in a cell.
 const LINE_CHARACTERS: usize = 12;
 const LINE_HEIGHT: f64 = 13.0;
@@ -218,11 +218,11 @@ fn draw(element: &Element, rows: &Rows, motion: Motion) -> Markup {
     let upper = rows.upper(element);
     match element.kind {
         ElementKind::Sensor { role, quantity } => html! {
-            rect class=(if role == Role::Input { "channel input" } else { "channel" }) x=(x - 0.5 * CELL + 3.0) y=(format!("{upper:.1}"))
-                width=(CELL - 6.0) height=(format!("{:.1}", rows.lower(element) - upper)) rx="5" {
+            rect class=(if role == Role::Input { "channel input" } else { "channel" }) x=(x - 0.5 * CELL + 2.0) y=(format!("{upper:.1}"))
+                width=(CELL - 4.0) height=(format!("{:.1}", rows.lower(element) - upper)) rx="5" {
                 title { (symbols::measures(quantity, role, motion)) }
             }
-            (label(element, upper + 3.0, if role == Role::Input { "inside" } else { "name" }))
+            (label(element, upper + 3.0, if role == Role::Input { "said-inside" } else { "said" }))
         },
         kind if place(kind) == Place::Grounded => html! {
             g transform=(format!("translate({x} {upper:.1})")) { (symbols::grounded(kind)) }
@@ -285,8 +285,8 @@ fn frame(element: &Element, rows: &Rows, findings: &[Mark], rival: bool) -> Mark
     }
     let (top, bottom) = (rows.upper(element) - 4.0, rows.lower(element) + 4.0);
     html! {
-        rect class=(if rival { "mark rival" } else { "mark" }) x=(format!("{:.1}", middle(element) - 0.5 * CELL + 1.0))
-            y=(format!("{top:.1}")) width=(CELL - 2.0) height=(format!("{:.1}", bottom - top)) rx="7" {}
+        rect class=(if rival { "mark rival" } else { "mark" }) x=(format!("{:.1}", middle(element) - 0.5 * CELL + 0.5))
+            y=(format!("{top:.1}")) width=(CELL - 1.0) height=(format!("{:.1}", bottom - top)) rx="7" {}
     }
 }
 

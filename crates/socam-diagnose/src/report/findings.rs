@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use socam_model::{Model, Motion};
 
-use super::{drawing, words};
+use super::{drawing, page::prose, words};
 use crate::{
     document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED},
     plot::{Axis, COLUMNS, Mark, Plot, Series},
@@ -17,7 +17,7 @@ pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup
                 (drawing::marker(number))
                 span { (words::effect(&finding.effect)) " at " code { (finding.location) } }
             }
-            p class="sentence" { (finding.sentence) }
+            p class="sentence" { (prose(&finding.sentence)) }
             @if !finding.equation.is_empty() { p class="equation" { code { (finding.equation) } } }
             div class="columns" {
                 div {
@@ -85,7 +85,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
     }
     html! {
         h4 { "Where it lives" }
-        @if !region.text.is_empty() { p { (region.text) } }
+        @if !region.text.is_empty() { p { (prose(&region.text)) } }
         dl {
             @for (name, [low, high], unit) in ranges() {
                 dt { (name) }

@@ -30,7 +30,10 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
                     (bench(diagnosis, model))
                     (found(diagnosis, model))
                     (proof(diagnosis))
-                    section { h2 { "Parameters before and after" } (tables::parameters(diagnosis)) }
+                    section {
+                        h2 { "Parameters" @if !diagnosis.findings.is_empty() { " before and after" } }
+                        (tables::parameters(diagnosis))
+                    }
                     (next(diagnosis))
                     (unseen(diagnosis))
                     (pictures(diagnosis, evidence, model))
@@ -54,9 +57,18 @@ fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {
             @if let Some(summary) = summary(diagnosis) { p class="summary" { (summary) } }
             @if !diagnosis.warnings.is_empty() {
                 ul class="warnings" {
-                    @for warning in &diagnosis.warnings { li { b { "Warning: " } (warning) } }
+                    @for warning in &diagnosis.warnings { li { b { "Warning: " } (prose(warning)) } }
                 }
             }
+        }
+    }
+}
+
+/// A sentence whose `names` in backticks stand out.
+pub(super) fn prose(sentence: &str) -> Markup {
+    html! {
+        @for (index, part) in sentence.split('`').enumerate() {
+            @if index % 2 == 1 { code { (part) } } @else { (part) }
         }
     }
 }
@@ -145,7 +157,7 @@ fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
 fn proof(diagnosis: &Diagnosis) -> Markup {
     html! {
         section {
-            h2 { "Before and after" }
+            h2 { @if diagnosis.findings.is_empty() { "How well the model fits" } @else { "Before and after" } }
             p {
                 "Root mean square of measured minus predicted, the model running free. A perfect model leaves the noise floor: "
                 "1.00 in noise floors."
@@ -160,7 +172,7 @@ fn next(diagnosis: &Diagnosis) -> Markup {
         @if let Some(experiment) = &diagnosis.suggested_experiment {
             section {
                 h2 { "What to record next" }
-                p { (experiment.sentence) }
+                p { (prose(&experiment.sentence)) }
                 dl {
                     dt { "Profile" }
                     dd { code { (experiment.profile) } }
@@ -190,8 +202,8 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
             section {
                 h2 { "Residuals" }
                 p {
-                    "Measured minus predicted, the model running free; before is the base model at its best fit"
-                    @if diagnosis.findings.is_empty() { "." } @else { ", after the corrected one." }
+                    "Measured minus predicted, the model running free"
+                    @if diagnosis.findings.is_empty() { "." } @else { "; before is the base model at its best fit, after the corrected one." }
                     " The pictures over speed, angle, torque and frequency take all recordings together."
                 }
                 (residuals::residuals(evidence, model))

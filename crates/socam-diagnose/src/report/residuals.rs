@@ -21,6 +21,11 @@ const FEW_SAMPLES: usize = 50;
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL_95: f64 = 1.96;
 
+/// What the base model's residuals are called.
+fn before_label(after: &[f64]) -> &'static str {
+    if after.is_empty() { "base model" } else { "before" }
+}
+
 /// All pictures of all channels.
 pub(super) fn residuals(evidence: &Evidence, model: &Model) -> Markup {
     let traces: usize = evidence.recordings.iter().map(|recording| 2 * recording.channels.len()).sum();
@@ -67,7 +72,7 @@ fn over_bins(channel: &ChannelEvidence, binned: &Binned, over: &str, unit: &str)
     let interval = |std: &[f64]| std.iter().map(|std| INTERVAL_95 * std).collect::<Vec<_>>();
     let (before, after) = (interval(&binned.before_std), interval(&binned.after_std));
     let mut series = vec![Series {
-        label: "before",
+        label: before_label(&binned.after),
         class: "before",
         mark: Mark::Circles,
         x: &binned.x,
@@ -76,7 +81,7 @@ fn over_bins(channel: &ChannelEvidence, binned: &Binned, over: &str, unit: &str)
     }];
     if !binned.after.is_empty() {
         series.push(Series {
-            label: "after, with 95 % intervals",
+            label: "after; bars: 95 % intervals",
             class: "after",
             mark: Mark::Squares,
             x: &binned.x,
@@ -103,7 +108,7 @@ fn over_frequency(channel: &ChannelEvidence, spectrum: &Spectrum) -> Markup {
         y,
         spread: &[],
     };
-    let mut series = vec![line("before", "before", spectrum.before.as_slice())];
+    let mut series = vec![line(before_label(&spectrum.after), "before", spectrum.before.as_slice())];
     if !spectrum.after.is_empty() {
         series.push(line("after", "after", &spectrum.after));
     }
@@ -129,8 +134,13 @@ fn over_time(
     let marks =
         if trace.time_s.len() > FEW_SAMPLES { [Mark::Trace; 2] } else { [Mark::Circles, Mark::Squares] };
     let line = |label, class, mark, x, y| Series { label, class, mark, x, y, spread: &[] };
-    let mut series =
-        vec![line("before", "before", marks[0], trace.time_s.as_slice(), trace.before.as_slice())];
+    let mut series = vec![line(
+        before_label(&trace.after),
+        "before",
+        marks[0],
+        trace.time_s.as_slice(),
+        trace.before.as_slice(),
+    )];
     if !trace.after.is_empty() {
         series.push(line("after", "after", marks[1], &trace.time_s, &trace.after));
     }

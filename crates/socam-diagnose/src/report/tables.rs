@@ -15,6 +15,7 @@ pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
         Validation::LeaveOneOut => "Each recording, fitted without it",
         Validation::Blocks => "Each block, fitted without it",
     };
+    let corrected = !diagnosis.findings.is_empty();
     html! {
         div class="scroll" {
             table class="fit" {
@@ -23,46 +24,56 @@ pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
                         th rowspan="2" { "Channel" }
                         th rowspan="2" { "Unit" }
                         th rowspan="2" class="n" { "Noise floor" }
-                        th colspan="3" class="group" { "Training recordings" }
-                        th colspan="3" class="group" { (held_out) }
+                        @for group in ["Training recordings", held_out] {
+                            th colspan=(if corrected { "3" } else { "2" }) class="group" { (group) }
+                        }
                     }
                     tr {
                         @for _ in 0..2 {
-                            th class="n" { "before" }
-                            th class="n" { "after" }
+                            @if corrected {
+                                th class="n first" { "before" }
+                                th class="n" { "after" }
+                            } @else {
+                                th class="n first" { "residual" }
+                            }
                             th { "in noise floors" }
                         }
                     }
                 }
                 tbody {
-                    @for (name, fit) in &diagnosis.fit.channels { (channel(name, fit)) }
+                    @for (name, fit) in &diagnosis.fit.channels { (channel(name, fit, corrected)) }
                 }
             }
         }
     }
 }
 
-fn channel(name: &str, fit: &ChannelFit) -> Markup {
+fn channel(name: &str, fit: &ChannelFit, corrected: bool) -> Markup {
+    let pair = |before, after| pair(before, after, fit.noise_std, corrected);
     html! {
         tr {
             td { code { (name) } }
             td { (words::unit(&fit.unit)) }
             td class="n" { (words::level(fit.noise_std)) }
-            (pair(fit.rms_before, fit.rms_after, fit.noise_std))
-            (pair(fit.holdout_rms_before, fit.holdout_rms_after, fit.noise_std))
+            (pair(fit.rms_before, fit.rms_after))
+            (pair(fit.holdout_rms_before, fit.holdout_rms_after))
         }
     }
 }
 
-fn pair(before: Option<f64>, after: Option<f64>, noise: Option<f64>) -> Markup {
+fn pair(before: Option<f64>, after: Option<f64>, noise: Option<f64>, corrected: bool) -> Markup {
     let ratio = |rms: Option<f64>| match in_noise_floors(rms, noise) {
         Some(ratio) => format!("{ratio:.2}"),
         None => "–".to_owned(),
     };
     html! {
-        td class="n" { (words::level(before)) }
-        td class="n" { (words::level(after)) }
-        td class="ratio" { (ratio(before)) @if after.is_some() { " → " b { (ratio(after)) } } }
+        td class="n first" { (words::level(before)) }
+        @if corrected {
+            td class="n" { (words::level(after)) }
+            td class="ratio" { (ratio(before)) " → " b { (ratio(after)) } }
+        } @else {
+            td class="ratio" { b { (ratio(before)) } }
+        }
     }
 }
 
@@ -75,6 +86,7 @@ pub(super) fn in_noise_floors(rms: Option<f64>, noise: Option<f64>) -> Option<f6
 /// The base model's parameters before and after.
 pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
     let (fixed, free): (Vec<_>, Vec<_>) = diagnosis.parameters.iter().partition(|parameter| parameter.fixed);
+    let corrected = !diagnosis.findings.is_empty();
     html! {
         @if free.is_empty() { p { "Every parameter of the model is fixed." } } @else {
             div class="scroll" {
@@ -82,22 +94,22 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
                     thead {
                         tr {
                             th { "Parameter" } th { "Unit" }
-                            th class="n" { "Before" } th { "95 % interval" }
-                            th class="n" { "After" } th { "95 % interval" }
-                            th class="n" { "Change" } th {}
+                            @if corrected { th class="n" { "Before" } th { "95 % interval" } }
+                            th class="n" { @if corrected { "After" } @else { "Value" } } th { "95 % interval" }
+                            @if corrected { th class="n" { "Change" } }
+                            th {}
                         }
                     }
                     tbody {
-                        @for parameter in free { (row(parameter)) }
+                        @for parameter in free { (row(parameter, corrected)) }
                         @for it in &diagnosis.combinations {
                             tr {
                                 td { code { (it.name) } " = " (it.expression) }
                                 td { (words::unit(&it.unit)) }
-                                td class="n" { (words::number(it.before)) }
-                                td {}
+                                @if corrected { td class="n" { (words::number(it.before)) } td {} }
                                 td class="n" { (words::estimate(it.after, it.ci95)) }
                                 td { (words::interval(it.after, it.ci95)) }
-                                td class="n" { (change(it.before, it.after)) }
+                                @if corrected { td class="n" { (change(it.before, it.after)) } }
                                 td { "determined together" }
                             }
                         }
@@ -119,7 +131,7 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-fn row(parameter: &ParameterChange) -> Markup {
+fn row(parameter: &ParameterChange, corrected: bool) -> Markup {
     let note = match (parameter.identifiable, parameter.determined_with.as_slice()) {
         (true, _) => String::new(),
         (false, []) => "not determined by these data".to_owned(),
@@ -129,11 +141,13 @@ fn row(parameter: &ParameterChange) -> Markup {
         tr class=[(!parameter.identifiable).then_some("faint")] {
             td { code { (parameter.name) } }
             td { (words::unit(&parameter.unit)) }
-            td class="n" { (words::estimate(parameter.before, parameter.ci95_before)) }
-            td { (words::interval(parameter.before, parameter.ci95_before)) }
+            @if corrected {
+                td class="n" { (words::estimate(parameter.before, parameter.ci95_before)) }
+                td { (words::interval(parameter.before, parameter.ci95_before)) }
+            }
             td class="n" { (words::estimate(parameter.after, parameter.ci95)) }
             td { (words::interval(parameter.after, parameter.ci95)) }
-            td class="n" { (change(parameter.before, parameter.after)) }
+            @if corrected { td class="n" { (change(parameter.before, parameter.after)) } }
             td { (note) }
         }
     }
