@@ -105,12 +105,19 @@ fn a_converter_that_does_not_answer_stops_the_bench() {
     }
 }
 
-/// A converter that answers well but with one and the same value cannot be told from a quiet bench at once: a second is allowed.
+#[test]
+fn a_converter_that_repeats_itself_stops_the_bench() {
+    let Some(mut board) = board() else { return };
+    let ran = stops(&mut board, "input=stuck", 0.002, &[]);
+    assert!(ran.stderr.contains("all inputs read the same"), "{ran:?}");
+}
+
+/// One input that never changes cannot be told from a quiet bench at once: a second is allowed.
 #[test]
 fn a_value_that_never_changes_stops_the_bench() {
     let Some(mut board) = board() else { return };
-    let ran = stops(&mut board, "input=stuck", 1.004, &[]);
-    assert!(ran.stderr.contains("is stuck"), "{ran:?}");
+    let ran = stops(&mut board, "reading=2@1", 1.004, &[]);
+    assert!(ran.stderr.contains("torque_in is stuck"), "{ran:?}");
 }
 
 #[test]

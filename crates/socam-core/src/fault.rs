@@ -77,6 +77,11 @@ pub enum Fault {
     Watchdog,
     /// The board was reset from outside.
     Reset,
+    /// All inputs read one and the same count.
+    ConverterStuck {
+        /// The reading.
+        count: i16,
+    },
 }
 
 impl Fault {
@@ -97,6 +102,7 @@ impl Fault {
             Self::CablePulled => 12,
             Self::Watchdog => 13,
             Self::Reset => 14,
+            Self::ConverterStuck { .. } => 15,
         }
     }
 
@@ -178,6 +184,10 @@ impl fmt::Display for Sentence<'_> {
             Fault::CablePulled => f.write_str("the cable to the host was pulled"),
             Fault::Watchdog => f.write_str("the board's program hung and its watchdog restarted it"),
             Fault::Reset => f.write_str("the board was reset"),
+            Fault::ConverterStuck { count } => write!(
+                f,
+                "all inputs read the same {count} counts: the input converter repeats itself, or its inputs are tied together"
+            ),
         }
     }
 }

@@ -63,6 +63,12 @@ impl fmt::Display for State {
     }
 }
 
+/// So many different sensors do not agree to the count by chance, ...
+const DISAGREE_FROM_CHANNELS: usize = 4;
+
+/// ... unless at rest: a hundredth of the converter's range.
+const AT_REST_COUNT: u16 = 328;
+
 /// Watches the channels against their limits, sample by sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch {
@@ -96,8 +102,8 @@ impl Watch {
         Self { channels }
     }
 
-    /// Looks at one set of readings, taken while `output_uv` was commanded. The first cause found wins; a reading at the rail
-    /// is looked at before the limit, because it is no measurement.
+    /// Looks at one set of readings, taken while `output_uv` was commanded. The first cause found wins; a converter
+    /// that repeats itself and a reading at the rail are looked at before the limits, because they are no measurements.
     pub(crate) fn check(
         &mut self,
         config: &Config,
@@ -105,7 +111,7 @@ impl Watch {
         output_uv: i32,
     ) -> Option<Fault> {
         let moves = output_uv.unsigned_abs() >= config.moving_uv.unsigned_abs();
-        let mut fault = None;
+        let mut fault = repeated(counts.get(..usize::from(config.channel_count)).unwrap_or(counts));
         for (((index, watch), channel), &count) in
             (0u8..).zip(&mut self.channels).zip(config.used_channels()).zip(counts)
         {
@@ -119,6 +125,13 @@ impl Watch {
         }
         fault
     }
+}
+
+/// Whether the converter gives every channel one and the same count.
+fn repeated(counts: &[i16]) -> Option<Fault> {
+    let &count = counts.first()?;
+    let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == count);
+    (is_one && count.unsigned_abs() >= AT_REST_COUNT).then_some(Fault::ConverterStuck { count })
 }
 
 impl ChannelWatch {

@@ -157,13 +157,14 @@ fn missed_ticks_are_counted_and_marked() {
 #[test]
 fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
     type Provoke = fn(&mut Board<'_, Bench, RING>);
-    let cases: [(Provoke, u32, &str); 10] = [
+    let cases: [(Provoke, u32, &str); 11] = [
         (|b| b.ports_mut().stop_pressed = true, 1, "emergency stop: the contact at the bench is open"),
         (|b| b.ports_mut().converter_silent = true, 1, "the input converter does not answer"),
         (|b| b.ports_mut().output_silent = true, 1, "the output converter does not answer"),
         (|b| b.ports_mut().forced[0] = Some(32_400), 1, "over-speed: motor_speed is 150.06"),
         (|b| b.ports_mut().forced[3] = Some(-31_500), 1, "over-torque: torque_out is -38.45"),
         (|b| b.ports_mut().forced[2] = Some(i16::MIN), 1, "torque_in is saturated: it reads -32768 counts"),
+        (|b| b.ports_mut().forced = [Some(12_000); MAX_CHANNELS], 1, "all inputs read the same 12000 counts"),
         (|b| b.ports_mut().forced[2] = Some(77), 1001, "torque_in is stuck: it read 77 counts for 1000 ms"),
         (
             |b| b.ports_mut().forced[0] = Some(9),

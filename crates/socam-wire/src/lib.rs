@@ -31,4 +31,4 @@ pub use message::{BoardStatus, FrontEnd, Identity, ToBoard, ToHost};
 pub use text::Text;
 
 /// Version of the messages and of everything that they contain. Any change to a type that travels raises it.
-pub const SCHEMA_VERSION: u8 = 2;
+pub const SCHEMA_VERSION: u8 = 3;
