@@ -149,6 +149,18 @@ fn serve(setup: &Setup, mut questions: ChildStdout, mut answers: ChildStdin) {
     ran.expect("the bench can be built");
 }
 
+/// What a program says on its serial line until it comes to a breakpoint, run by the emulated processor alone; `None`, with the
+/// reason said, where there is no Node.
+///
+/// # Panics
+/// When the emulator does not start or the program does not end.
+pub fn say(image: &Path) -> Option<String> {
+    let ran =
+        Command::new("node").arg(program()?.join("alone.mjs")).arg(image).output().expect("node starts");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    Some(String::from_utf8(ran.stdout).expect("text"))
+}
+
 /// The emulator's folder with what it needs; `None`, with the reason said, where there is no Node.
 fn program() -> Option<&'static Path> {
     static PROGRAM: OnceLock<Option<PathBuf>> = OnceLock::new();

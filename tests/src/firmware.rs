@@ -13,15 +13,20 @@ pub const TARGET: &str = "thumbv6m-none-eabi";
 /// When it does not build.
 pub fn image() -> Option<&'static Path> {
     static IMAGE: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let image = IMAGE.get_or_init(build).as_deref();
-    if image.is_none() {
-        crate::skip(&format!("Rust here has no target {TARGET}, which the firmware is built for"));
-    }
-    image
+    IMAGE.get_or_init(|| build(&[], "socam-firmware")).as_deref()
 }
 
-fn build() -> Option<PathBuf> {
+/// The program that runs the core's exercises (`firmware/examples/core_on_board`), likewise.
+///
+/// # Panics
+/// When it does not build.
+pub fn core_on_board() -> Option<PathBuf> {
+    build(&["--example", "core_on_board"], "examples/core_on_board")
+}
+
+fn build(what: &[&str], file: &str) -> Option<PathBuf> {
     if !has_target() {
+        crate::skip(&format!("Rust here has no target {TARGET}, which the firmware is built for"));
         return None;
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware");
@@ -29,6 +34,7 @@ fn build() -> Option<PathBuf> {
     let built = Command::new(env!("CARGO"))
         .args(["build", "--quiet", "--locked", "--release", "--target-dir"])
         .arg(&target)
+        .args(what)
         .current_dir(&folder)
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_TARGET_DIR")
@@ -36,7 +42,7 @@ fn build() -> Option<PathBuf> {
         .output()
         .expect("cargo starts");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    Some(target.join(TARGET).join("release/socam-firmware"))
+    Some(target.join(TARGET).join("release").join(file))
 }
 
 fn has_target() -> bool {
