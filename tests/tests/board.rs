@@ -28,6 +28,12 @@ slew_rad_s2 = 4000
 duration_s = 9
 ";
 
+/// Of the board's processor.
+const CYCLES_PER_US: f64 = 125.0;
+
+/// What of the memory the stack may take: a sixth of what statics leave to it (`firmware_image.rs`).
+const STACK_BYTES: u64 = 32_768;
+
 const CHANNELS: [&str; 5] =
     ["command_V", "motor_speed_rad_s", "output_speed_rad_s", "torque_in_Nm", "torque_out_Nm"];
 
@@ -68,7 +74,14 @@ fn record(board: &mut Emulator, log: &str, profile: &str, duration: &str, rate: 
     .json();
     assert_eq!((&recorded["lost"], &recorded["end"]), (&json!(0), &json!("finished")), "{recorded}");
     let step_us = 1_000_000 / rate / socam_core::conversions_per_sample(1_000_000 / rate);
-    board.ask(&json!({ "ask": "measured", "stepUs": step_us }))
+    let measured = board.ask(&json!({ "ask": "measured", "stepUs": step_us }));
+    assert!(measured["stackBytes"].as_u64().unwrap() <= STACK_BYTES, "{measured}");
+    let busy_us = measured["meanCycles"].as_f64().unwrap() / CYCLES_PER_US;
+    println!(
+        "measured: {rate} Hz {profile}: sampling takes {:.1} % of the time",
+        100.0 * busy_us / f64::from(step_us)
+    );
+    measured
 }
 
 fn columns(log: &str) -> Vec<Vec<f64>> {

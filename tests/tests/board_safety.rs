@@ -1,12 +1,17 @@
 //! Everything that can go wrong at the emulated board: output at 0 V and drive disabled in time, the cause told afterwards, and no
 //! movement before the host asks for it anew.
 
+use std::io::Read;
+use std::net::TcpStream;
+use std::time::Duration;
+
 use socam_core::Fault;
 use socam_model::Model;
 use socam_recording::Calibration;
 use socam_sim::{Setup, Truth};
 use socam_tests::emulator::{Emulator, Happened};
 use socam_tests::{Ran, run};
+use socam_wire::{BoardStatus, Decoder, ToHost};
 
 /// Into the run.
 const AFTER_S: f64 = 0.4;
@@ -66,13 +71,36 @@ fn remembers(board: &mut Emulator, fault: &Fault) {
     );
 }
 
-/// Samples that nobody takes fill the board's buffer; the thesis' program had one without a bound.
+/// What the board says of itself, unasked; not the first time, which may date from before the line was opened.
+fn status(board: &Emulator) -> BoardStatus {
+    let mut line = TcpStream::connect(("127.0.0.1", board.port)).unwrap();
+    line.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    let (mut decoder, mut buffer, mut times) = (Decoder::<ToHost>::new(), [0; 4096], 0);
+    loop {
+        let count = line.read(&mut buffer).unwrap();
+        let mut bytes = &buffer[..count];
+        while let Some(item) = decoder.next(&mut bytes) {
+            if let Ok(ToHost::Status(status)) = item {
+                times += 1;
+                if times == 3 {
+                    return status;
+                }
+            }
+        }
+    }
+}
+
+/// Samples that nobody takes fill the board's buffer; the thesis' program had one without a bound, of two sizes.
 #[test]
 fn a_pulled_cable_stops_the_bench() {
     let Some(mut board) = board() else { return };
     let _ = stops(&mut board, "pull-cable", 0.002, &[]);
     board.run_for(2.0);
     board.inject("plug-cable", None);
+    let told = status(&board).board;
+    assert_eq!(told.fault, Some(Fault::CablePulled));
+    // Samples of more than two seconds at 1 kHz, of which the buffer holds one.
+    assert!((1000..told.tick).contains(&told.dropped), "{told:?}");
     remembers(&mut board, &Fault::CablePulled);
 }
 

@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use object::read::elf::ProgramHeader;
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
-use socam_tests::firmware;
+use socam_tests::{firmware, run};
 
 /// Flash and memory of the board.
 const FLASH: u64 = 2 * 1024 * 1024;
@@ -193,6 +194,38 @@ fn the_image_fits_the_board() {
         boot_checksum(&boot[..252]),
         "boot loader"
     );
+}
+
+#[test]
+fn flash_puts_the_image_on_the_boot_drive_and_on_nothing_else() {
+    let Some(image) = firmware::image() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let drive = folder.path();
+    let flash = || run(["flash".as_ref(), image.as_os_str(), "--drive".as_ref(), drive.as_os_str()]);
+    let refused = flash();
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.stderr.contains("is no boot drive"), "{refused:?}");
+
+    std::fs::write(drive.join("INFO_UF2.TXT"), "UF2 Bootloader v2.0\r\nBoard-ID: RPI-RP2\r\n").unwrap();
+    let _ = flash().done();
+    let uf2 = std::fs::read(drive.join("socam.uf2")).unwrap();
+    let mut flashed = BTreeMap::new();
+    for block in uf2.chunks_exact(512) {
+        let address = u64::from(u32::from_le_bytes(block[12..16].try_into().unwrap()));
+        flashed.extend((address..).zip(block[32..288].iter().copied()));
+    }
+    let data = std::fs::read(image).unwrap();
+    let file = object::read::elf::ElfFile32::<object::Endianness>::parse(&*data).unwrap();
+    let mut compared = 0;
+    for segment in file.elf_program_headers() {
+        let bytes = segment.data(file.endian(), &*data).unwrap();
+        let address = u64::from(segment.p_paddr(file.endian()));
+        for (address, byte) in (address..).zip(bytes) {
+            assert_eq!(flashed.get(&address), Some(byte), "{address:#x}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20_000, "{compared} bytes");
 }
 
 /// The CRC-32 that the boot ROM expects behind its next stage: polynomial 04c11db7, from the highest bit, not inverted.

@@ -163,6 +163,37 @@ fn a_link_that_breaks_keeps_what_was_recorded() {
     assert!(data.unwrap().rows() > 500);
 }
 
+/// The virtual board behind a pseudo-terminal.
+#[cfg(unix)]
+#[test]
+fn a_board_on_a_serial_line_is_recorded() {
+    let calibration = Calibration::default();
+    let (mut line, end) = serialport::TTYPort::pair().unwrap();
+    let device = Device::Serial(serialport::SerialPort::name(&end).unwrap());
+    drop(end);
+    let mut board = InProcess::start(setup(&calibration), Pace::RealTime).unwrap();
+    let mut line_out = line.try_clone_native().unwrap();
+    serialport::SerialPort::set_timeout(&mut line, Duration::from_millis(1)).unwrap();
+    serialport::SerialPort::set_timeout(&mut line_out, Duration::from_secs(5)).unwrap();
+    std::thread::spawn(move || {
+        let mut buffer = [0; 1024];
+        // Where either end has nothing to say, or no host has opened the line, there is nothing to pass on.
+        loop {
+            let count = line.read(&mut buffer).unwrap_or(0);
+            board.write_all(&buffer[..count]).unwrap();
+            let count = board.read(&mut buffer).unwrap_or(0);
+            let _ = line_out.write_all(&buffer[..count]);
+        }
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut plan = plan(&calibration, &path);
+    plan.profile.duration_us = 500_000;
+    let report = record(&mut open(&device, None).unwrap(), plan, &Interrupt::default()).unwrap();
+    assert_eq!((report.end, report.summary.lost), (End::Finished, 0));
+    assert!(report.summary.written > 500);
+}
+
 #[test]
 fn devices_are_read() {
     assert_eq!("sim".parse(), Ok(Device::Sim));
