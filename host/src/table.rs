@@ -93,6 +93,32 @@ pub(crate) fn combinations(result: &Identification) -> String {
     format!("\n{}", align(&rows, &[false, true, false, false, false]))
 }
 
+/// What would settle what has no number.
+pub(crate) fn advice(result: &Identification) -> String {
+    if result.advice.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\nWhat would settle the rest\n{}",
+        result.advice.iter().map(|line| wrapped(line)).collect::<String>()
+    )
+}
+
+/// A sentence in lines of at most 110 characters, indented.
+fn wrapped(sentence: &str) -> String {
+    let mut lines = vec![String::from(" ")];
+    for word in sentence.split(' ') {
+        let last = lines.len() - 1;
+        if lines[last].len() + word.len() > 110 {
+            lines.push(format!("    {word}"));
+        } else {
+            lines[last].push(' ');
+            lines[last].push_str(word);
+        }
+    }
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
 pub(crate) fn nuisance(result: &Identification) -> String {
     if result.nuisance.is_empty() {
         return String::new();

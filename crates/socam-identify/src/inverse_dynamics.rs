@@ -307,6 +307,7 @@ impl<'m> Axis<'m> {
             fit,
             left_out: Vec::new(),
             input_noise_std: Vec::new(),
+            advice: Vec::new(),
             warnings: vec![
                 "intervals of inverse dynamics take its residuals as white and its regressors as exact"
                     .into(),

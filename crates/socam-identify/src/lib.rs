@@ -11,6 +11,7 @@
 //! eliminated; memory is bounded by a block. [`solver`] joins the factors and steps, with bounds and
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
+mod advice;
 mod amends;
 mod band;
 mod between;

@@ -6,7 +6,7 @@ use socam_model::Model;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
-    IdentifyError,
+    IdentifyError, advice,
     amends::{self, LeftOut},
     combinations::{self, Combination},
     feed::Stretch,
@@ -169,6 +169,8 @@ pub struct Identification {
     pub input_noise_std: Vec<(String, f64)>,
     /// Samples that were not used as measured.
     pub left_out: Vec<LeftOut>,
+    /// What would settle what has no number: sensors, experiments.
+    pub advice: Vec<String>,
     /// Anything a careful reader should know.
     pub warnings: Vec<String>,
     /// Point values of all parameters, SI, determined or not: what reproduces `fit`. For writing models.
@@ -269,6 +271,7 @@ pub(crate) fn identification(
         end,
         iterations: descent.iterations,
         cpu_s,
+        advice: advice::advice(problem.model, &parameters),
         parameters,
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.locals, results, &uncertainty, &weights.scales),

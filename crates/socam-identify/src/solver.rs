@@ -9,6 +9,7 @@ use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
 };
+use rayon::prelude::*;
 
 use crate::{
     IdentifyError, colour, combinations, input_noise, levels, outliers,
@@ -340,18 +341,19 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
         .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
     let base = Point { values: first.clone(), locals: pass::first_locals(&short, &first)? };
     let weights = first_weights(&short, &base)?;
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for (index, values) in candidates.collect::<Vec<_>>().into_iter().enumerate() {
+    let one = |(index, values): (usize, Vec<f64>)| {
         if index > 0 && problem.options.watch.stops() {
-            break;
+            return None;
         }
         let stage = Stage::Start { number: index + 1, of: problem.options.starts };
-        let Ok(locals) = pass::first_locals(&short, &values) else { continue };
+        let locals = pass::first_locals(&short, &values).ok()?;
         let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
-        let Ok(descent) = descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15, stage)
-        else {
-            continue;
-        };
+        descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15, stage).ok()
+    };
+    let candidates: Vec<_> = candidates.enumerate().collect();
+    let descents: Vec<_> = candidates.into_par_iter().map(one).collect();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for descent in descents.into_iter().flatten() {
         races.push(Race { cost: descent.cost });
         if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
             best = Some((descent.cost, descent.point.values));

@@ -100,16 +100,7 @@ fn report(model: &Model, result: &Identification, test: &Fit, held_out: &Dataset
         table::align(&with_head(&rows), &[false, true, true, false, false, false]),
     );
     text.push_str(&format!("{held} of {} intervals hold the truth (95 % should).\n", determined.len()));
-    let undetermined: Vec<&str> =
-        rows.iter().filter(|row| row.estimate.is_none()).map(|row| &*row.name).collect();
-    if !undetermined.is_empty() {
-        text.push_str(&format!(
-            "No number is given for {}: these sensors cannot tell them apart, only what they make together\n\
-             (k_series_12: couplings 1 and 2 in a row; k_series_34: roller pins and coupling 3 in a row). A torsion test of\n\
-             one coupling, or an angle sensor between them, would settle it: then fix it with identify --fix NAME=VALUE.\n",
-            undetermined.join(", ")
-        ));
-    }
+    text.push_str(&table::advice(result));
     text.push_str(&table::fit(&format!("Prediction of {}, which was not fitted", held_out.name()), test));
     text
 }

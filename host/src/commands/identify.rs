@@ -302,6 +302,7 @@ fn report(result: &Identification, validation: &[Validation]) -> String {
     text.push_str(&table::parameters(result));
     text.push_str(&table::combinations(result));
     text.push_str(&table::nuisance(result));
+    text.push_str(&table::advice(result));
     text.push_str(&table::fit("Fit (free run)", &result.fit));
     text.push_str(&table::noise(result));
     for held_out in validation {
