@@ -23,9 +23,10 @@ const LONGEST: u64 = 3;
 const ALONE: f64 = 0.5;
 /// Most of a channel's values that can be outliers.
 const MOST_SHARE: f64 = 0.005;
-/// Bins per factor of two, and factors of two below and above one, of the histogram that finds the bulk.
-const BINS: f64 = 16.0;
-const OCTAVES: f64 = 24.0;
+/// Factors of two below and above one, and bins in each, of the histogram that finds the bulk. A bin is told by a number's
+/// exponent and its first four binary digits.
+const OCTAVES: i32 = 24;
+const BIN_BITS: u32 = 4;
 
 /// Follows the remainders of one stretch.
 pub(crate) struct Gate<'w> {
@@ -59,7 +60,7 @@ struct Run {
 
 impl<'w> Gate<'w> {
     pub(crate) fn new(whitener: Option<&'w Whitener>, sizes: Arc<Vec<f64>>) -> Self {
-        let bins = (2.0 * OCTAVES * BINS) as usize;
+        let bins = (2 * OCTAVES as usize) << BIN_BITS;
         let track = Track { histogram: vec![0; bins], large: 0, alone: Vec::new(), run: None, previous: 0.0 };
         let tracks = vec![track; sizes.len()];
         let whitener = whitener.map(|whitener| (whitener, whitener.rest(1)));
@@ -95,11 +96,28 @@ impl<'w> Gate<'w> {
     }
 }
 
+/// A positive number's exponent and its first binary digits: neighbouring bins have neighbouring numbers.
+fn bin_bits(value: f64) -> u64 {
+    value.to_bits() >> (f64::MANTISSA_DIGITS - 1 - BIN_BITS)
+}
+
+/// Least value in a bin of the histogram.
+fn bin_start(bin: usize) -> f64 {
+    f64::from_bits((bin as u64 + bin_bits(2f64.powi(-OCTAVES))) << (f64::MANTISSA_DIGITS - 1 - BIN_BITS))
+}
+
 impl Track {
     fn count(&mut self, value: f64) {
-        let bin = (BINS * (value.max(f64::MIN_POSITIVE).log2() + OCTAVES)).max(0.0) as usize;
+        let bin = bin_bits(value).saturating_sub(bin_bits(2f64.powi(-OCTAVES)));
         let last = self.histogram.len() - 1;
-        self.histogram[bin.min(last)] += 1;
+        self.histogram[(bin as usize).min(last)] += 1;
+    }
+
+    /// No value was larger.
+    fn largest(&self) -> f64 {
+        self.histogram.iter().rposition(|count| *count > 0).map_or(0.0, |bin| {
+            if bin + 1 < self.histogram.len() { bin_start(bin + 1) } else { f64::INFINITY }
+        })
     }
 
     fn stands_out(&mut self, value: f64, row: u64, residual: f64) -> bool {
@@ -141,7 +159,11 @@ pub(crate) fn leave_out(
     problem.misfits.clear();
     let look = |sizes: Vec<f64>| look(problem, point, weights, sizes);
     let Some(bulk) = look(vec![1.0; channels.len()])? else { return Ok(false) };
-    let sizes = (0..channels.len()).map(|output| bulk_size(&bulk, output)).collect();
+    let sizes: Vec<f64> = (0..channels.len()).map(|output| bulk_size(&bulk, output)).collect();
+    let stands_out = |output: usize| bulk.iter().any(|tracks| tracks[output].largest() > LEAST * sizes[output]);
+    if !(0..channels.len()).any(stands_out) {
+        return Ok(false);
+    }
     let Some(seen) = look(sizes)? else { return Ok(false) };
     let mut found = false;
     for (output, channel) in channels.iter().enumerate() {
@@ -192,8 +214,7 @@ fn bulk_size(seen: &[Vec<Track>], output: usize) -> f64 {
         below += count;
         2 * below >= all
     });
-    let octave = |bin: usize| (bin as f64 + 0.5) / BINS - OCTAVES;
-    middle.map_or(1.0, |bin| octave(bin).exp2() / 0.6745)
+    middle.map_or(1.0, |bin| 0.5 * (bin_start(bin) + bin_start(bin + 1)) / 0.6745)
 }
 
 /// Leaves out those of a stretch's candidates that their neighbours do not explain either.

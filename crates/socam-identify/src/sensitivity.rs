@@ -192,6 +192,9 @@ fn follow(
         return;
     }
     let columns = speeds.len() / count;
+    if columns == 0 {
+        return;
+    }
     for (k, response) in responses.iter().enumerate() {
         for (position, column) in &laws[k % laws.len()].free {
             for i in 0..count {
