@@ -1,6 +1,6 @@
 //! What a model expects of a recording that is to determine its parameters.
 
-use socam_model::{Channel, Mode, Model, Quantity, Take};
+use socam_model::{Channel, Mode, Model, Quantity, Site, Take};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.
@@ -57,7 +57,8 @@ fn both_ways(model: &Model) -> Option<BothWays> {
     let free = |id: &str| {
         let used = model.effects.iter().find(|used| used.effect.id == id)?;
         let parameter = used.parameters.iter().map(|index| &model.parameters[*index]).find(|p| !p.fixed)?;
-        Some((&model.nodes[used.node].name, parameter.name.clone()))
+        let Site::Node(node) = used.at else { return None };
+        Some((&model.nodes[node].name, parameter.name.clone()))
     };
     let (place, friction) = free("coulomb_friction")?;
     let (_, load) = free("constant_load")?;

@@ -251,7 +251,7 @@ impl<'p> Bench<'p> {
         for conversion in 1..=CONVERSIONS {
             let share = f64::from(conversion) / f64::from(CONVERSIONS);
             let at_s = if conversion == CONVERSIONS { to_s } else { from_s + step_s * share };
-            self.trajectory.hold(at_s, &[self.settles_at])?;
+            self.trajectory.hold(at_s, &[self.settles_at, 1.0])?;
             self.trajectory.outputs(&mut self.outputs);
             for (row, value) in self.outputs.iter().enumerate() {
                 falling[row] += value * (1.0 - share) / f64::from(CONVERSIONS);

@@ -77,53 +77,72 @@ impl Drive {
     }
 }
 
-/// The drivetrain with its drive, as one system: the input is what the driven quantity should settle at, the outputs are the
-/// driven quantity and then the model's.
+/// The drivetrain with its drive, as one system: the inputs are what the driven quantity should settle at, and a one that the
+/// clocks run by; the outputs are the driven quantity and then the model's.
 pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equations {
     let e = equations;
     let (states, outputs, ports) = (e.state.nrows(), e.output.nrows(), e.ports.len());
     let rate = 1.0 / drive.lag_s;
     let reaction = reaction_output(model).filter(|_| matches!(drive.answer, Answer::Speed(_)));
 
-    // Behind the drivetrain's states stand the driven quantity and what the armature asks of it.
-    let (driven, armature) = (states, states + 1);
-    let mut state = DMatrix::zeros(states + 2, states + 2);
+    // Behind the drivetrain's states stand what its inputs are: the driven quantity and the clocks; then what the armature asks of
+    // the drive.
+    let inputs = e.input.ncols();
+    let (driven, armature) = (states, states + inputs);
+    let all = armature + 1;
+    let mut state = DMatrix::zeros(all, all);
     state.view_mut((0, 0), (states, states)).copy_from(&e.state);
-    state.view_mut((0, states), (states, 1)).copy_from(&e.input.column(0));
+    state.view_mut((0, states), (states, inputs)).copy_from(&e.input);
     state[(driven, driven)] = -rate;
     state[(driven, armature)] = rate;
     state[(armature, armature)] = -1.0 / drive.armature_lag_s;
-    let mut force = DMatrix::zeros(states + 2, ports);
+    let mut force = DMatrix::zeros(all, ports);
     force.view_mut((0, 0), (states, ports)).copy_from(&e.force);
     if let Some(row) = reaction {
         let yields = -drive.droop * rate;
         state.view_mut((states, 0), (1, states)).copy_from(&(e.output.row(row) * yields));
-        state[(states, states)] += yields * e.feedthrough[(row, 0)];
+        let through = e.feedthrough.row(row) * yields;
+        let mut own = state.view_mut((states, states), (1, inputs));
+        own += through;
         force.view_mut((states, 0), (1, ports)).copy_from(&(e.force_output.row(row) * yields));
     }
-    let mut input = DMatrix::zeros(states + 2, 1);
+    let mut input = DMatrix::zeros(all, 2);
     input[(armature, 0)] = 1.0 / drive.armature_lag_s;
+    for (index, clock) in model.inputs().enumerate().filter(|(_, input)| input.quantity.is_clock()) {
+        let row = states + index;
+        let tachometer = model.outputs().position(|output| output.column == clock.column);
+        match (clock.quantity, tachometer) {
+            (Quantity::Time, _) => input[(row, 1)] = 1.0,
+            (_, Some(output)) => {
+                state.view_mut((row, 0), (1, states)).copy_from(&e.output.row(output));
+                state.view_mut((row, states), (1, inputs)).copy_from(&e.feedthrough.row(output));
+                force.view_mut((row, 0), (1, ports)).copy_from(&e.force_output.row(output));
+            }
+            (_, None) => state[(row, driven)] = 1.0,
+        }
+    }
 
-    let mut output = DMatrix::zeros(outputs + 1, states + 2);
-    output[(0, states)] = 1.0;
+    let mut output = DMatrix::zeros(outputs + 1, all);
+    output[(0, driven)] = 1.0;
     output.view_mut((1, 0), (outputs, states)).copy_from(&e.output);
-    output.view_mut((1, states), (outputs, 1)).copy_from(&e.feedthrough.column(0));
+    output.view_mut((1, states), (outputs, inputs)).copy_from(&e.feedthrough);
     let mut force_output = DMatrix::zeros(outputs + 1, ports);
     force_output.view_mut((1, 0), (outputs, ports)).copy_from(&e.force_output);
-    let mut port = DMatrix::zeros(ports, states + 2);
+    let mut port = DMatrix::zeros(ports, all);
     port.view_mut((0, 0), (ports, states)).copy_from(&e.port);
-    port.view_mut((0, states), (ports, 1)).copy_from(&e.port_input.column(0));
+    port.view_mut((0, states), (ports, inputs)).copy_from(&e.port_input);
 
-    let drive_states = ["speed of the drive", "speed that its armature asks for"].map(str::to_owned);
+    let driving = (0..inputs).map(|index| if index == 0 { "speed of the drive" } else { "clock" });
+    let drive_states = driving.chain(["speed that its armature asks for"]).map(str::to_owned);
     Equations {
         state,
         input,
         force,
         output,
-        feedthrough: DMatrix::zeros(outputs + 1, 1),
+        feedthrough: DMatrix::zeros(outputs + 1, 2),
         force_output,
         port,
-        port_input: DMatrix::zeros(ports, 1),
+        port_input: DMatrix::zeros(ports, 2),
         port_force: e.port_force.clone(),
         ports: e.ports.clone(),
         state_names: e.state_names.iter().cloned().chain(drive_states).collect(),

@@ -14,7 +14,7 @@ pub(crate) enum Flaw {
     Lag { time_constant_s: f64 },
     Delay { delay_s: f64 },
     Saturation { limit: f64 },
-    Hum { amplitude: f64, frequency_hz: f64 },
+    Hum { amplitude: f64, frequency_hz: f64, phase_rad: f64 },
     Ripple { amplitude: f64, order: f64, phase_rad: f64 },
 }
 
@@ -27,7 +27,11 @@ const KINDS: [Kind; 7] = [
     ("sensor_lag", &["time_constant"], |p| Flaw::Lag { time_constant_s: p[0] }),
     ("sensor_delay", &["delay"], |p| Flaw::Delay { delay_s: p[0] }),
     ("sensor_saturation", &["limit"], |p| Flaw::Saturation { limit: p[0] }),
-    ("sensor_hum", &["amplitude", "frequency"], |p| Flaw::Hum { amplitude: p[0], frequency_hz: p[1] }),
+    ("sensor_hum", &["amplitude", "frequency", "phase"], |p| Flaw::Hum {
+        amplitude: p[0],
+        frequency_hz: p[1],
+        phase_rad: p[2],
+    }),
     ("sensor_ripple", &["amplitude", "order", "phase"], |p| Flaw::Ripple {
         amplitude: p[0],
         order: p[1],
@@ -106,7 +110,9 @@ impl FlawedChannel {
             Flaw::Gain { gain } => gain * value,
             Flaw::Offset { offset } => value + offset,
             Flaw::Saturation { limit } => value.clamp(-limit, limit),
-            Flaw::Hum { amplitude, frequency_hz } => value + amplitude * (TAU * frequency_hz * time_s).sin(),
+            Flaw::Hum { amplitude, frequency_hz, phase_rad } => {
+                value + amplitude * (TAU * frequency_hz * time_s + phase_rad).sin()
+            }
             Flaw::Ripple { amplitude, order, phase_rad } => {
                 value + amplitude * (order * angle_rad + phase_rad).sin()
             }

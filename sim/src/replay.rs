@@ -4,7 +4,7 @@ mod start;
 
 use std::str::FromStr;
 
-use socam_model::{Channel, Model, Quantity, Role, Take};
+use socam_model::{Channel, Model, Quantity, Role, Since, Take};
 use socam_recording::{Channel as Column, Dataset, Segment};
 
 use crate::plant::{Effort, Plant, Trajectory};
@@ -275,7 +275,7 @@ impl Feed {
             feed.time_s.extend_from_slice(&block.time_s);
             for ((column, channel), measured) in outputs.iter().zip(&mut feed.measured) {
                 if let (Some(column), Some(measured)) = (column, measured) {
-                    measured.extend(channel.read(block.columns[*column].values(), step_s));
+                    measured.extend(channel.read(block.columns[*column].values(), step_s, Since::default()));
                 }
             }
         }
@@ -297,8 +297,14 @@ fn mixed(data: &Dataset, mix: &Mix) -> Result<Vec<f64>, SimError> {
     }
     let mut sum = vec![0.0; recorded.first().map_or(0, Vec::len)];
     for (values, (_, channel)) in recorded.iter().zip(mix) {
+        let mut angle = 0.0;
         for segment in data.segments() {
-            let read = channel.read(&values[segment_rows(segment)], segment.sample_time_s);
+            let from = Since { time_s: segment.start_s, angle };
+            let read = channel.read(&values[segment_rows(segment)], segment.sample_time_s, from);
+            // What a shaft turned while nothing was recorded is not known here.
+            if channel.take == Take::Turned {
+                angle = read.last().map_or(angle, |last| last / channel.scale);
+            }
             sum[segment_rows(segment)].iter_mut().zip(read).for_each(|(sum, value)| *sum += value);
         }
     }

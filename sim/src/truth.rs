@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use socam_model::{EffectUse, Equations, Model, ModelError, Parameter, effects, effects::ActsAt};
+use socam_model::{Equations, Model, ModelError, effects};
 
 use crate::SimError;
 use crate::flaw::Flaw;
@@ -91,6 +91,14 @@ impl Truth {
     /// cannot move.
     pub fn new(model: &Model, overrides: &[Override], concealed: &[Concealed]) -> Result<Self, SimError> {
         let mut model = model.clone();
+        let mut flaws = Vec::new();
+        for hidden in concealed {
+            if Flaw::is_one(&hidden.effect) {
+                flaws.push((flawed_channel(&model, hidden)?, Flaw::read(hidden)?));
+            } else {
+                model = conceal(&model, hidden)?;
+            }
+        }
         for change in overrides {
             let index = model.parameter(&change.name).ok_or_else(|| {
                 let names: Vec<_> =
@@ -101,14 +109,6 @@ impl Truth {
                 )
             })?;
             model.parameters[index].value = change.value;
-        }
-        let mut flaws = Vec::new();
-        for hidden in concealed {
-            if Flaw::is_one(&hidden.effect) {
-                flaws.push((flawed_channel(&model, hidden)?, Flaw::read(hidden)?));
-            } else {
-                conceal(&mut model, hidden)?;
-            }
         }
         let truth = Self { values: model.values(), model, flaws };
         truth.equations()?;
@@ -134,20 +134,21 @@ fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError>
     Err(SimError::argument(hidden.to_string(), problem))
 }
 
-fn conceal(model: &mut Model, hidden: &Concealed) -> Result<(), SimError> {
+fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
     let fail = |problem: String| Err(SimError::argument(hidden.to_string(), problem));
     let Some(effect) = effects::find(&hidden.effect) else {
-        let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).chain(Flaw::ids()).collect();
+        let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
         return fail(format!("there is no effect `{}`; effects are {}", hidden.effect, known.join(", ")));
     };
-    let Some(node) = node_at(model, effect.acts_at, &hidden.place) else {
+    let places = model.places(effect);
+    if !places.contains(&hidden.place.as_str()) {
         return fail(format!(
             "{} cannot act at `{}`; places for it are {}",
             effect.id,
             hidden.place,
-            places(model, effect.acts_at).join(", ")
+            places.join(", ")
         ));
-    };
+    }
     if let Some(unknown) =
         hidden.parameters.iter().find(|given| effect.parameters.iter().all(|p| p.name != given.name))
     {
@@ -159,47 +160,14 @@ fn conceal(model: &mut Model, hidden: &Concealed) -> Result<(), SimError> {
             names.join(", ")
         ));
     }
-    let rotational = model.motion == socam_model::Motion::Rotation;
-    let mut indices = Vec::new();
-    for parameter in effect.parameters {
-        let given =
-            hidden.parameters.iter().find(|given| given.name == parameter.name).map(|given| given.value);
-        let usual = parameter.default.map(|(turning, sliding)| if rotational { turning } else { sliding });
-        let Some(value) = given.or(usual) else {
-            return fail(format!("{} needs its parameter `{}`", effect.id, parameter.name));
-        };
-        let unit = parameter.kind.unit(rotational);
-        indices.push(model.parameters.len());
-        model.parameters.push(Parameter {
-            name: format!("{}@{}.{}", effect.id, hidden.place, parameter.name),
-            value,
-            unit: unit.into(),
-            file_unit: unit.into(),
-            file_factor: 1.0,
-            bounds: (f64::NEG_INFINITY, f64::INFINITY),
-            fixed: true,
-            source: "concealed".into(),
-            prior: None,
-        });
+    let given = |name: &str| hidden.parameters.iter().any(|given| given.name == name);
+    if let Some(needed) = effect.parameters.iter().find(|p| p.default.is_none() && !given(p.name)) {
+        return fail(format!("{} needs its parameter `{}`", effect.id, needed.name));
     }
-    model.effects.push(EffectUse { effect, place: hidden.place.clone(), node, parameters: indices });
-    Ok(())
-}
-
-fn node_at(model: &Model, acts_at: ActsAt, place: &str) -> Option<usize> {
-    if acts_at == ActsAt::Bearing {
-        model.bearings.iter().find(|bearing| bearing.name == place).map(|bearing| bearing.node)
-    } else {
-        model.nodes.iter().position(|node| node.name == place)
-    }
-}
-
-fn places(model: &Model, acts_at: ActsAt) -> Vec<&str> {
-    if acts_at == ActsAt::Bearing {
-        model.bearings.iter().map(|bearing| bearing.name.as_str()).collect()
-    } else {
-        model.nodes.iter().map(|node| node.name.as_str()).collect()
-    }
+    let values: Vec<(&str, f64)> =
+        hidden.parameters.iter().map(|given| (given.name.as_str(), given.value)).collect();
+    let changed = model.with_effect(effect.id, &hidden.place, &values);
+    changed.or_else(|error| fail(error.to_string()))
 }
 
 #[cfg(test)]

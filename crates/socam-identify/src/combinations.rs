@@ -3,7 +3,7 @@
 //! Two springs with nothing but a massless point between them act nearly as one. Its stiffness and damping are what the
 //! rest of the drivetrain feels, and are determined where the springs themselves are not.
 
-use socam_model::{Model, Spring};
+use socam_model::{Model, Site, Spring};
 
 /// A combination of parameters at given values.
 pub(crate) struct Combination {
@@ -37,10 +37,15 @@ fn pair(model: &Model, node: usize) -> Option<(&Spring, &Spring)> {
         || model.gears.iter().any(|gear| gear.from == node || gear.to == node)
         || model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
         || model.bearings.iter().any(|bearing| bearing.node == node)
-        || model.effects.iter().any(|used| used.node == node)
+        || model.effects.iter().any(|used| used.at == Site::Node(node))
         || model.servo.as_ref().is_some_and(|servo| servo.node == node)
         || model.inputs().any(|channel| channel.at == model.nodes[node].name);
-    let springs: Vec<_> = model.springs.iter().filter(|s| s.from == node || s.to == Some(node)).collect();
+    let bent = |index: usize| model.effects.iter().any(|used| used.at == Site::Spring(index));
+    let mut springs = model.springs.iter().enumerate().filter(|(_, s)| s.from == node || s.to == Some(node));
+    if springs.clone().any(|(index, _)| bent(index)) {
+        return None;
+    }
+    let springs: Vec<_> = springs.by_ref().map(|(_, spring)| spring).collect();
     match springs[..] {
         [a, b] if !tied => Some((a, b)),
         _ => None,

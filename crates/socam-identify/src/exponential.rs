@@ -340,7 +340,8 @@ mod tests {
         equations.port_input = DMatrix::zeros(1, 1);
         equations.port_force = DMatrix::zeros(1, 1);
         let effect = socam_model::effects::find("coulomb_friction").unwrap();
-        equations.ports = vec![socam_model::Port { effect, place: String::new(), parameters: vec![0, 1] }];
+        let (law, place) = (&effect.laws()[0], String::new());
+        equations.ports = vec![socam_model::Port { effect, law, place, parameters: vec![0, 1], sight: 0 }];
         let sizes = Sizes { states: n, inputs: 1, ports: 1, free: 0 };
         let step_s = 1e-3;
         let levels = levels(&equations, &[], step_s).unwrap();

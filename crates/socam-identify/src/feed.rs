@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use socam_model::{Channel, Model};
+use socam_model::{Channel, Model, Since, Take};
 use socam_recording::Dataset;
 
 use crate::{IdentifyError, Intersample, amends::Amends, between};
@@ -22,6 +22,8 @@ pub(crate) struct Stretch {
     pub(crate) first_row: u64,
     pub(crate) rows: u64,
     pub(crate) sample_time_s: f64,
+    /// Time of row 0 of the recording, were its rate that of this stretch all along, s.
+    pub(crate) origin_s: f64,
     /// The uninterrupted rows that it is all or a piece of.
     pub(crate) run: Range<u64>,
     /// What of its recording is not used as measured.
@@ -115,6 +117,10 @@ fn runs(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Stretc
         first_row: rows.start,
         rows: rows.end - rows.start,
         sample_time_s: dataset.segments()[segment].sample_time_s,
+        origin_s: {
+            let segment = &dataset.segments()[segment];
+            segment.start_s - segment.first_row as f64 * segment.sample_time_s
+        },
         run: rows,
         amends: Arc::default(),
     };
@@ -160,6 +166,12 @@ pub(crate) fn read(
     let end = stretch.first_row + stretch.rows;
     let first = stretch.run.start.max(stretch.first_row.saturating_sub(reach));
     let last = stretch.run.end.min(end + reach);
+    let mut angles = vec![0.0; channels.len()];
+    for (angle, (channel, column)) in angles.iter_mut().zip(channels.iter().zip(&columns)) {
+        if channel.take == Take::Turned {
+            *angle = turned_before(dataset, *column, first)?;
+        }
+    }
     // As recorded.
     let mut window = vec![Vec::new(); channels.len()];
     // Row of the recording at which the window starts, and the next to hand over.
@@ -180,8 +192,13 @@ pub(crate) fn read(
             continue;
         }
         let rows = (next - start) as usize..(ready - start) as usize;
-        let read = channels.iter().zip(&window);
-        let si: Vec<_> = read.map(|(channel, values)| channel.read(values, stretch.sample_time_s)).collect();
+        let time_s = stretch.origin_s + start as f64 * stretch.sample_time_s;
+        let read = channels.iter().zip(&window).zip(&angles);
+        let si: Vec<_> = read
+            .map(|((channel, values), angle)| {
+                channel.read(values, stretch.sample_time_s, Since { time_s, angle: *angle })
+            })
+            .collect();
         let part =
             |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
         let held = |values: &Vec<f64>| between::coefficients(values, rows.clone(), intersample);
@@ -192,10 +209,31 @@ pub(crate) fn read(
         });
         next = ready;
         let keep = next.saturating_sub(reach).max(start);
+        for ((channel, angle), values) in channels.iter().zip(&mut angles).zip(&si) {
+            if channel.take == Take::Turned {
+                *angle = values[(keep - start) as usize] / channel.scale;
+            }
+        }
         window.iter_mut().for_each(|values| drop(values.drain(..(keep - start) as usize)));
         start = keep;
     }
     Ok(())
+}
+
+/// Integral of a column from the recording's beginning up to a row, as recorded; over gaps in a straight line.
+fn turned_before(dataset: &Dataset, column: usize, row: u64) -> Result<f64, IdentifyError> {
+    let (mut sum, mut last) = (0.0, None);
+    for block in dataset.blocks_in(0..(row + 1).min(dataset.rows()), &[column])? {
+        let block = block?;
+        let segment = &dataset.segments()[block.segment];
+        for (k, value) in block.columns[0].values().iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+            let at = block.first_row + k as u64 - segment.first_row;
+            let time_s = segment.start_s + at as f64 * segment.sample_time_s;
+            sum += last.map_or(0.0, |(before_s, before)| 0.5 * (time_s - before_s) * (before + value));
+            last = Some((time_s, *value));
+        }
+    }
+    Ok(sum)
 }
 
 #[cfg(test)]

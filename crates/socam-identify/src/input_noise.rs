@@ -20,7 +20,7 @@ const MOST_STRETCHES: usize = 8;
 
 /// Whether a channel drives the model by what a sensor said of a motion.
 pub(crate) fn is_measured(channel: &Channel) -> bool {
-    channel.quantity != Quantity::Reference
+    channel.quantity != Quantity::Reference && !channel.quantity.is_clock()
 }
 
 /// Most noise that each channel can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input

@@ -1,46 +1,95 @@
 //! Force laws with their parameters filled in, and the speeds at which they agree with the motion that they cause.
 
-use socam_model::{Equations, effects::Response};
+use socam_model::{
+    Equations,
+    effects::{MAX_PARAMETERS, Sight},
+};
 
 /// Most Newton steps before a shorter time step is the better idea.
 const MOST_STEPS: usize = 40;
 /// A Newton step of this share of a law's transition leaves an error of its square.
 const SETTLED: f64 = 1e-8;
+/// See [`Law::leniency`].
+const LENIENCY: f64 = 1e4;
 
+/// What a port's law does with what the port sees; the ports of one law stand next to each other, see
+/// [`socam_model::Port`].
 pub(crate) struct Law {
-    evaluate: fn(f64, &[f64]) -> Response,
+    answer: fn(&[f64], &[f64]) -> socam_model::effects::Response,
     parameters: Vec<f64>,
-    /// Range of speeds in which it bends; 0 if it does not.
+    /// Which of the law's sights this is, and how many it has; at least one.
+    sight: usize,
+    count: usize,
+    /// Range of what is seen in which the law bends; 0 if it does not.
     transition: f64,
-    /// Position in the law's parameters and column of each that is free.
+    /// What is seen is never taken to be smaller than this when errors are compared with it.
+    least: f64,
+    leniency: f64,
+    /// Position in the law's parameters and column of each that is free; of its first port.
     pub(crate) free: Vec<(usize, usize)>,
 }
 
+/// What a port answers: the first port of a law for all of them, slopes each for its own sight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Response {
+    pub(crate) torque: f64,
+    pub(crate) slope_speed: f64,
+    pub(crate) slope_parameters: [f64; MAX_PARAMETERS],
+}
+
 /// What a law answers where nothing moves; a place to write to.
-pub(crate) const SILENT: Response = Response { torque: 0.0, slope_speed: 0.0, slope_parameters: [0.0; 4] };
+pub(crate) const SILENT: Response =
+    Response { torque: 0.0, slope_speed: 0.0, slope_parameters: [0.0; MAX_PARAMETERS] };
 
 impl Law {
     /// The laws of all ports at parameters `values`, of which those with the indices `free` are estimated.
     pub(crate) fn all(equations: &Equations, values: &[f64], free: &[usize]) -> Vec<Self> {
         let law = |port: &socam_model::Port| {
-            let parameters: Vec<f64> = port.parameters.iter().map(|index| values[*index]).collect();
+            let parameters = port.values(values);
             let column = |parameter: &usize| free.iter().position(|free| free == parameter);
+            let own = port.parameters.iter().enumerate().filter(|_| port.sight == 0);
+            let transition = if port.sight == 0 { (port.law.bend)(&parameters) } else { 0.0 };
+            let least = match port.law.sights.get(port.sight) {
+                Some(Sight::Twist | Sight::State) => 1e-5,
+                Some(Sight::Time | Sight::Angle) => 1.0,
+                _ => 1e-2,
+            };
             Self {
-                evaluate: port.effect.law,
-                transition: (port.effect.transition_speed)(&parameters),
-                free: port.parameters.iter().enumerate().filter_map(|(i, p)| Some((i, column(p)?))).collect(),
+                answer: port.law.answer,
+                transition,
+                least: transition.max(least),
+                leniency: if port.law.sights.get(port.sight) == Some(&Sight::Torque) {
+                    LENIENCY
+                } else {
+                    1.0
+                },
+                free: own.filter_map(|(i, p)| Some((i, column(p)?))).collect(),
+                sight: port.sight,
+                count: port.count(),
                 parameters,
             }
         };
         equations.ports.iter().map(law).collect()
     }
 
-    pub(crate) fn at(&self, speed: f64) -> Response {
-        (self.evaluate)(speed, &self.parameters)
+    /// Whether it speaks for its neighbours.
+    pub(crate) fn leads(&self) -> bool {
+        self.sight == 0
     }
 
-    pub(crate) fn transition(&self) -> f64 {
-        self.transition
+    /// Answer of the law whose first port this is; `seen` begins with what that port sees.
+    pub(crate) fn at(&self, seen: &[f64]) -> socam_model::effects::Response {
+        (self.answer)(&seen[..self.count], &self.parameters)
+    }
+
+    pub(crate) fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// How much larger an error may be than in a speed: a torque seen in a stiff mesh follows every force at once, and a
+    /// state of a law's own every motion, and both forget their errors as fast.
+    pub(crate) fn leniency(&self) -> f64 {
+        self.leniency
     }
 
     /// A Newton step kept from jumping over the bend, and whether it is small enough to be the last.
@@ -63,10 +112,14 @@ impl Law {
 pub(crate) struct Room {
     matrix: Vec<f64>,
     step: Vec<f64>,
+    right: Vec<f64>,
+    active: Vec<usize>,
 }
 
 /// Solves speeds = base + coupling forces(speeds), beginning from the given speeds; there may be several instants, each with
 /// all laws. The responses are those at the solution. False where that fails.
+///
+/// Only ports whose force moves with what they see take part in the solution: of many laws, most are straight most of the time.
 pub(crate) fn balance(
     laws: &[Law],
     base: &[f64],
@@ -77,27 +130,35 @@ pub(crate) fn balance(
 ) -> bool {
     let count = speeds.len();
     for _ in 0..MOST_STEPS {
-        for (i, (response, speed)) in responses.iter_mut().zip(&*speeds).enumerate() {
-            *response = laws[i % laws.len()].at(*speed);
-        }
+        answer(laws, speeds, responses);
         room.step.clear();
         for (row, (base, speed)) in coupling.chunks_exact(count).zip(base.iter().zip(&*speeds)) {
             let caused: f64 = row.iter().zip(&*responses).map(|(c, response)| c * response.torque).sum();
             room.step.push(base + caused - speed);
         }
-        stiffness(coupling, responses, &mut room.matrix);
-        if !solve(&mut room.matrix, &mut room.step, 1) {
+        moving(responses, &mut room.active);
+        stiffness(coupling, responses, &room.active, &mut room.matrix);
+        room.right.clear();
+        room.right.extend(room.active.iter().map(|i| room.step[*i]));
+        if !solve(&mut room.matrix, &mut room.right, 1) {
             return false;
+        }
+        for (i, row) in coupling.chunks_exact(count).enumerate() {
+            let moved = room.active.iter().zip(&room.right);
+            room.step[i] += moved.map(|(j, step)| row[*j] * responses[*j].slope_speed * step).sum::<f64>();
         }
         let mut settled = true;
         for (i, (speed, step)) in speeds.iter_mut().zip(&room.step).enumerate() {
             let (next, small) = laws[i % laws.len()].careful(*speed, *step);
-            settled &= small;
+            // What nothing depends on need not be exact.
+            settled &= small || responses[i].slope_speed == 0.0;
             *speed = next;
         }
         if settled {
-            for (response, step) in responses.iter_mut().zip(&room.step) {
-                response.torque += response.slope_speed * step;
+            for i in (0..count).filter(|i| laws[i % laws.len()].leads()) {
+                let own = i..i + laws[i % laws.len()].count;
+                let rest: f64 = own.map(|j| responses[j].slope_speed * room.step[j]).sum();
+                responses[i].torque += rest;
             }
             return true;
         }
@@ -105,13 +166,34 @@ pub(crate) fn balance(
     false
 }
 
-/// 1 - coupling times slopes: how speeds resist being moved.
-pub(crate) fn stiffness(coupling: &[f64], responses: &[Response], matrix: &mut Vec<f64>) {
+/// Ports whose force moves with what they see.
+pub(crate) fn moving(responses: &[Response], active: &mut Vec<usize>) {
+    active.clear();
+    active.extend((0..responses.len()).filter(|i| responses[*i].slope_speed != 0.0));
+}
+
+/// Answers of all ports at one or more instants.
+pub(crate) fn answer(laws: &[Law], seen: &[f64], responses: &mut [Response]) {
+    for i in (0..seen.len()).filter(|i| laws[i % laws.len()].leads()) {
+        let law = &laws[i % laws.len()];
+        let all = law.at(&seen[i..]);
+        for (sight, response) in responses[i..i + law.count].iter_mut().enumerate() {
+            *response = Response {
+                torque: if sight == 0 { all.torque } else { 0.0 },
+                slope_speed: all.slopes[sight],
+                slope_parameters: all.slope_parameters,
+            };
+        }
+    }
+}
+
+/// 1 - coupling times slopes, of the ports that are active: how what they see resists being moved.
+pub(crate) fn stiffness(coupling: &[f64], responses: &[Response], active: &[usize], matrix: &mut Vec<f64>) {
     let count = responses.len();
     matrix.clear();
-    for (i, row) in coupling.chunks_exact(count.max(1)).enumerate() {
-        let entry = |(j, c): (usize, &f64)| f64::from(i == j) - c * responses[j].slope_speed;
-        matrix.extend(row.iter().enumerate().map(entry));
+    for i in active {
+        let row = &coupling[i * count..(i + 1) * count];
+        matrix.extend(active.iter().map(|j| f64::from(i == j) - row[*j] * responses[*j].slope_speed));
     }
 }
 
@@ -171,9 +253,13 @@ mod tests {
         let effect = socam_model::effects::find("coulomb_friction").unwrap();
         for (torque, width, gain) in [(0.6, 0.05, 1e-3), (0.6, 0.05, 10.0), (5.0, 1e-4, 3.0)] {
             let law = Law {
-                evaluate: effect.law,
+                answer: effect.laws()[0].answer,
                 parameters: vec![torque, width],
+                sight: 0,
+                count: 1,
                 transition: width,
+                least: width,
+                leniency: 1.0,
                 free: Vec::new(),
             };
             for base in [-20.0, -0.3, -1e-5, 0.0, 1e-3, 2.0] {
@@ -187,7 +273,7 @@ mod tests {
                         &mut responses,
                         &mut Room::default(),
                     );
-                    let miss = speeds[0] - base - gain * law.at(speeds[0]).torque;
+                    let miss = speeds[0] - base - gain * law.at(&speeds).torque;
                     assert!(
                         found && miss.abs() < 1e-9 * (1.0 + gain * torque),
                         "{torque} {width} {gain} {base} {start}"

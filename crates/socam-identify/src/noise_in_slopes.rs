@@ -74,6 +74,7 @@ fn per_sample(
         run: 0..dataset.rows(),
         amends: Arc::default(),
         sample_time_s,
+        origin_s: 0.0,
     });
     let twin = Problem {
         model: &model,
@@ -102,7 +103,7 @@ fn per_sample(
 /// The model without force laws, its channels in SI and each with a column of its own.
 fn linear(model: &Model) -> Model {
     let mut model = model.clone();
-    model.effects.clear();
+    model.effects.retain(|used| used.effect.laws().is_empty());
     for (index, channel) in model.channels.iter_mut().enumerate() {
         (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
         (channel.take, channel.column) = (Take::Value, format!("channel_{index}_1"));

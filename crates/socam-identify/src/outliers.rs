@@ -160,7 +160,8 @@ pub(crate) fn leave_out(
     let look = |sizes: Vec<f64>| look(problem, point, weights, sizes);
     let Some(bulk) = look(vec![1.0; channels.len()])? else { return Ok(false) };
     let sizes: Vec<f64> = (0..channels.len()).map(|output| bulk_size(&bulk, output)).collect();
-    let stands_out = |output: usize| bulk.iter().any(|tracks| tracks[output].largest() > LEAST * sizes[output]);
+    let stands_out =
+        |output: usize| bulk.iter().any(|tracks| tracks[output].largest() > LEAST * sizes[output]);
     if !(0..channels.len()).any(stands_out) {
         return Ok(false);
     }

@@ -1,12 +1,12 @@
 //! Sensitivities of a model's state, forces and outputs with respect to parameters and start state, step by step.
 
 use pulp::{Simd, WithSimd};
-use socam_model::{Equations, effects::Response};
+use socam_model::Equations;
 
 use crate::{
     combine,
     exponential::{Sizes, padded},
-    laws::{self, Law},
+    laws::{self, Law, Response},
     walker::{Taken, Walker},
 };
 
@@ -51,7 +51,7 @@ pub(crate) struct Sensitivity<'s> {
     rows: Vec<f64>,
     /// Of the states at the end of a step, then of the speeds in its middle and at its end.
     next: Vec<f64>,
-    matrix: Vec<f64>,
+    room: Room,
     /// [x, u, f] of an observation.
     entries: Vec<f64>,
 }
@@ -77,7 +77,7 @@ impl<'s> Sensitivity<'s> {
             columns,
             rows: vec![0.0; (s.states + 3 * s.ports) * columns],
             next: vec![0.0; (s.states + 2 * s.ports) * columns],
-            matrix: Vec::new(),
+            room: Room::default(),
             entries: Vec::new(),
         };
         for i in 0..start {
@@ -105,7 +105,7 @@ impl<'s> Sensitivity<'s> {
             (0..s.ports * s.ports).map(|k| equations.port_force[(k / s.ports, k % s.ports)]).collect();
         let speeds = &mut this.next[s.states * columns..][..s.ports * columns];
         let forces = &mut this.rows[s.states * columns..][..s.ports * columns];
-        follow(laws, walker.responses(), &coupling, speeds, forces, &mut this.matrix);
+        follow(laws, walker.responses(), &coupling, speeds, forces, &mut this.room);
         this
     }
 
@@ -140,7 +140,7 @@ impl<'s> Sensitivity<'s> {
         });
         let (_, speeds) = self.next.split_at_mut(s.states * self.columns);
         let (_, forces) = self.rows.split_at_mut(at_start * self.columns);
-        follow(self.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.matrix);
+        follow(self.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.room);
         let known = at_start + 2 * s.ports;
         pulp::Arch::new().dispatch(Rows { sensitivity: self, taken, first: 0, count: s.states, known });
         let (states, forces) = self.rows.split_at_mut(s.states * self.columns);
@@ -177,15 +177,23 @@ impl<'s> Sensitivity<'s> {
     }
 }
 
-/// Given how speeds would move without the forces, moves them with the forces, and the forces with them: v = v0 + C f and
-/// f = L v + q, where q is how the laws move with their own parameters.
+/// Room for [`follow`].
+#[derive(Default)]
+struct Room {
+    matrix: Vec<f64>,
+    active: Vec<usize>,
+    speeds: Vec<f64>,
+}
+
+/// Given how speeds would move without the forces, moves forces with them: v = v0 + C f and f = L v + q, where q is how the laws
+/// move with their own parameters. Of the speeds, only those of ports whose force moves with them are used.
 fn follow(
     laws: &[Law],
     responses: &[Response],
     coupling: &[f64],
-    speeds: &mut [f64],
+    speeds: &[f64],
     forces: &mut [f64],
-    matrix: &mut Vec<f64>,
+    room: &mut Room,
 ) {
     let count = responses.len();
     if count == 0 {
@@ -195,24 +203,30 @@ fn follow(
     if columns == 0 {
         return;
     }
-    for (k, response) in responses.iter().enumerate() {
-        for (position, column) in &laws[k % laws.len()].free {
-            for i in 0..count {
-                speeds[i * columns + column] +=
-                    coupling[i * count + k] * response.slope_parameters[*position];
+    laws::moving(responses, &mut room.active);
+    room.speeds.clear();
+    for i in &room.active {
+        let from = room.speeds.len();
+        room.speeds.extend_from_slice(&speeds[i * columns..(i + 1) * columns]);
+        for (k, response) in responses.iter().enumerate() {
+            for (position, column) in &laws[k % laws.len()].free {
+                room.speeds[from + column] += coupling[i * count + k] * response.slope_parameters[*position];
             }
         }
     }
-    laws::stiffness(coupling, responses, matrix);
+    laws::stiffness(coupling, responses, &room.active, &mut room.matrix);
     // A singular matrix is no motion at all; the overflow that made it is found in the prediction.
-    if !laws::solve(matrix, speeds, columns) {
-        speeds.fill(0.0);
+    if !laws::solve(&mut room.matrix, &mut room.speeds, columns) {
+        room.speeds.fill(0.0);
     }
-    let each = forces.chunks_exact_mut(columns).zip(speeds.chunks_exact(columns)).zip(responses);
-    for (k, ((force, speed), response)) in each.enumerate() {
-        force.iter_mut().zip(speed).for_each(|(f, v)| *f = response.slope_speed * v);
+    forces.fill(0.0);
+    for (i, speed) in room.active.iter().zip(room.speeds.chunks_exact(columns)) {
+        let force = &mut forces[i * columns..(i + 1) * columns];
+        force.iter_mut().zip(speed).for_each(|(f, v)| *f = responses[*i].slope_speed * v);
+    }
+    for (k, response) in responses.iter().enumerate() {
         for (position, column) in &laws[k % laws.len()].free {
-            force[*column] += response.slope_parameters[*position];
+            forces[k * columns + column] += response.slope_parameters[*position];
         }
     }
 }
@@ -236,6 +250,10 @@ impl WithSimd for Rows<'_, '_> {
         let (width, columns, free) = (s.width(), sensitivity.columns, padded(s.free));
         let (states, forces) = sensitivity.rows[..known * columns].split_at(s.states * columns);
         for i in first..first + count {
+            // What nothing depends on is not needed.
+            if first > 0 && taken.responses[i - first].slope_speed == 0.0 {
+                continue;
+            }
             let map = &taken.level.rows[i * width..(i + 1) * width];
             let target = &mut sensitivity.next[i * columns..(i + 1) * columns];
             let slopes = &taken.level.slopes[i * width * free..(i + 1) * width * free];

@@ -39,7 +39,7 @@ pub(crate) fn find(
 ) -> Result<Vec<Vec<(u64, f64)>>, IdentifyError> {
     let mut all = Vec::new();
     for channel in inputs {
-        if channel.quantity == Quantity::Reference {
+        if channel.quantity == Quantity::Reference || channel.quantity.is_clock() {
             all.push(Vec::new());
             continue;
         }

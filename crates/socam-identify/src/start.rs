@@ -3,19 +3,20 @@
 use nalgebra::{DMatrix, DVector};
 use socam_model::Equations;
 
-/// Law outputs at given port speeds: torque, slope with respect to speed.
+/// What laws answer to what their ports see: torque, slope with respect to each port's own sight.
 pub(crate) fn laws(
     equations: &Equations,
     values: &[f64],
-    speeds: &DVector<f64>,
+    seen: &DVector<f64>,
 ) -> (DVector<f64>, DVector<f64>) {
     let mut torque = DVector::zeros(equations.ports.len());
     let mut slope = torque.clone();
-    for (index, port) in equations.ports.iter().enumerate() {
-        let parameters: Vec<f64> = port.parameters.iter().map(|p| values[*p]).collect();
-        let response = (port.effect.law)(speeds[index], &parameters);
+    for (index, port) in equations.ports.iter().enumerate().filter(|(_, port)| port.sight == 0) {
+        let response = port.answer(&seen.as_slice()[index..], &port.values(values));
         torque[index] = response.torque;
-        slope[index] = response.slope_speed;
+        for sight in 0..port.law.sights.len() {
+            slope[index + sight] = response.slopes[sight];
+        }
     }
     (torque, slope)
 }
@@ -75,8 +76,10 @@ pub(crate) fn law_slopes(
 ) -> DVector<f64> {
     DVector::from_fn(equations.ports.len(), |index, _| {
         let port = &equations.ports[index];
-        let parameters: Vec<f64> = port.parameters.iter().map(|p| values[*p]).collect();
-        let response = (port.effect.law)(speeds[index], &parameters);
+        if port.sight > 0 {
+            return 0.0;
+        }
+        let response = port.answer(&speeds.as_slice()[index..], &port.values(values));
         let own = port.parameters.iter().enumerate().filter(|(_, p)| **p == parameter);
         own.map(|(position, _)| response.slope_parameters[position]).sum()
     })

@@ -4,13 +4,13 @@
 //! like). A quarter and three quarters into the step the laws are asked again: what they say there beside the parabola is the
 //! error made. Where that moves a port by more than the tolerance, the step is halved.
 
-use socam_model::{Equations, effects::Response};
+use socam_model::Equations;
 
 use crate::{
     between::Course,
     combine,
     exponential::{Level, Sizes},
-    laws::{self, Law, Room, SILENT},
+    laws::{self, Law, Response, Room, SILENT},
 };
 
 /// Error of a step that is allowed in the speed that a law sees, relative to the largest such speed so far: outputs then stay
@@ -68,7 +68,7 @@ impl<'a> Walker<'a> {
             laws,
             sizes,
             tolerance,
-            largest: laws.iter().map(Law::transition).collect(),
+            largest: laws.iter().map(Law::least).collect(),
             level: 0,
             xi,
             ends: vec![0.0; levels[0].stride],
@@ -207,17 +207,18 @@ impl<'a> Walker<'a> {
     fn error(&self, level: &Level) -> f64 {
         let (n, ports, forces) = (self.sizes.states, self.sizes.ports, self.sizes.forces());
         let mut worst = 0.0_f64;
-        for q in 0..ports {
+        for q in (0..ports).filter(|q| self.laws[*q].leads()) {
             let [start, middle, end] = [0, 1, 2].map(|node| self.xi[forces + node * ports + q]);
             let law = &self.laws[q];
             let miss =
-                |speed: usize, parabola: f64| law.at(self.ends[n + speed * ports + q]).torque - parabola;
+                |speed: usize, parabola: f64| law.at(&self.ends[n + speed * ports + q..]).torque - parabola;
             let first = miss(2, 0.375 * start + 0.75 * middle - 0.125 * end);
             let last = miss(3, -0.125 * start + 0.75 * middle + 0.375 * end);
             let mean = (32.0 / 90.0) * (first + last).abs() + 0.05 * (first - last).abs();
             for p in 0..ports {
                 // A NaN must not be lost in a maximum.
-                let share = level.gain[p * ports + q] * mean / self.largest[p].max(f64::MIN_POSITIVE);
+                let size = self.largest[p].max(f64::MIN_POSITIVE) * self.laws[p].leniency();
+                let share = level.gain[p * ports + q] * mean / size;
                 worst = if share > worst || share.is_nan() { share } else { worst };
             }
         }

@@ -2,20 +2,51 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::effects::Effect;
+use crate::effects::{Effect, Law, Response};
 
-/// A nonlinear force law and what it sees.
+/// One thing that a nonlinear law sees. The ports of a law stand next to each other, one for each of its sights (one also where
+/// it sees nothing); what it answers is the force of the first, the others' is zero, and they all act in the same way.
 #[derive(Debug, Clone)]
 pub struct Port {
-    /// The law.
+    /// The effect.
     pub effect: &'static Effect,
+    /// Its law.
+    pub law: &'static Law,
     /// Place name.
     pub place: String,
     /// Indices of its parameters among the model's.
     pub parameters: Vec<usize>,
+    /// Which of the law's sights this is.
+    pub sight: usize,
 }
 
-/// x' = A x + B u + H f,  y = C x + D u + E f,  v = V x + W u + U f, with f_j = law_j(v_j).
+impl Port {
+    /// Ports of its law.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.law.sights.len().max(1)
+    }
+
+    /// Whether the law's answer depends on nothing.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.law.sights.is_empty()
+    }
+
+    /// The law's parameters out of all of the model's.
+    #[must_use]
+    pub fn values(&self, all: &[f64]) -> Vec<f64> {
+        self.parameters.iter().map(|index| all[*index]).collect()
+    }
+
+    /// The law's answer; `seen` begins with what this port sees, and this port must be the first of its law.
+    #[must_use]
+    pub fn answer(&self, seen: &[f64], parameters: &[f64]) -> Response {
+        (self.law.answer)(&seen[..self.law.sights.len()], parameters)
+    }
+}
+
+/// x' = A x + B u + H f,  y = C x + D u + E f,  v = V x + W u + U f, with f = laws(v).
 ///
 /// x holds angles (relative to the driven node, or to one massive node, wherever no sensor or spring
 /// needs absolute ones: then no angle drifts) and speeds of the massive coordinates. All SI.
@@ -33,7 +64,7 @@ pub struct Equations {
     pub feedthrough: DMatrix<f64>,
     /// E, outputs x ports.
     pub force_output: DMatrix<f64>,
-    /// V, ports x states: the speed that each law sees.
+    /// V, ports x states: what each law sees.
     pub port: DMatrix<f64>,
     /// W, ports x inputs.
     pub port_input: DMatrix<f64>,

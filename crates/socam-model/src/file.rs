@@ -10,8 +10,9 @@ use toml::Spanned;
 
 use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
-    Servo, Shaft, Spring, Take, Update,
-    effects::{self, ActsAt, Kind},
+    Servo, Shaft, Site, Spring, Take, Update,
+    effects::{self, ActsAt, Borrowed, Effect, Kind, Sight},
+    model::{MESH_DAMPING, MESH_STIFFNESS},
     units,
 };
 
@@ -231,6 +232,53 @@ pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) ->
     Ok(document.to_string())
 }
 
+/// The text with an effect and its parameters added.
+pub(crate) fn add_effect(
+    text: &str,
+    motion: Motion,
+    effect: &str,
+    place: &str,
+    values: &[(&str, f64)],
+) -> Result<String, ModelError> {
+    use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
+    let fault = |message: String| ModelError::File { line: 1, message };
+    let mut document: DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
+    let known = effects::find(effect);
+    let mut used = InlineTable::new();
+    for (name, number) in values {
+        let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
+        let unit = match kind.map(|kind| kind.unit(motion == Motion::Rotation)) {
+            None | Some("") => "1",
+            Some(unit) => unit,
+        };
+        let full = free_name(&document, &format!("{place}_{effect}_{name}"));
+        let mut entry = InlineTable::new();
+        entry.insert("value", (*number).into());
+        entry.insert("unit", unit.into());
+        entry.insert("source", "diagnosis".into());
+        document["parameters"][&full] = value(entry);
+        used.insert(*name, full.into());
+    }
+    let mut table = Table::new();
+    table.insert("effect", value(effect));
+    table.insert("at", value(place));
+    table.insert("parameters", value(used));
+    let effects = document.entry("effects").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+    match effects.as_array_of_tables_mut() {
+        Some(tables) => tables.push(table),
+        None => return Err(fault("effects must be [[effects]] tables".into())),
+    }
+    Ok(document.to_string())
+}
+
+/// The name, or the first with a number behind it that no parameter has.
+fn free_name(document: &toml_edit::DocumentMut, name: &str) -> String {
+    let taken = |name: &str| document["parameters"].get(name).is_some();
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
+}
+
 fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
@@ -270,7 +318,6 @@ impl Reader<'_> {
         let shafts = self.each(raw.shafts, Self::shaft)?;
         let bearings = self.each(raw.bearings, Self::bearing)?;
         let servo = raw.servo.map(|servo| self.servo(servo)).transpose()?;
-        let effects = raw.effects.into_iter().map(|e| self.effect(e, &bearings)).collect::<Result<_, _>>()?;
         let channels = raw.channels.0.into_iter();
         let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
         for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
@@ -283,21 +330,28 @@ impl Reader<'_> {
                 });
             }
         }
-        Ok(Model {
+        let mut model = Model {
             text: self.text.into(),
             name: raw.name,
             description: raw.description,
             motion: raw.motion,
-            parameters: self.parameters,
-            nodes: self.nodes,
+            parameters: Vec::new(),
+            nodes: Vec::new(),
             springs,
             gears,
             shafts,
             bearings,
-            effects,
+            effects: Vec::new(),
             servo,
             channels,
-        })
+        };
+        std::mem::swap(&mut model.nodes, &mut self.nodes);
+        for effect in raw.effects {
+            self.effect(effect, &mut model)?;
+        }
+        model.parameters = self.parameters;
+        add_clocks(&mut model);
+        Ok(model)
     }
 
     fn each<R, T>(
@@ -467,25 +521,19 @@ impl Reader<'_> {
         })
     }
 
-    fn effect(&mut self, raw: RawEffect, bearings: &[Bearing]) -> Result<EffectUse, ModelError> {
+    fn effect(&mut self, raw: RawEffect, model: &mut Model) -> Result<(), ModelError> {
         let id = raw.effect.get_ref();
         let Some(effect) = effects::find(id) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
             return self
                 .fail(&raw.effect, format!("there is no effect \"{id}\"; effects are {}", known.join(", ")));
         };
-        let node = match effect.acts_at {
-            ActsAt::Node => self.node(&raw.at)?,
-            ActsAt::Bearing => match bearings.iter().find(|bearing| bearing.name == *raw.at.get_ref()) {
-                Some(bearing) => bearing.node,
-                None => {
-                    return self.fail(
-                        &raw.at,
-                        format!("{id} acts at a bearing, and \"{}\" is none", raw.at.get_ref()),
-                    );
-                }
-            },
-        };
+        let place = raw.at.get_ref().clone();
+        if !model.places(effect).contains(&place.as_str()) {
+            let (what, places) = (effect.acts_at.noun(), model.places(effect).join(", "));
+            return self
+                .fail(&raw.at, format!("{id} acts at {what}, and \"{place}\" is none; there is {places}"));
+        }
         let known = |name: &str| effect.parameters.iter().any(|parameter| parameter.name == name);
         if let Some((name, _)) = raw.parameters.0.iter().find(|(name, _)| !known(name.get_ref())) {
             let names: Vec<_> = effect.parameters.iter().map(|parameter| parameter.name).collect();
@@ -494,12 +542,11 @@ impl Reader<'_> {
                 format!("{id} has no parameter \"{}\"; it has {}", name.get_ref(), names.join(", ")),
             );
         }
-        let place = raw.at.get_ref().clone();
         let mut indices = Vec::new();
         for parameter in effect.parameters {
             let given = raw.parameters.0.iter().find(|(name, _)| name.get_ref() == parameter.name);
             indices.push(match (given, parameter.default) {
-                (Some((_, name)), _) => self.parameter(name, parameter.kind)?,
+                (Some((_, name)), _) => self.effect_parameter(name, parameter)?,
                 (None, Some(default)) => self.add_default(&place, parameter, default),
                 (None, None) => {
                     return self
@@ -507,7 +554,98 @@ impl Reader<'_> {
                 }
             });
         }
-        Ok(EffectUse { effect, place, node, parameters: indices })
+        let Some(at) = self.site(effect, &place, &indices, model) else {
+            return self.fail(&raw.at, format!("{id} cannot act at \"{place}\""));
+        };
+        if let Some(borrowed) = effect.borrows {
+            match (borrowed, at) {
+                (Borrowed::Stiffness, Site::Spring(spring) | Site::Gear { contact: spring, .. }) => {
+                    indices.push(model.springs[spring].stiffness);
+                }
+                (Borrowed::Contact, Site::Gear { contact, .. }) => {
+                    indices.push(model.springs[contact].stiffness);
+                    indices.extend(model.springs[contact].damping);
+                }
+                _ => {
+                    let bearing = model.bearings.iter().find(|bearing| bearing.name == place);
+                    indices.extend(bearing.and_then(|bearing| bearing.damping));
+                }
+            }
+        }
+        model.effects.push(EffectUse { effect, place, at, parameters: indices });
+        Ok(())
+    }
+
+    /// A parameter of an effect; its bounds are narrowed to what makes sense for it.
+    fn effect_parameter(&mut self, name: &Name, own: &effects::EffectParameter) -> Result<usize, ModelError> {
+        let index = self.parameter(name, own.kind)?;
+        let parameter = &mut self.parameters[index];
+        let (least, most) = own.bounds;
+        parameter.bounds = (parameter.bounds.0.max(least), parameter.bounds.1.min(most));
+        if (least..=most).contains(&parameter.value) {
+            return Ok(index);
+        }
+        let message = match most {
+            f64::INFINITY => {
+                format!("\"{}\" is {}, but it must be {least} or more", parameter.name, parameter.value)
+            }
+            _ => format!(
+                "\"{}\" is {}, but it must lie within {least} .. {most}",
+                parameter.name, parameter.value
+            ),
+        };
+        self.fail(name, message)
+    }
+
+    /// Where an effect acts; changes the network where it must.
+    fn site(&mut self, effect: &Effect, place: &str, own: &[usize], model: &mut Model) -> Option<Site> {
+        match effect.acts_at {
+            ActsAt::Node => model.nodes.iter().position(|node| node.name == place).map(Site::Node),
+            ActsAt::Bearing => {
+                let bearing = model.bearings.iter().find(|bearing| bearing.name == place)?;
+                Some(Site::Node(bearing.node))
+            }
+            ActsAt::Spring => model.springs.iter().position(|spring| spring.name == place).map(Site::Spring),
+            ActsAt::Channel => {
+                model.channels.iter().position(|channel| channel.name == place).map(Site::Channel)
+            }
+            ActsAt::Shaft => {
+                let index = model.shafts.iter().position(|shaft| shaft.name == place)?;
+                let Shaft { name, nodes: (from, to) } = model.shafts.remove(index);
+                let (stiffness, damping) = (own[0], Some(own[1]));
+                model.springs.push(Spring { name, from, to: Some(to), stiffness, damping });
+                Some(Site::Spring(model.springs.len() - 1))
+            }
+            ActsAt::Gear => {
+                let index = model.gears.iter().position(|gear| gear.name == place)?;
+                let fast = model.gears[index].from;
+                let contact = self.split(index, model);
+                let slow = model.springs[contact].to?;
+                Some(Site::Gear { fast, slow, contact })
+            }
+        }
+    }
+
+    /// Puts a stiff spring behind a gear, once.
+    fn split(&mut self, gear: usize, model: &mut Model) -> usize {
+        let place = model.gears[gear].name.clone();
+        let name = format!("{place}.contact");
+        if let Some(spring) = model.springs.iter().position(|spring| spring.name == name) {
+            return spring;
+        }
+        let slow = model.gears[gear].to;
+        model.nodes.push(Node { name: format!("{place}.out"), inertia: None });
+        model.gears[gear].to = model.nodes.len() - 1;
+        let mut own = |name: &'static str, kind: Kind, value: f64| {
+            let parameter =
+                effects::EffectParameter { name, kind, default: None, bounds: (0.0, f64::INFINITY) };
+            self.add_default(&place, &parameter, (value, value))
+        };
+        let stiffness = own("contact_stiffness", Kind::Stiffness, MESH_STIFFNESS);
+        let damping = Some(own("contact_damping", Kind::Damping, MESH_DAMPING));
+        let from = model.nodes.len() - 1;
+        model.springs.push(Spring { name, from, to: Some(slow), stiffness, damping });
+        model.springs.len() - 1
     }
 
     /// A numerical constant of a law that the file leaves to us.
@@ -525,7 +663,7 @@ impl Reader<'_> {
             unit: unit.into(),
             file_unit: unit.into(),
             file_factor: 1.0,
-            bounds: (0.0, f64::INFINITY),
+            bounds: parameter.bounds,
             fixed: true,
             source: "default".into(),
             prior: None,
@@ -602,6 +740,41 @@ impl Reader<'_> {
     }
 }
 
+/// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
+fn add_clocks(model: &mut Model) {
+    let asks = |sight: Sight| model.effects.iter().any(|used| used.effect.sees(sight));
+    let speed = |role: Role| {
+        let plain = |c: &&Channel| c.role == role && c.quantity == Quantity::Speed && c.take == Take::Value;
+        model.channels.iter().find(plain)
+    };
+    let clock = |like: &Channel, name: &str, quantity: Quantity, take: Take| Channel {
+        name: name.into(),
+        column: like.column.clone(),
+        role: Role::Input,
+        quantity,
+        at: like.at.clone(),
+        take,
+        scale: if quantity == Quantity::Time { 1.0 } else { like.scale },
+        offset: 0.0,
+        gain: None,
+        noise_std: None,
+        estimate_offset: false,
+        unit: if quantity == Quantity::Time { "s" } else { "rad" },
+    };
+    let mut clocks = Vec::new();
+    if asks(Sight::Time)
+        && let Some(input) = model.channels.iter().find(|channel| channel.role == Role::Input)
+    {
+        clocks.push(clock(input, "time", Quantity::Time, Take::Elapsed));
+    }
+    if asks(Sight::Angle)
+        && let Some(tachometer) = speed(Role::Input).or_else(|| speed(Role::Output))
+    {
+        clocks.push(clock(tachometer, "turned", Quantity::Turned, Take::Turned));
+    }
+    model.channels.extend(clocks);
+}
+
 /// Whether a column holds angles or positions, by its unit's suffix.
 fn is_angle(column: &str) -> bool {
     column.ends_with("_rad") || column.ends_with("_m")
@@ -618,18 +791,17 @@ fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static
         (Quantity::Acceleration, false) => ("m/s2", "_m_s2"),
         (Quantity::Torque, true) => ("N m", "_Nm"),
         (Quantity::Torque, false) => ("N", "_N"),
+        (Quantity::Time, _) => ("s", "_s"),
+        (Quantity::Turned, _) => ("rad", "_rad"),
     }
 }
 
 fn kind_name(kind: Kind) -> &'static str {
     match kind {
-        Kind::Torque => "torque",
-        Kind::Speed => "speed",
         Kind::Inertia => "inertia",
         Kind::Stiffness => "stiffness",
         Kind::Damping => "damping",
-        Kind::Ratio => "ratio",
-        Kind::Gain => "gain",
+        _ => "parameter",
     }
 }
 

@@ -231,7 +231,7 @@ impl Builder {
 
     fn channels(&mut self, model: &Model) {
         let places = self.placed.len();
-        for channel in &model.channels {
+        for channel in model.channels.iter().filter(|channel| !channel.quantity.is_clock()) {
             let at = self.placed[..places].iter().position(|placed| placed.element.name == channel.at);
             if let Some(at) = at {
                 let kind = ElementKind::Sensor { role: channel.role, quantity: channel.quantity };

@@ -31,6 +31,6 @@ pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
 pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
-    Shaft, Spring, Update,
+    Shaft, Site, Spring, Update,
 };
-pub use take::Take;
+pub use take::{Since, Take};

@@ -1,6 +1,10 @@
 //! The drivetrain as its file describes it, checked and in SI.
 
-use crate::{ModelError, Take, effects::Effect, file};
+use crate::{
+    ModelError, Take,
+    effects::{ActsAt, Borrowed, Effect, Form, Sight},
+    file,
+};
 
 /// Embedded models: name and file text. The first is the default.
 pub const BUILTIN: &[(&str, &str)] = &[
@@ -122,17 +126,43 @@ pub struct Bearing {
     pub damping: Option<usize>,
 }
 
-/// A force law of the catalogue at work in the model.
+/// Stiffness of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m) on the slow side: ten
+/// times that of the stiffest part of the default bench.
+pub(crate) const MESH_STIFFNESS: f64 = 1e6;
+/// Its damping, N m s/rad (N s/m).
+pub(crate) const MESH_DAMPING: f64 = 100.0;
+
+/// An effect of the catalogue at work in the model.
 #[derive(Debug, Clone)]
 pub struct EffectUse {
-    /// The law.
+    /// The effect.
     pub effect: &'static Effect,
     /// Place name as given.
     pub place: String,
-    /// Node that it acts on.
-    pub node: usize,
-    /// Parameters of the model, in the order of the law's.
+    /// Where that is.
+    pub at: Site,
+    /// Parameters of the model, in the order of the effect's, the borrowed one last.
     pub parameters: Vec<usize>,
+}
+
+/// Where an effect acts: indices into the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Site {
+    /// A node.
+    Node(usize),
+    /// A spring.
+    Spring(usize),
+    /// A gear: the nodes of its fast and slow side, and the spring that stands in for its mesh.
+    Gear {
+        /// Node on the fast side.
+        fast: usize,
+        /// Node on the slow side.
+        slow: usize,
+        /// Spring between them.
+        contact: usize,
+    },
+    /// A channel.
+    Channel(usize),
 }
 
 /// Cascaded position and velocity control of a node by a linear drive:
@@ -168,6 +198,20 @@ pub enum Quantity {
     Torque,
     /// Where a servo is told to go.
     Reference,
+    /// Time since the recording began; beside the motion, for laws that depend on it.
+    #[serde(skip)]
+    Time,
+    /// Angle through which a node has turned since the recording began; likewise.
+    #[serde(skip)]
+    Turned,
+}
+
+impl Quantity {
+    /// Whether an input of this kind moves nothing, but is only seen by laws; known exactly.
+    #[must_use]
+    pub fn is_clock(self) -> bool {
+        matches!(self, Self::Time | Self::Turned)
+    }
 }
 
 /// Whether the model reads a channel to move or to be judged.
@@ -261,6 +305,42 @@ impl Model {
     /// The file's text with some parameters' values replaced; comments, order and all else stay.
     pub fn text_with(&self, updates: &[Update]) -> Result<String, ModelError> {
         file::write(&self.text, &self.parameters, updates)
+    }
+
+    /// The model with one effect more, as a model file; its parameters are named after place and effect.
+    ///
+    /// # Errors
+    /// As for a file with a wrong entry: a place or parameter that does not exist, a value that makes no sense.
+    pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
+        let mut grown = Self::parse(&file::add_effect(&self.text, self.motion, effect, place, values)?)?;
+        // What was changed since the file was read stays changed.
+        for parameter in &mut grown.parameters {
+            if let Some(known) = self.parameter(&parameter.name) {
+                *parameter = self.parameters[known].clone();
+            }
+        }
+        Ok(grown)
+    }
+
+    /// Places at which an effect may act.
+    pub fn places(&self, effect: &Effect) -> Vec<&str> {
+        match effect.acts_at {
+            ActsAt::Bearing => {
+                let needs = effect.borrows == Some(Borrowed::Damping);
+                let bearings = self.bearings.iter().filter(|bearing| !needs || bearing.damping.is_some());
+                bearings.map(|bearing| &*bearing.name).collect()
+            }
+            ActsAt::Node => self.nodes.iter().map(|node| &*node.name).collect(),
+            ActsAt::Spring => self.springs.iter().map(|spring| &*spring.name).collect(),
+            ActsAt::Gear => self.gears.iter().map(|gear| &*gear.name).collect(),
+            ActsAt::Shaft => self.shafts.iter().map(|shaft| &*shaft.name).collect(),
+            ActsAt::Channel => {
+                let outputs_only =
+                    matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(Sight::Reading);
+                let channels = self.channels.iter().filter(|c| c.role == Role::Output || !outputs_only);
+                channels.map(|channel| &*channel.name).collect()
+            }
+        }
     }
 
     /// Parameter values of the file, SI.

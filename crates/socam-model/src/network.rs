@@ -7,10 +7,10 @@
 
 use crate::{
     ModelError,
-    effects::Kind,
+    effects::{Acts, Form, Kind, Sight},
     equations::{Equations, Port},
     jet::{Jet, Scalar},
-    model::{Channel, Model, Quantity, Role, Spring},
+    model::{Channel, EffectUse, Model, Quantity, Role, Site, Spring},
 };
 
 impl Model {
@@ -82,7 +82,9 @@ impl Model {
         }
         for used in &self.effects {
             for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
-                if parameter.kind == Kind::Speed && values[*index] <= 0.0 {
+                let scale = matches!(parameter.kind, Kind::Speed | Kind::Time)
+                    || matches!(parameter.name, "deflection" | "limit");
+                if scale && values[*index] <= 0.0 {
                     return fail(*index, "positive");
                 }
             }
@@ -181,7 +183,12 @@ impl<'m> Assembly<'m> {
     fn add_elements(&mut self) {
         let model = self.model;
         let quadratic = |row: &Jet, parameter: Scalar| row.transpose().times(row).scaled(&parameter);
-        for (node, inertia) in model.nodes.iter().enumerate().filter_map(|(i, n)| Some((i, n.inertia?))) {
+        let own = model.nodes.iter().enumerate().filter_map(|(i, n)| Some((i, n.inertia?)));
+        let more = model.effects.iter().filter_map(|used| match (used.effect.form, used.at) {
+            (Form::Inertia, Site::Node(node)) => Some((node, used.parameters[0])),
+            _ => None,
+        });
+        for (node, inertia) in own.chain(more).collect::<Vec<_>>() {
             let term = quadratic(&self.node_row(node), self.scalar(inertia));
             self.inertia.add_block(0, 0, &term);
         }
@@ -217,7 +224,13 @@ impl<'m> Assembly<'m> {
         for (group, class) in self.class.iter_mut().enumerate() {
             let touches = |parameter: Option<usize>| parameter.is_some();
             let members = || (0..model.nodes.len()).filter(|node| self.group[*node] == group);
-            let massive = members().any(|node| touches(model.nodes[node].inertia));
+            let adds = |node: usize| {
+                let effects = &model.effects;
+                effects
+                    .iter()
+                    .any(|used| matches!(used.effect.form, Form::Inertia) && used.at == Site::Node(node))
+            };
+            let massive = members().any(|node| touches(model.nodes[node].inertia) || adds(node));
             // Structural, not by value: a damping that an estimator moves to zero must not change the states.
             let damped = members().any(|node| {
                 model.springs.iter().any(|s| (s.from == node || s.to == Some(node)) && touches(s.damping))
@@ -264,6 +277,7 @@ impl<'m> Assembly<'m> {
                         channel.name, channel.at
                     )));
                 }
+                Quantity::Time | Quantity::Turned => {}
                 Quantity::Acceleration => {
                     return Err(ModelError::Network(format!(
                         "channel {} cannot drive the model: give a speed or a torque as input",
@@ -278,6 +292,23 @@ impl<'m> Assembly<'m> {
     fn node_named(&self, place: &str, channel: &str) -> Result<usize, ModelError> {
         self.model.nodes.iter().position(|node| node.name == place).ok_or_else(|| {
             ModelError::Network(format!("channel {channel} needs a node, and {place} is none"))
+        })
+    }
+
+    /// The spring that an effect acts at.
+    fn spring_of(&self, used: &EffectUse) -> Option<&'m Spring> {
+        match used.at {
+            Site::Spring(spring) | Site::Gear { contact: spring, .. } => self.model.springs.get(spring),
+            Site::Node(_) | Site::Channel(_) => None,
+        }
+    }
+
+    /// The node whose shaft a channel's sensor sits on: its own, or the driving end of a spring.
+    fn shaft_of(&self, channel: &Channel) -> Option<usize> {
+        let named = |name: &str| self.model.nodes.iter().position(|node| node.name == name);
+        named(&channel.at).or_else(|| {
+            let spring = self.model.springs.iter().find(|spring| spring.name == channel.at)?;
+            Some(spring.from)
         })
     }
 
@@ -383,14 +414,18 @@ fn tie_nodes(
 }
 
 /// The second half: velocities and accelerations of all groups as linear maps of the columns
-/// [angle states | speed states | inputs | ports].
+/// [angle states | speed states | states of effects | inputs | ports].
 struct Motion<'a, 'm> {
     a: &'a Assembly<'m>,
     massive: Vec<usize>,
     /// Groups whose angle is a state.
     angles: Vec<usize>,
+    /// First column of each effect's own states, and how many it has.
+    owned: Vec<(usize, usize)>,
     inputs: usize,
-    ports: usize,
+    ports: Vec<Port>,
+    /// Effect that each port belongs to.
+    port_owner: Vec<usize>,
     /// Maps per group, each groups x columns.
     angle: Jet,
     velocity: Jet,
@@ -409,15 +444,30 @@ impl<'a, 'm> Motion<'a, 'm> {
             Reference::Massive(root) => angles.retain(|group| *group != root),
             Reference::Ground => angles.extend(&prescribed),
         }
-        let (groups, inputs, ports) = (a.class.len(), a.model.inputs().count(), a.model.effects.len());
-        let columns = angles.len() + massive.len() + inputs + ports;
+        let (groups, inputs) = (a.class.len(), a.model.inputs().count());
+        let mut next = angles.len() + massive.len();
+        let owned: Vec<(usize, usize)> = a
+            .model
+            .effects
+            .iter()
+            .map(|used| {
+                let own = (next, states_of(used));
+                next += own.1;
+                own
+            })
+            .collect();
+        let (ports, port_owner): (Vec<Port>, Vec<usize>) =
+            a.model.effects.iter().enumerate().flat_map(|(index, used)| ports_of(index, used)).unzip();
+        let columns = next + inputs + ports.len();
         let empty = Jet::zeros(groups, columns, a.wrt.len());
         let mut motion = Self {
             a,
             massive,
             angles,
+            owned,
             inputs,
             ports,
+            port_owner,
             angle: empty.clone(),
             velocity: empty.clone(),
             acceleration: empty,
@@ -428,15 +478,46 @@ impl<'a, 'm> Motion<'a, 'm> {
     }
 
     fn first_input(&self) -> usize {
-        self.angles.len() + self.massive.len()
+        self.angles.len() + self.massive.len() + self.owned.iter().map(|(_, count)| count).sum::<usize>()
+    }
+
+    fn first_port(&self) -> usize {
+        self.first_input() + self.inputs
+    }
+
+    /// Columns of the ports of an effect's laws that act in some way.
+    fn acting(&self, effect: usize, acts: Acts) -> impl Iterator<Item = usize> {
+        let ports = self.ports.iter().zip(&self.port_owner).enumerate();
+        ports
+            .filter(move |(_, (port, owner))| **owner == effect && port.law.acts == acts)
+            .map(|(index, _)| self.first_port() + index)
     }
 
     fn one(&self) -> Scalar {
         Scalar::constant(1.0, self.a.wrt.len())
     }
 
+    /// SI value that acts per unit read, of an input; that is read per unit there is, of an output.
     fn gain(&self, channel: &Channel) -> Scalar {
-        channel.gain.map_or_else(|| self.one(), |parameter| self.a.scalar(parameter))
+        let own = channel.gain.map_or_else(|| self.one(), |parameter| self.a.scalar(parameter));
+        let effects = self.a.model.effects.iter().filter(|used| matches!(used.effect.form, Form::Gain));
+        effects.filter(|used| used.place == channel.name).fold(own, |gain, used| {
+            let read = self.a.scalar(used.parameters[0]);
+            if channel.role == Role::Input { gain.over(&read) } else { gain.times(&read) }
+        })
+    }
+
+    /// Columns of the ports that are added to what a channel reads.
+    fn read_beside(&self, channel: &Channel) -> Vec<usize> {
+        let effects = self.a.model.effects.iter().enumerate();
+        let own = effects.filter(|(_, used)| used.place == channel.name);
+        own.flat_map(|(index, _)| self.acting(index, Acts::Reading)).collect()
+    }
+
+    /// An input's column, and those of the ports that tell how much it reads too much: with their signs.
+    fn driving(&self, index: usize, channel: &Channel) -> Vec<(usize, f64)> {
+        let beside = self.read_beside(channel).into_iter().map(|column| (column, -1.0));
+        std::iter::once((self.first_input() + index, 1.0)).chain(beside).collect()
     }
 
     fn solve(&mut self, damped: &[usize], prescribed: &[usize]) -> Result<(), ModelError> {
@@ -492,8 +573,10 @@ impl<'a, 'm> Motion<'a, 'm> {
             let group = self.a.group[node];
             debug_assert!(prescribed.contains(&group));
             let motion = self.gain(channel).over(&self.a.lever[node]);
-            let column = self.first_input() + index;
-            self.velocity.add_at(group, column, &motion);
+            for (column, sign) in self.driving(index, channel) {
+                let signed = motion.times(&Scalar::constant(sign, self.a.wrt.len()));
+                self.velocity.add_at(group, column, &signed);
+            }
         }
     }
 
@@ -506,7 +589,10 @@ impl<'a, 'm> Motion<'a, 'm> {
                 Quantity::Torque => {
                     if let Some(node) = self.a.model.nodes.iter().position(|node| node.name == channel.at) {
                         let torque = self.gain(channel).times(&self.a.lever[node]);
-                        force.add_at(self.a.group[node], column, &torque);
+                        for (column, sign) in self.driving(index, channel) {
+                            let signed = torque.times(&Scalar::constant(sign, self.a.wrt.len()));
+                            force.add_at(self.a.group[node], column, &signed);
+                        }
                     }
                 }
                 Quantity::Reference => {
@@ -527,8 +613,23 @@ impl<'a, 'm> Motion<'a, 'm> {
             }
         }
         for (index, used) in self.a.model.effects.iter().enumerate() {
-            let column = self.first_input() + self.inputs + index;
-            force.add_at(self.a.group[used.node], column, &self.a.lever[used.node]);
+            let on_node = match used.at {
+                Site::Node(node) => Some((node, Acts::Torque)),
+                Site::Gear { slow, .. } => Some((slow, Acts::Drag)),
+                Site::Spring(_) | Site::Channel(_) => None,
+            };
+            if let Some((node, acts)) = on_node {
+                for column in self.acting(index, acts) {
+                    force.add_at(self.a.group[node], column, &self.a.lever[node]);
+                }
+            }
+            if let Some(spring) = self.a.spring_of(used) {
+                let twist = self.a.twist_row(spring.from, spring.to).transpose();
+                let minus = Scalar::constant(-1.0, self.a.wrt.len());
+                for column in self.acting(index, Acts::Torque) {
+                    force.add_block(0, column, &twist.scaled(&minus));
+                }
+            }
         }
         force
     }
@@ -602,27 +703,42 @@ impl<'a, 'm> Motion<'a, 'm> {
                 "channel {} measures an acceleration, so {} must have an inertia",
                 channel.name, model.nodes[node].name
             ))),
-            Quantity::Torque | Quantity::Reference => Err(ModelError::Network(format!(
-                "channel {} is a reference; that can only be an input",
-                channel.name
-            ))),
+            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned => {
+                Err(ModelError::Network(format!(
+                    "channel {} is a reference; that can only be an input",
+                    channel.name
+                )))
+            }
         }
+    }
+
+    /// Torque through a spring.
+    fn spring_torque(&self, spring: &Spring) -> Jet {
+        let model = self.a.model;
+        let twist = self.a.twist_row(spring.from, spring.to);
+        let mut torque = twist.times(&self.angle).scaled(&self.a.scalar(spring.stiffness));
+        if let Some(damping) = spring.damping {
+            torque = torque.plus(&twist.times(&self.velocity).scaled(&self.a.scalar(damping)));
+        }
+        for (index, input) in model.inputs().enumerate() {
+            if self.a.twisted_spring(input).is_some_and(|twisted| twisted.name == spring.name) {
+                torque.add_at(0, self.first_input() + index, &self.twisting(spring, input));
+            }
+        }
+        for (index, used) in model.effects.iter().enumerate() {
+            if self.a.spring_of(used).is_some_and(|own| own.name == spring.name) {
+                for column in self.acting(index, Acts::Torque) {
+                    torque.add_at(0, column, &self.one());
+                }
+            }
+        }
+        torque
     }
 
     fn torque_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
-            let twist = self.a.twist_row(spring.from, spring.to);
-            let mut torque = twist.times(&self.angle).scaled(&self.a.scalar(spring.stiffness));
-            if let Some(damping) = spring.damping {
-                torque = torque.plus(&twist.times(&self.velocity).scaled(&self.a.scalar(damping)));
-            }
-            for (index, input) in model.inputs().enumerate() {
-                if self.a.twisted_spring(input).is_some_and(|twisted| twisted.name == spring.name) {
-                    torque.add_at(0, self.first_input() + index, &self.twisting(spring, input));
-                }
-            }
-            return Ok(torque);
+            return Ok(self.spring_torque(spring));
         }
         match (&model.servo, self.a.servo_terms()) {
             (Some(servo), Some((row, proportional, derivative))) if servo.name == channel.at => {
@@ -644,51 +760,167 @@ impl<'a, 'm> Motion<'a, 'm> {
         }
     }
 
+    /// What a channel would read were its sensor true but for its gain; its filter and what is added to it come after.
+    fn true_reading(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        if channel.role == Role::Input {
+            let mut row = self.nothing();
+            let index = self.a.model.inputs().position(|input| input.name == channel.name);
+            row.add_at(0, self.first_input() + index.unwrap_or(0), &self.one());
+            return Ok(row);
+        }
+        Ok(self.output_row(channel)?.scaled(&self.gain(channel)))
+    }
+
+    fn nothing(&self) -> Jet {
+        Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
+    }
+
+    /// The sensor's filter: rates of its states in `rates`, and what comes out.
+    fn filtered(&self, channel: &Channel, rates: &mut Jet, mut reading: Jet) -> Jet {
+        let effects = self.a.model.effects.iter().zip(&self.owned);
+        for (used, (first, _)) in effects.filter(|(used, _)| used.place == channel.name) {
+            let constant = |value: f64| Scalar::constant(value, self.a.wrt.len());
+            match used.effect.form {
+                Form::Lag => {
+                    let rate = self.one().over(&self.a.scalar(used.parameters[0]));
+                    rates.add_block(*first, 0, &reading.scaled(&rate));
+                    rates.add_at(*first, *first, &rate.times(&constant(-1.0)));
+                    reading = self.nothing();
+                    reading.add_at(0, *first, &self.one());
+                }
+                // Sections of unlike length: equal ones could not be diagonalised.
+                Form::Delay => {
+                    for (section, share) in [0.48, 0.52].into_iter().enumerate() {
+                        let [late, later] = [0, 1].map(|state| first + 2 * section + state);
+                        let time = self.a.scalar(used.parameters[0]).times(&constant(share));
+                        let rate = self.one().over(&time);
+                        let square = rate.times(&rate).times(&constant(12.0));
+                        // a' = b, b' = 12 (y - a)/t² - 6 b/t; out comes y - t b. Scaled: b is stored as t b.
+                        rates.add_at(late, later, &rate);
+                        let pull = square.times(&time);
+                        rates.add_block(later, 0, &reading.scaled(&pull));
+                        rates.add_at(later, late, &pull.times(&constant(-1.0)));
+                        rates.add_at(later, later, &rate.times(&constant(-6.0)));
+                        reading.add_at(0, later, &constant(-1.0));
+                    }
+                }
+                _ => {}
+            }
+        }
+        reading
+    }
+
+    /// What the law of a port sees.
+    fn seen(&self, port: usize) -> Result<Jet, ModelError> {
+        let effect = self.port_owner[port];
+        let used = &self.a.model.effects[effect];
+        let Some(sight) = self.ports[port].law.sights.get(self.ports[port].sight) else {
+            return Ok(self.nothing());
+        };
+        let node = match used.at {
+            Site::Node(node) => Some(node),
+            Site::Gear { fast, slow, .. } => Some(if *sight == Sight::Angle { fast } else { slow }),
+            Site::Spring(_) => None,
+            Site::Channel(channel) => self.a.shaft_of(&self.a.model.channels[channel]),
+        };
+        let spring = self.a.spring_of(used);
+        let twist = spring.map(|spring| self.a.twist_row(spring.from, spring.to));
+        Ok(match (sight, node, twist) {
+            (Sight::Speed, Some(node), _) => {
+                self.require_speed(node, used.effect.id)?;
+                self.node_velocity(node)
+            }
+            (Sight::Angle, Some(node), _) => self.turned(node, used)?,
+            (Sight::Twist, _, Some(twist)) => twist.times(&self.angle),
+            (Sight::TwistRate, _, Some(twist)) => {
+                let ends = spring.into_iter().flat_map(|spring| [Some(spring.from), spring.to]);
+                ends.flatten().try_for_each(|node| self.require_speed(node, used.effect.id))?;
+                twist.times(&self.velocity)
+            }
+            (Sight::Torque, ..) => spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring)),
+            (Sight::Time, ..) => self.clock(Quantity::Time),
+            (Sight::State, ..) => {
+                let mut row = self.nothing();
+                row.add_at(0, self.owned[effect].0, &self.one());
+                row
+            }
+            (Sight::Reading, ..) => match used.at {
+                Site::Channel(channel) => self.true_reading(&self.a.model.channels[channel])?,
+                _ => self.nothing(),
+            },
+            _ => self.nothing(),
+        })
+    }
+
+    fn clock(&self, quantity: Quantity) -> Jet {
+        let mut row = self.nothing();
+        if let Some(index) = self.a.model.inputs().position(|input| input.quantity == quantity) {
+            row.add_at(0, self.first_input() + index, &self.one());
+        }
+        row
+    }
+
+    /// Angle through which a node has turned: that of the shaft whose turning is an input, and what springs between wind up.
+    fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
+        let angle = |node: usize| self.a.node_row(node).times(&self.angle);
+        let Some(clock) = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned) else {
+            return Ok(angle(node));
+        };
+        let from = self.a.node_named(&clock.at, &clock.name)?;
+        let lost = || {
+            ModelError::Network(format!(
+                "{} at {} needs the angle of {}, which nothing ties to {}",
+                used.effect.id, used.place, self.a.model.nodes[node].name, clock.at
+            ))
+        };
+        let mode = self.a.rigid_mode(self.a.group[from]).ok_or_else(lost)?;
+        let ratio = mode[self.a.group[node]].times(&self.a.lever[node]).over(&self.a.lever[from]);
+        Ok(self.clock(Quantity::Turned).scaled(&ratio).plus(&angle(node)).minus(&angle(from).scaled(&ratio)))
+    }
+
     fn equations(&self) -> Result<(Equations, Vec<Equations>), ModelError> {
         let model = self.a.model;
         let all: Vec<usize> = (0..self.angle.value.ncols()).collect();
-        let states = self.first_input();
+        let (states, ports) = (self.first_input(), self.ports.len());
         let count = self.a.wrt.len();
         let mut rates = Jet::zeros(states, all.len(), count);
         rates.add_block(0, 0, &self.angle_rates());
         rates.add_block(self.angles.len(), 0, &self.acceleration.select(&self.massive, &all));
+        for (index, (first, _)) in self.owned.iter().enumerate() {
+            for column in self.acting(index, Acts::State) {
+                rates.add_at(*first, column, &self.one());
+            }
+        }
         let outputs: Vec<_> = model.channels.iter().filter(|channel| channel.role == Role::Output).collect();
         let mut observed = Jet::zeros(outputs.len(), all.len(), count);
         for (row, channel) in outputs.iter().enumerate() {
-            observed.add_block(row, 0, &self.output_row(channel)?.scaled(&self.gain(channel)));
-        }
-        let mut seen = Jet::zeros(self.ports, all.len(), count);
-        for (row, used) in model.effects.iter().enumerate() {
-            if (used.effect.transition_speed)(&self.port_parameters(used)) > 0.0 {
-                self.require_speed(used.node, used.effect.id)?;
-                seen.add_block(row, 0, &self.node_velocity(used.node));
+            let mut reading = self.filtered(channel, &mut rates, self.true_reading(channel)?);
+            for column in self.read_beside(channel) {
+                reading.add_at(0, column, &self.one());
             }
+            observed.add_block(row, 0, &reading);
+        }
+        let mut seen = Jet::zeros(ports, all.len(), count);
+        for port in 0..ports {
+            seen.add_block(port, 0, &self.seen(port)?);
         }
         let part = |slope: Option<usize>| Equations {
             state: pick(&rates, slope, 0, states),
             input: pick(&rates, slope, states, self.inputs),
-            force: pick(&rates, slope, states + self.inputs, self.ports),
+            force: pick(&rates, slope, states + self.inputs, ports),
             output: pick(&observed, slope, 0, states),
             feedthrough: pick(&observed, slope, states, self.inputs),
-            force_output: pick(&observed, slope, states + self.inputs, self.ports),
+            force_output: pick(&observed, slope, states + self.inputs, ports),
             port: pick(&seen, slope, 0, states),
             port_input: pick(&seen, slope, states, self.inputs),
-            port_force: pick(&seen, slope, states + self.inputs, self.ports),
+            port_force: pick(&seen, slope, states + self.inputs, ports),
             ports: Vec::new(),
             state_names: Vec::new(),
         };
         let slopes = (0..count).map(|index| part(Some(index))).collect();
-        let ports = model.effects.iter().map(|used| Port {
-            effect: used.effect,
-            place: used.place.clone(),
-            parameters: used.parameters.clone(),
-        });
-        let equations = Equations { ports: ports.collect(), state_names: self.state_names(), ..part(None) };
+        let equations =
+            Equations { ports: self.ports.clone(), state_names: self.state_names(), ..part(None) };
         Ok((equations, slopes))
-    }
-
-    fn port_parameters(&self, used: &crate::EffectUse) -> Vec<f64> {
-        used.parameters.iter().map(|index| self.a.values[*index]).collect()
     }
 
     fn state_names(&self) -> Vec<String> {
@@ -698,8 +930,35 @@ impl<'a, 'm> Motion<'a, 'm> {
         };
         let kind = if self.a.reference == Reference::Ground { "angle of" } else { "wind-up of" };
         let angles = self.angles.iter().map(|group| format!("{kind} {}", name(group)));
-        angles.chain(self.massive.iter().map(|group| format!("speed of {}", name(group)))).collect()
+        let speeds = self.massive.iter().map(|group| format!("speed of {}", name(group)));
+        let owned = self.a.model.effects.iter().flat_map(|used| {
+            (0..states_of(used)).map(|index| format!("state {index} of {} at {}", used.effect.id, used.place))
+        });
+        angles.chain(speeds).chain(owned).collect()
     }
+}
+
+/// States that an effect has of its own.
+fn states_of(used: &EffectUse) -> usize {
+    match used.effect.form {
+        Form::Laws(laws) => laws.iter().filter(|law| law.acts == Acts::State).count(),
+        Form::Lag => 1,
+        Form::Delay => 4,
+        Form::Inertia | Form::Compliance | Form::Gain => 0,
+    }
+}
+
+fn ports_of(index: usize, used: &EffectUse) -> Vec<(Port, usize)> {
+    let port = |law: &'static crate::effects::Law, sight: usize| Port {
+        effect: used.effect,
+        law,
+        place: used.place.clone(),
+        parameters: used.parameters.clone(),
+        sight,
+    };
+    let sights =
+        used.effect.laws().iter().flat_map(|law| (0..law.sights.len().max(1)).map(move |s| (law, s)));
+    sights.map(|(law, sight)| (port(law, sight), index)).collect()
 }
 
 fn pick(jet: &Jet, slope: Option<usize>, start: usize, count: usize) -> nalgebra::DMatrix<f64> {

@@ -24,6 +24,12 @@ pub enum Take {
     Cos(f64),
     /// sin(order * value).
     Sin(f64),
+    /// Time since the recording began, whatever the values.
+    #[serde(skip)]
+    Elapsed,
+    /// Their integral since then, to fourth order.
+    #[serde(skip)]
+    Turned,
 }
 
 impl Take {
@@ -32,29 +38,54 @@ impl Take {
     pub const fn reach(self) -> usize {
         match self {
             Self::Rate => REACH,
-            Self::Value | Self::Cos(_) | Self::Sin(_) => 0,
+            Self::Turned => 2,
+            Self::Value | Self::Cos(_) | Self::Sin(_) | Self::Elapsed => 0,
         }
     }
 
-    fn apply(self, column: &[f64], sample_time_s: f64) -> Vec<f64> {
+    fn apply(self, column: &[f64], sample_time_s: f64, from: Since) -> Vec<f64> {
         match self {
             Self::Value => column.to_vec(),
             Self::Rate => rate(column).into_iter().map(|step| step / sample_time_s).collect(),
             Self::Cos(order) => column.iter().map(|value| (order * value).cos()).collect(),
             Self::Sin(order) => column.iter().map(|value| (order * value).sin()).collect(),
+            Self::Elapsed => (0..column.len()).map(|k| from.time_s + k as f64 * sample_time_s).collect(),
+            Self::Turned => turned(column, sample_time_s, from.angle),
         }
     }
+}
+
+/// Where the first of some samples stands in its recording, for what is counted from there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Since {
+    /// Time since the recording began, s.
+    pub time_s: f64,
+    /// What [`Take::Turned`] has made of the samples before: the integral up to the first of these.
+    pub angle: f64,
 }
 
 impl Channel {
     /// SI values of consecutive samples of its column, NaN where one is missing. Those closer than [`Take::reach`] to an end
     /// are less exact.
     #[must_use]
-    pub fn read(&self, column: &[f64], sample_time_s: f64) -> Vec<f64> {
-        let mut values = self.take.apply(column, sample_time_s);
+    pub fn read(&self, column: &[f64], sample_time_s: f64, from: Since) -> Vec<f64> {
+        let mut values = self.take.apply(column, sample_time_s, from);
         values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
         values
     }
+}
+
+/// Integral from the first value on.
+fn turned(values: &[f64], sample_time_s: f64, start: f64) -> Vec<f64> {
+    let step = |k: usize| match (k.checked_sub(2).and_then(|before| values.get(before)), values.get(k + 1)) {
+        (Some(before), Some(after)) => (13.0 * (values[k - 1] + values[k]) - before - after) / 24.0,
+        _ => 0.5 * (values[k - 1] + values[k]),
+    };
+    let sums = (0..values.len()).scan(start, |sum, k| {
+        *sum += if k == 0 { 0.0 } else { sample_time_s * step(k) };
+        Some(*sum)
+    });
+    sums.collect()
 }
 
 /// Change per sample.
@@ -91,7 +122,7 @@ mod tests {
         for (turns, tolerance) in [(0.05, 1e-12), (1.0 / 7.0, 6e-7), (0.25, 1.5e-3)] {
             let x = std::f64::consts::TAU * turns;
             let tone: Vec<f64> = (0..400).map(|k| (x * f64::from(k) + 0.3).sin()).collect();
-            let found = Take::Rate.apply(&tone, 0.01);
+            let found = Take::Rate.apply(&tone, 0.01, Since::default());
             for (k, value) in found.iter().enumerate().take(392).skip(8) {
                 let expected = 100.0 * x * (x * k as f64 + 0.3).cos();
                 assert!((value - expected).abs() < 100.0 * x * tolerance, "{turns} {k}: {value}, {expected}");

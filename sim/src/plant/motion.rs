@@ -7,7 +7,7 @@ use diffsol::{
     OdeEquationsRef, Op, UnitCallable, Vector,
 };
 use nalgebra::{DMatrix, DVector};
-use socam_model::{Equations, effects::Effect};
+use socam_model::{Equations, Port};
 
 /// Newton iterations for laws that act on one another within an instant; they are monotone and converge in a few.
 const COUPLED_ITERATIONS: usize = 30;
@@ -34,7 +34,7 @@ pub(super) struct Motion {
 }
 
 struct Law {
-    effect: &'static Effect,
+    port: Port,
     parameters: Vec<f64>,
 }
 
@@ -85,10 +85,7 @@ impl Rows {
 impl Motion {
     pub(super) fn new(equations: &Equations, values: &[f64]) -> Self {
         let e = equations;
-        let law = |port: &socam_model::Port| Law {
-            effect: port.effect,
-            parameters: port.parameters.iter().map(|index| values[*index]).collect(),
-        };
+        let law = |port: &Port| Law { port: port.clone(), parameters: port.values(values) };
         let (states, inputs, ports) = (e.state.nrows(), e.input.ncols(), e.ports.len());
         Self {
             context: NalgebraContext::default(),
@@ -165,10 +162,11 @@ impl Motion {
     }
 
     fn answer(&self, now: &mut Now) {
-        for (index, law) in self.laws.iter().enumerate() {
-            let response = (law.effect.law)(now.seen[index], &law.parameters);
+        for (index, law) in self.laws.iter().enumerate().filter(|(_, law)| law.port.sight == 0) {
+            let response = law.port.answer(&now.seen[index..], &law.parameters);
             now.force[index] = response.torque;
-            now.slopes[index] = response.slope_speed;
+            let own = law.port.law.sights.len();
+            now.slopes[index..index + own].copy_from_slice(&response.slopes[..own]);
         }
     }
 

@@ -27,7 +27,7 @@ fn plain(model: &Model, input: &[f64], step_s: f64, parts: usize) -> Vec<Vec<f64
     let laws = Law::all(&e, &values, &[]);
     let force = |x: &DVector<f64>, u: f64| {
         let speeds = &e.port * x + &e.port_input * DVector::from_element(1, u);
-        DVector::from_fn(laws.len(), |p, _| laws[p].at(speeds[p]).torque)
+        DVector::from_fn(laws.len(), |p, _| laws[p].at(&speeds.as_slice()[p..]).torque)
     };
     let rate = |x: &DVector<f64>, u: f64| &e.state * x + e.input.column(0) * u + &e.force * force(x, u);
     let mut x = DVector::zeros(e.state.nrows());

@@ -1,6 +1,6 @@
 //! Dry friction of constant size that opposes the motion.
 
-use super::{ActsAt, Effect, EffectParameter, Kind, Response};
+use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
 
 /// T = -torque tanh(speed / transition_speed).
 ///
@@ -11,22 +11,21 @@ pub(super) const EFFECT: Effect = Effect {
     id: "coulomb_friction",
     acts_at: ActsAt::Bearing,
     parameters: &[
-        EffectParameter { name: "torque", kind: Kind::Torque, default: None },
-        EffectParameter { name: "transition_speed", kind: Kind::Speed, default: Some((0.05, 2e-3)) },
+        EffectParameter::new("torque", Kind::Torque, POSITIVE),
+        EffectParameter::usual("transition_speed", Kind::Speed, (0.05, 2e-3)),
     ],
+    borrows: None,
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Speed],
+        acts: Acts::Torque,
+        answer,
+        bend: |parameters| parameters[1],
+    }]),
     equation: "T = -T_c sign(w)",
     sentence: "Something rubs with a drag that does not grow with speed: a seal, a brake or a preloaded bearing.",
-    law,
-    transition_speed: |parameters| parameters[1],
 };
 
-fn law(speed: f64, parameters: &[f64]) -> Response {
-    let (torque, width) = (parameters[0], parameters[1]);
-    let tanh = (speed / width).tanh();
-    let bend = (1.0 - tanh * tanh) / width;
-    Response {
-        torque: -torque * tanh,
-        slope_speed: -torque * bend,
-        slope_parameters: [-tanh, torque * bend * speed / width, 0.0, 0.0],
-    }
+fn answer(sights: &[f64], parameters: &[f64]) -> Response {
+    let (sign, bend, by_width) = shape::sign(sights[0], parameters[1]);
+    shape::response(-parameters[0] * sign, &[-parameters[0] * bend], &[-sign, -parameters[0] * by_width])
 }

@@ -101,6 +101,8 @@ pub(super) fn measures(quantity: Quantity, role: Role, motion: Motion) -> String
         Quantity::Torque if rotates => "torque",
         Quantity::Torque => "force",
         Quantity::Reference => "reference",
+        Quantity::Time => "time",
+        Quantity::Turned => "angle turned",
     };
     match role {
         Role::Input => format!("{quantity}, drives the model"),

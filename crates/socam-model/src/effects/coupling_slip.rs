@@ -1,0 +1,54 @@
+//! A coupling that slips above a torque.
+
+use super::{
+    Acts, ActsAt, Borrowed, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape,
+};
+
+/// The spring winds up only as far as its torque stays below `torque`: what twists it further slips. T = k (d - s), and
+/// s' = v where k (d - s) pulls with the whole torque in the direction of v, else 0, the corner rounded by a power.
+pub(super) const EFFECT: Effect = Effect {
+    id: "coupling_slip",
+    acts_at: ActsAt::Spring,
+    parameters: &[EffectParameter::new("torque", Kind::Torque, POSITIVE)],
+    borrows: Some(Borrowed::Stiffness),
+    form: Form::Laws(&[
+        Law {
+            sights: &[Sight::TwistRate, Sight::Twist, Sight::State],
+            acts: Acts::State,
+            answer: slip,
+            bend: shape::straight,
+        },
+        Law { sights: &[Sight::State], acts: Acts::Torque, answer: relief, bend: shape::straight },
+    ]),
+    equation: "|T| <= T_slip",
+    sentence: "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",
+};
+
+/// Half of the power to which the torque's share of its limit is raised.
+const HALF_POWER: i32 = 8;
+/// Of the twist's rate, rad/s: over it slip sets in.
+const ROUNDING: f64 = 1e-2;
+
+fn slip(sights: &[f64], p: &[f64]) -> Response {
+    let (rate, wound) = (sights[0], sights[1] - sights[2]);
+    let (limit, stiffness) = (p[0], p[1]);
+    let share = stiffness * wound / limit;
+    let power = (share * share).min(4.0).powi(HALF_POWER);
+    // max(v sign(share), 0), signed: only winding further slips.
+    let towards = rate * share.signum();
+    let root = (towards * towards + ROUNDING * ROUNDING).sqrt();
+    let (onward, by_rate) = (0.5 * (towards + root), 0.5 * (1.0 + towards / root));
+    let value = onward * power * share.signum();
+    let still = f64::from(share * share < 4.0);
+    let by_share = still * 2.0 * f64::from(HALF_POWER) * onward * power / share.abs().max(1e-12);
+    let by_wound = by_share * stiffness / limit;
+    shape::response(
+        value,
+        &[by_rate * power, by_wound, -by_wound],
+        &[-by_share * share / limit, by_share * wound / limit],
+    )
+}
+
+fn relief(sights: &[f64], p: &[f64]) -> Response {
+    shape::response(-p[1] * sights[0], &[-p[1]], &[0.0, -sights[0]])
+}

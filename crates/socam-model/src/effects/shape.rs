@@ -1,0 +1,60 @@
+//! Smooth stand-ins for corners and jumps, and the bookkeeping of slopes.
+
+use super::{MAX_PARAMETERS, MAX_SIGHTS, Response};
+
+/// Nowhere sharply bent.
+pub(super) fn straight(_: &[f64]) -> f64 {
+    0.0
+}
+
+/// A response from its slopes, however many.
+pub(super) fn response(torque: f64, sights: &[f64], parameters: &[f64]) -> Response {
+    let mut slopes = [0.0; MAX_SIGHTS];
+    slopes.iter_mut().zip(sights).for_each(|(target, value)| *target = *value);
+    let mut slope_parameters = [0.0; MAX_PARAMETERS];
+    slope_parameters.iter_mut().zip(parameters).for_each(|(target, value)| *target = *value);
+    Response { torque, slopes, slope_parameters }
+}
+
+/// tanh(x / width), and its slopes by x and by width.
+pub(super) fn sign(x: f64, width: f64) -> (f64, f64, f64) {
+    let tanh = (x / width).tanh();
+    let bend = (1.0 - tanh * tanh) / width;
+    (tanh, bend, -bend * x / width)
+}
+
+/// What of a value lies within -half .. half, with corners rounded over a width.
+pub(super) struct Clipped {
+    pub(super) value: f64,
+    /// Slopes by what is clipped and by half.
+    pub(super) by_x: f64,
+    pub(super) by_half: f64,
+    /// Slopes of `by_x`, likewise.
+    pub(super) by_x_x: f64,
+    pub(super) by_x_half: f64,
+}
+
+/// See [`Clipped`].
+pub(super) fn clip(x: f64, half: f64, width: f64) -> Clipped {
+    let ([up, up_slope, up_bend], [down, down_slope, down_bend]) =
+        (ramp(x + half, width), ramp(x - half, width));
+    Clipped {
+        value: up - down - half,
+        by_x: up_slope - down_slope,
+        by_half: up_slope + down_slope - 1.0,
+        by_x_x: up_bend - down_bend,
+        by_x_half: up_bend + down_bend,
+    }
+}
+
+/// max(x, 0) with a corner rounded over `width`, its slope, and its slope's.
+fn ramp(x: f64, width: f64) -> [f64; 3] {
+    let root = (x * x + width * width).sqrt();
+    [0.5 * (x + root), 0.5 * (1.0 + x / root), 0.5 * width * width / (root * root * root)]
+}
+
+/// size sin(rate x + phase), with slopes by x and by size, by what the rate is `unit` times of, and by phase.
+pub(super) fn wave(size: f64, rate: f64, phase: f64, x: f64, unit: f64) -> Response {
+    let (sin, cos) = (rate * x + phase).sin_cos();
+    response(size * sin, &[size * rate * cos], &[sin, size * unit * x * cos, size * cos])
+}

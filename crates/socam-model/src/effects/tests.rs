@@ -1,0 +1,125 @@
+//! Every law against differences of itself, and every effect in a model file.
+
+use super::*;
+use crate::Model;
+
+/// Values for a parameter that make sense and make the law do something.
+fn plausible(parameter: &EffectParameter) -> f64 {
+    match parameter.name {
+        "static_torque" => 0.9,
+        "stribeck_speed" => 2.0,
+        "gap" => 4e-3,
+        "deflection" => 0.02,
+        "cubic" => -3.0,
+        "gain" => 0.97,
+        "limit" => 1.5,
+        "stiffness" => 300.0,
+        "fraction" => 0.1,
+        "inertia" => 1e-3,
+        "time_constant" | "delay" => 2e-3,
+        "phase" => 0.4,
+        _ => parameter.default.map_or(0.6, |(turning, _)| turning),
+    }
+}
+
+#[test]
+fn slopes_of_every_law_agree_with_differences() {
+    for effect in CATALOGUE {
+        let mut parameters: Vec<f64> = effect.parameters.iter().map(plausible).collect();
+        match effect.borrows {
+            Some(Borrowed::Contact) => parameters.extend([0.7, 0.3]),
+            Some(_) => parameters.push(0.7),
+            None => {}
+        }
+        for law in effect.laws() {
+            for seen in [[0.4, 0.01, 0.003], [-0.03, 0.02, -0.011], [3.0, -0.7, 0.4], [-1.2, 0.05, 0.02]] {
+                let seen = &seen[..law.sights.len()];
+                let at = |seen: &[f64], parameters: &[f64]| (law.answer)(seen, parameters).torque;
+                let answer = (law.answer)(seen, &parameters);
+                let close = |slope: f64, up: f64, down: f64, step: f64, what: &str| {
+                    let difference = (up - down) / (2.0 * step);
+                    let size = 1e-6 * (slope.abs() + answer.torque.abs() / step.max(1e-3)) + 1e-7;
+                    assert!(
+                        (slope - difference).abs() < size.max(1e-4 * slope.abs()),
+                        "{} {what} at {seen:?}: {slope}, {difference}",
+                        effect.id
+                    );
+                };
+                let moved = |values: &[f64], index: usize, step: f64| {
+                    let mut values = values.to_vec();
+                    values[index] += step;
+                    values
+                };
+                for index in 0..seen.len() {
+                    let step = 1e-6 * seen[index].abs().max(1e-3);
+                    let [up, down] = [step, -step].map(|step| at(&moved(seen, index, step), &parameters));
+                    close(answer.slopes[index], up, down, step, "by sight");
+                }
+                for index in 0..parameters.len() {
+                    let step = 1e-6 * parameters[index].abs();
+                    let [up, down] = [step, -step].map(|step| at(seen, &moved(&parameters, index, step)));
+                    close(
+                        answer.slope_parameters[index],
+                        up,
+                        down,
+                        step,
+                        effect.parameters.get(index).map_or("borrowed", |p| p.name),
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A slope of the whole model by each parameter, for every effect wherever it may act; and the file that says so is read again.
+#[test]
+fn every_effect_enters_a_model_wherever_it_may_act() {
+    let base = Model::builtin("speed-o-cam").unwrap();
+    for effect in CATALOGUE {
+        let places: Vec<String> = base.places(effect).into_iter().map(str::to_owned).collect();
+        assert!(!places.is_empty(), "{}", effect.id);
+        for place in places {
+            let given = effect.parameters.iter().filter(|p| p.default.is_none());
+            let values: Vec<(&str, f64)> = given.map(|p| (p.name, plausible(p))).collect();
+            let model = base.with_effect(effect.id, &place, &values);
+            // A torque on the motor's node, whose speed is prescribed, or on a point without inertia: nothing for it to do.
+            let model = model.unwrap_or_else(|error| panic!("{} at {place}: {error}", effect.id));
+            let all: Vec<usize> = (0..model.parameters.len()).collect();
+            let Ok((equations, slopes)) = model.equations_with_slopes(&model.values(), &all) else {
+                continue;
+            };
+            assert_eq!(
+                equations.ports.len(),
+                effect.laws().iter().map(|law| law.sights.len().max(1)).sum::<usize>()
+            );
+            for (index, slope) in slopes.iter().enumerate() {
+                let step = 1e-6 * model.values()[index].abs().max(1e-9);
+                let shifted = |sign: f64| {
+                    let mut moved = model.values();
+                    moved[index] += sign * step;
+                    model.equations(&moved).unwrap()
+                };
+                let (up, down) = (shifted(1.0), shifted(-1.0));
+                for (matrix, plus, minus) in [
+                    (&slope.state, &up.state, &down.state),
+                    (&slope.input, &up.input, &down.input),
+                    (&slope.force, &up.force, &down.force),
+                    (&slope.output, &up.output, &down.output),
+                    (&slope.feedthrough, &up.feedthrough, &down.feedthrough),
+                    (&slope.port, &up.port, &down.port),
+                    (&slope.port_force, &up.port_force, &down.port_force),
+                    (&slope.force_output, &up.force_output, &down.force_output),
+                ] {
+                    let difference = (plus - minus) / (2.0 * step);
+                    let scale = difference.amax().max(1e-5 * plus.amax() / model.values()[index].abs());
+                    assert!(
+                        (matrix - &difference).amax() <= 1e-4 * scale + 1e-12,
+                        "{} at {place}, {}",
+                        effect.id,
+                        model.parameters[index].name
+                    );
+                }
+            }
+        }
+    }
+}
