@@ -10,6 +10,7 @@ use faer::{MatMut, reborrow::ReborrowMut};
 use socam_model::Equations;
 
 use crate::{
+    Intersample,
     pass::{Point, Weights},
     problem::{Problem, sample_times},
     whitener::{Filtered, NoiseLevels, Whitener},
@@ -75,6 +76,24 @@ pub(crate) fn all(
         })
     };
     sample_times(problem).into_iter().map(colour).collect()
+}
+
+/// Filters that stay as they are, whatever the parameters: one for each sample time. Empty where no input is noisy, `None` where
+/// no steady filter exists.
+pub(crate) fn fixed(
+    equations: &Equations,
+    levels: &NoiseLevels,
+    times_s: &[f64],
+    intersample: Intersample,
+) -> Option<Vec<Colour>> {
+    if !levels.in_the_input() {
+        return Some(Vec::new());
+    }
+    let colour = |sample_time_s: &f64| {
+        let whitener = Whitener::new(equations, levels, &levels.outputs, *sample_time_s, intersample)?;
+        Some(Colour { sample_time_s: *sample_time_s, whitener, neighbours: Vec::new() })
+    };
+    times_s.iter().map(colour).collect()
 }
 
 /// Whether residuals can be made white at a point.

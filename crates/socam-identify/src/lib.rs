@@ -18,6 +18,7 @@ mod between;
 mod colour;
 mod combinations;
 mod combine;
+pub mod compare;
 mod error;
 mod exponential;
 mod feed;

@@ -130,12 +130,22 @@ pub(crate) struct Weights {
     pub(crate) probes: Arc<Vec<(f64, Probe)>>,
     /// Sizes of remainders when outliers are looked for.
     pub(crate) gate: Option<Arc<Vec<f64>>>,
+    /// Filters to be used instead of those that follow the parameters.
+    pub(crate) frozen: Option<Arc<Vec<Colour>>>,
 }
 
 impl Weights {
     /// White noise of the outputs, no other.
     pub(crate) fn white(noise_std: Vec<f64>, scales: Vec<f64>) -> Self {
-        Self { noise_std, input_std: Vec::new(), scales, scores: false, probes: Arc::default(), gate: None }
+        Self {
+            noise_std,
+            input_std: Vec::new(),
+            scales,
+            scores: false,
+            probes: Arc::default(),
+            gate: None,
+            frozen: None,
+        }
     }
 
     pub(crate) fn levels(&self) -> NoiseLevels {
@@ -156,8 +166,14 @@ pub(crate) fn run(
         // A step beyond what physics allows; the solver will shorten it.
         return Ok(None);
     };
-    let Some(colours) = colour::all(problem, point, weights, &equations) else { return Ok(None) };
-    let linear = is_linear(&equations, &point.values);
+    let colours = match &weights.frozen {
+        Some(frozen) => Arc::clone(frozen),
+        None => match colour::all(problem, point, weights, &equations) {
+            Some(colours) => Arc::new(colours),
+            None => return Ok(None),
+        },
+    };
+    let linear = is_linear(&equations);
     let modal = if linear { Modal::new(problem, &equations, &slopes, point, weights) } else { None };
     // One for each sample time: to make it costs more than a short stretch takes.
     let mut steppers: Vec<(f64, Option<Stepper<'_>>)> = Vec::new();
@@ -187,12 +203,9 @@ pub(crate) fn run(
     Ok(results?.into_iter().collect())
 }
 
-/// No force law depends on the motion.
-fn is_linear(equations: &Equations, values: &[f64]) -> bool {
-    equations.ports.iter().all(|port| {
-        let parameters: Vec<f64> = port.parameters.iter().map(|index| values[*index]).collect();
-        (port.effect.transition_speed)(&parameters) == 0.0
-    })
+/// No law depends on anything.
+fn is_linear(equations: &Equations) -> bool {
+    equations.ports.iter().all(socam_model::Port::is_constant)
 }
 
 /// Local unknowns of a stretch before anything is known: start state from the first samples, offsets zero.

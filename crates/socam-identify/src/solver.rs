@@ -105,11 +105,20 @@ fn with_locals(problem: &Problem<'_>, values: &[f64]) -> Result<Descent, Identif
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
     let weights = first_weights(problem, &point)?;
-    let passed = pass::run(problem, &point, &weights)?.ok_or_else(diverged)?;
+    with_locals_fitted(problem, point, weights)?.ok_or_else(diverged)
+}
+
+/// A point with what is local fitted to each recording; `None` where the prediction overflows.
+pub(crate) fn with_locals_fitted(
+    problem: &Problem<'_>,
+    point: Point,
+    weights: Weights,
+) -> Result<Option<Descent>, IdentifyError> {
+    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
     let mut at =
         Descent { cost: squares(&passed), point, weights, passed, iterations: 0, end: End::Converged };
     refit_locals(problem, &mut at)?;
-    Ok(at)
+    Ok(Some(at))
 }
 
 /// Sum of squared weighted residuals at other parameter values, weights as they are, start states refitted; `None` where the
@@ -120,12 +129,7 @@ pub(crate) fn squares_at(
     values: Vec<f64>,
 ) -> Result<Option<f64>, IdentifyError> {
     let point = Point { values, locals: from.point.locals.clone() };
-    let weights = from.weights.clone();
-    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
-    let mut at =
-        Descent { cost: squares(&passed), point, weights, passed, iterations: 0, end: End::Converged };
-    refit_locals(problem, &mut at)?;
-    Ok(Some(at.cost))
+    Ok(with_locals_fitted(problem, point, from.weights.clone())?.map(|at| at.cost))
 }
 
 /// Sum of squared residuals as weighted.
@@ -180,7 +184,7 @@ pub(crate) fn channel_sums(results: &[StretchResult]) -> Vec<ChannelSums> {
 }
 
 /// Magnitude of each free parameter, in which its steps are measured.
-fn scales(problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
+pub(crate) fn scales(problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
     let scale = |index: &usize| {
         let parameter = &problem.model.parameters[*index];
         let range = parameter.bounds.1 - parameter.bounds.0;
@@ -441,7 +445,7 @@ fn total_cost(problem: &Problem<'_>, point: &Point, weights: &Weights, passed: &
 }
 
 /// Levenberg-Marquardt from `point` at fixed noise levels.
-fn descend(
+pub(crate) fn descend(
     problem: &Problem<'_>,
     point: Point,
     weights: Weights,

@@ -1,0 +1,447 @@
+//! Models compared on equal terms: the same recordings, the same noise, the same filters.
+//!
+//! Whether a model explains recordings better than another one is seen in the sum of squares of what both leave, provided that
+//! both are measured by one [`Yardstick`]: noise levels and whitening filters of one reference model, which then stay. A fit
+//! by it is an ordinary descent ([`descend`]); how much a further parameter would help is foretold without one ([`screen`]).
+
+use std::sync::Arc;
+
+use faer::{Mat, MatRef};
+use rayon::prelude::*;
+use socam_model::Model;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::{
+    IdentifyError, colour,
+    colour::Colour,
+    feed, input_noise, levels, modal,
+    pass::{self, Point, StretchResult, Weights},
+    predict::{Predictor, Start},
+    problem::{Problem, StartState, sample_times},
+    report::End,
+    solver, triangle,
+    watch::Stage,
+    whitener::NoiseLevels,
+};
+
+/// A descent ends when a step promises less than this of the sum of squares.
+const TOLERANCE: f64 = 0.05;
+/// Columns of which so little is left beside others are nothing of their own.
+const LEAST_OWN: f64 = 1e-7;
+
+/// Noise as it is taken to be while models are compared.
+#[derive(Debug, Clone)]
+pub struct Yardstick {
+    levels: NoiseLevels,
+    colours: Arc<Vec<Colour>>,
+}
+
+impl Yardstick {
+    /// From a reference model at parameter `values` (SI) and noise `levels` of its channels; for all recordings that `problems` are
+    /// about. Where no steady filter exists, inputs are taken as exact.
+    ///
+    /// # Errors
+    /// When the equations cannot be formed, or there is no problem.
+    pub fn new(
+        problems: &[&Problem<'_>],
+        values: &[f64],
+        levels: NoiseLevels,
+    ) -> Result<Self, IdentifyError> {
+        let first = problems.first().ok_or(IdentifyError::NoRecordings)?;
+        let equations = first.model.equations(values)?;
+        let mut times: Vec<f64> = problems.iter().flat_map(|problem| sample_times(problem)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let exact = NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels.clone() };
+        let colours = colour::fixed(&equations, &levels, &times, first.intersample);
+        Ok(match colours {
+            Some(colours) => Self { levels, colours: Arc::new(colours) },
+            None => Self { levels: exact, colours: Arc::default() },
+        })
+    }
+
+    /// The noise levels.
+    pub fn levels(&self) -> &NoiseLevels {
+        &self.levels
+    }
+
+    fn weights(&self, problem: &Problem<'_>, values: &[f64]) -> Weights {
+        Weights {
+            frozen: Some(Arc::clone(&self.colours)),
+            ..Weights::white(self.levels.outputs.clone(), solver::scales(problem, values))
+        }
+    }
+}
+
+/// A model at parameter values, measured by a yardstick.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// All parameters, SI.
+    pub values: Vec<f64>,
+    /// Sum of squared whitened residuals of each recording.
+    pub chi2: Vec<f64>,
+    /// Values that each recording has.
+    pub count: Vec<f64>,
+    /// Root mean square residual of each output before whitening, SI.
+    pub rms: Vec<f64>,
+    /// Whether the descent that led here came to its end.
+    pub converged: bool,
+    /// What is local to each stretch, by name; see [`carried`].
+    locals: Vec<Vec<f64>>,
+}
+
+impl Measured {
+    /// Of all recordings.
+    pub fn total(&self) -> f64 {
+        self.chi2.iter().sum()
+    }
+}
+
+/// Goes down from `start` (all parameters, SI; start states as in `from`, where the model has the same) by a yardstick; `None`
+/// where the model overflows there.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn descend(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    start: &[f64],
+    from: Option<(&Model, &Measured)>,
+    max_iterations: usize,
+) -> Result<Option<Measured>, IdentifyError> {
+    let Some(point) = begin(problem, start, from)? else { return Ok(None) };
+    let weights = yardstick.weights(problem, start);
+    let stage = Stage::Descent { round: 1 };
+    match solver::descend(problem, point, weights, TOLERANCE, max_iterations, stage) {
+        Ok(descent) => {
+            let converged = matches!(descent.end, End::Converged | End::AtBound);
+            Ok(Some(measured(problem, &descent.point, &descent.passed, converged)))
+        }
+        Err(IdentifyError::Diverged { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The model at given values; only what is local to a recording is fitted to it.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn measure(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    values: &[f64],
+) -> Result<Option<Measured>, IdentifyError> {
+    let Some(point) = begin(problem, values, None)? else { return Ok(None) };
+    let weights = yardstick.weights(problem, values);
+    let Some(at) = solver::with_locals_fitted(problem, point, weights)? else { return Ok(None) };
+    Ok(Some(measured(problem, &at.point, &at.passed, true)))
+}
+
+/// How much freeing parameters would help, foretold from slopes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Promise {
+    /// Fall of the sum of squares, from what it is at the values.
+    pub gain: f64,
+    /// Sum of squares at the values.
+    pub total: f64,
+    /// Chance of a step so consistent from block to block if none were needed; residuals may be coloured and of any size.
+    pub p_value: f64,
+    /// Step of each parameter, SI.
+    pub step: Vec<f64>,
+    /// Change of the first parameter alone that moves the sum of squares by one, SI; infinite where nothing does.
+    pub resolution: f64,
+}
+
+/// For each of `groups` (indices of free parameters that belong together) what freeing it along with `base` would do; `at` was
+/// measured with `model`. `None` where slopes overflow.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn screen(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    values: &[f64],
+    (model, at): (&Model, &Measured),
+    base: &[usize],
+    groups: &[Vec<usize>],
+) -> Result<Option<Vec<Promise>>, IdentifyError> {
+    let Some(point) = begin(problem, values, Some((model, at)))? else { return Ok(None) };
+    let weights = Weights { scores: true, ..yardstick.weights(problem, values) };
+    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
+    let free = problem.free.len();
+    let factor = triangle::join(passed.iter().map(StretchResult::corner), free + 1);
+    let column = |index: &usize| problem.free.iter().position(|free| free == index);
+    let base: Vec<usize> = base.iter().filter_map(column).collect();
+    let blocks = blocks(&passed, free);
+    let picture = Picture { total: solver::squares(&passed), ..Picture::new(factor.as_ref(), base) };
+    let each = groups.iter().map(|group| {
+        let own: Vec<usize> = group.iter().filter_map(column).collect();
+        let mut promise = picture.promise(&own, &blocks);
+        promise.step.iter_mut().zip(&own).for_each(|(step, column)| *step *= weights.scales[*column]);
+        promise.resolution *= own.first().map_or(1.0, |column| weights.scales[*column]);
+        promise
+    });
+    Ok(Some(each.collect()))
+}
+
+/// Sums of slopes times residuals over blocks of half a second, by free parameter.
+fn blocks(passed: &[StretchResult], free: usize) -> Vec<Vec<f64>> {
+    let all = passed.iter().flat_map(|result| result.scores.iter());
+    all.map(|block| block[block.len() - free..].to_vec()).collect()
+}
+
+/// Slopes of all parameters with those of the base taken out.
+struct Picture<'f> {
+    factor: MatRef<'f, f64>,
+    base: Vec<usize>,
+    /// Orthonormal columns that span the base's slopes, and how they are made of them.
+    span: Mat<f64>,
+    made: Mat<f64>,
+    /// Sum of squares.
+    total: f64,
+}
+
+impl<'f> Picture<'f> {
+    fn new(factor: MatRef<'f, f64>, base: Vec<usize>) -> Self {
+        let rows = factor.nrows();
+        let lengths: Vec<f64> =
+            base.iter().map(|j| factor.col(*j).norm_l2().max(f64::MIN_POSITIVE)).collect();
+        let scaled = Mat::from_fn(rows, base.len(), |i, j| factor[(i, base[j])] / lengths[j]);
+        let (mut span, mut made) = (Mat::zeros(rows, 0), Mat::zeros(base.len(), 0));
+        if let Ok(svd) = scaled.thin_svd() {
+            let sizes: Vec<f64> = (0..base.len().min(rows)).map(|k| svd.S()[k]).collect();
+            let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > 1e-6 * sizes[0]).collect();
+            span = Mat::from_fn(rows, kept.len(), |i, k| svd.U()[(i, kept[k])]);
+            made = Mat::from_fn(base.len(), kept.len(), |j, k| {
+                svd.V()[(j, kept[k])] / (sizes[kept[k]] * lengths[j])
+            });
+        }
+        Self { factor, base, span, made, total: 0.0 }
+    }
+
+    /// A column without what the base can do, and how much of each of the base's columns was taken from it.
+    fn own(&self, column: usize) -> (Vec<f64>, Vec<f64>) {
+        let full = self.factor.col(column);
+        let shares: Vec<f64> = (0..self.span.ncols())
+            .map(|k| (0..full.nrows()).map(|i| self.span[(i, k)] * full[i]).sum())
+            .collect();
+        let rest = (0..full.nrows())
+            .map(|i| full[i] - (0..shares.len()).map(|k| self.span[(i, k)] * shares[k]).sum::<f64>())
+            .collect();
+        let taken = (0..self.base.len())
+            .map(|j| (0..shares.len()).map(|k| self.made[(j, k)] * shares[k]).sum())
+            .collect();
+        (rest, taken)
+    }
+
+    fn promise(&self, group: &[usize], blocks: &[Vec<f64>]) -> Promise {
+        let nothing = Promise {
+            gain: 0.0,
+            total: self.total,
+            p_value: 1.0,
+            step: vec![0.0; group.len()],
+            resolution: f64::INFINITY,
+        };
+        let (residual, _) = self.own(self.factor.ncols() - 1);
+        let own: Vec<(Vec<f64>, Vec<f64>)> = group.iter().map(|column| self.own(*column)).collect();
+        let lengths: Vec<f64> = own.iter().map(|(rest, _)| length(rest)).collect();
+        let counts = group
+            .iter()
+            .zip(&lengths)
+            .map(|(column, own)| *own > LEAST_OWN * self.factor.col(*column).norm_l2() && own.is_normal());
+        if group.is_empty() || !counts.fold(true, |all, one| all && one) {
+            return nothing;
+        }
+        let n = group.len();
+        let slopes = Mat::from_fn(residual.len(), n, |i, k| own[k].0[i] / lengths[k]);
+        let right = Mat::from_fn(residual.len(), 1, |i, _| -residual[i]);
+        let gram = slopes.transpose() * &slopes;
+        let Some(step) = solved(&gram, &(slopes.transpose() * right)) else { return nothing };
+        let rest = |i: usize| residual[i] + (0..n).map(|k| slopes[(i, k)] * step[k]).sum::<f64>();
+        let after: f64 = (0..residual.len()).map(|i| rest(i).powi(2)).sum();
+        let gain = (residual.iter().map(|r| r * r).sum::<f64>() - after).max(0.0);
+        // Scores of the group's own part, block by block.
+        let scores: Vec<Vec<f64>> = blocks
+            .iter()
+            .map(|block| {
+                let each = group.iter().zip(&own).zip(&lengths).map(|((column, (_, taken)), length)| {
+                    let base: f64 = self.base.iter().zip(taken).map(|(j, share)| block[*j] * share).sum();
+                    (block[*column] - base) / length
+                });
+                each.collect()
+            })
+            .collect();
+        let step = step.iter().zip(&lengths).map(|(step, length)| step / length).collect();
+        Promise { gain, total: self.total, p_value: consistency(&scores), step, resolution: 1.0 / lengths[0] }
+    }
+}
+
+fn length(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// Solution of a small symmetric system; `None` where it is singular.
+fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
+    use faer::linalg::solvers::Solve;
+    let llt = matrix.llt(faer::Side::Lower).ok()?;
+    let solution = llt.solve(right);
+    (0..matrix.nrows()).map(|k| Some(solution[(k, 0)]).filter(|value| value.is_finite())).collect()
+}
+
+/// Chance that block sums of mean zero come out so alike (Hotelling 1931).
+fn consistency(scores: &[Vec<f64>]) -> f64 {
+    let (blocks, n) = (scores.len(), scores.first().map_or(0, Vec::len));
+    if blocks <= n + 1 || n == 0 {
+        return 1.0;
+    }
+    let count = blocks as f64;
+    let mean: Vec<f64> = (0..n).map(|k| scores.iter().map(|s| s[k]).sum::<f64>() / count).collect();
+    let spread = Mat::from_fn(n, n, |i, j| {
+        let products = scores.iter().map(|s| (s[i] - mean[i]) * (s[j] - mean[j]));
+        products.sum::<f64>() / (count - 1.0)
+    });
+    let right = Mat::from_fn(n, 1, |k, _| mean[k]);
+    let Some(solution) = solved(&spread, &right) else { return 1.0 };
+    let square: f64 = count * mean.iter().zip(&solution).map(|(m, s)| m * s).sum::<f64>();
+    let ratio = square * (count - n as f64) / (n as f64 * (count - 1.0));
+    FisherSnedecor::new(n as f64, count - n as f64).map_or(1.0, |f| f.sf(ratio.max(0.0)))
+}
+
+/// Noise levels that a model's residuals speak for: none more than its channel's highest frequencies can hold, see
+/// [`crate::Noise::Estimated`]. Levels that the model file gives stay.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn noise(
+    problem: &Problem<'_>,
+    at: &Measured,
+    before: &NoiseLevels,
+) -> Result<NoiseLevels, IdentifyError> {
+    let most = input_noise::most(problem)?;
+    let known = problem.model.outputs().map(|channel| channel.noise_std);
+    let outputs =
+        known.zip(&at.rms).zip(&most.outputs).map(|((known, rms), most)| known.unwrap_or(rms.min(*most)));
+    let point = Point { values: at.values.clone(), locals: at.locals.clone() };
+    let inputs: Vec<f64> = most
+        .inputs
+        .iter()
+        .enumerate()
+        .map(|(k, most)| before.inputs.get(k).map_or(*most, |b| b.min(*most)))
+        .collect();
+    let start = NoiseLevels { outputs: outputs.collect(), inputs };
+    if !start.in_the_input() || !colour::exists(problem, &point, &start) {
+        return Ok(start);
+    }
+    levels::likeliest(problem, &point, start, &most)
+}
+
+/// Signals of one stretch of a recording.
+#[derive(Debug, Clone)]
+pub struct Traces {
+    /// Index of the recording.
+    pub recording: usize,
+    /// Time of the recording, s.
+    pub time_s: Vec<f64>,
+    /// Per input, as the model reads it, SI.
+    pub inputs: Vec<Vec<f64>>,
+    /// Per output, as measured, SI; NaN where missing.
+    pub measured: Vec<Vec<f64>>,
+    /// Per output, as predicted running free, SI.
+    pub predicted: Vec<Vec<f64>>,
+}
+
+/// What a model predicts beside what was measured, stretch by stretch. `observer` is the problem's model with other outputs; then
+/// those are predicted.
+///
+/// # Errors
+/// When a recording cannot be read, or the prediction overflows.
+pub fn traces(
+    problem: &Problem<'_>,
+    at: &Measured,
+    observer: Option<&Model>,
+) -> Result<Vec<Traces>, IdentifyError> {
+    let each = problem.stretches.par_iter().zip(&at.locals).map(|(stretch, locals)| {
+        let mut own = Traces {
+            recording: stretch.recording,
+            time_s: Vec::new(),
+            inputs: vec![Vec::new(); problem.model.inputs().count()],
+            measured: vec![Vec::new(); problem.outputs()],
+            predicted: Vec::new(),
+        };
+        let dataset = &problem.datasets[stretch.recording];
+        feed::read(problem.model, dataset, stretch, problem.intersample, |chunk| {
+            own.inputs.iter_mut().zip(&chunk.inputs).for_each(|(all, more)| all.extend(more));
+            own.measured.iter_mut().zip(&chunk.outputs).for_each(|(all, more)| all.extend(more));
+        })?;
+        let rows = stretch.first_row..stretch.first_row + stretch.rows;
+        own.time_s = rows.map(|row| stretch.origin_s + row as f64 * stretch.sample_time_s).collect();
+        let model = observer.unwrap_or(problem.model);
+        let predictor = Predictor::new(model, &at.values, stretch.sample_time_s)?;
+        let inputs: Vec<&[f64]> = own.inputs.iter().map(Vec::as_slice).collect();
+        let start = match problem.options.start_state {
+            StartState::Free => Start::State(&locals[..predictor.states()]),
+            StartState::Equilibrium => Start::Equilibrium,
+        };
+        own.predicted = predictor.run(&inputs, problem.intersample, start)?.outputs;
+        if observer.is_some() {
+            return Ok(own);
+        }
+        let estimated = modal::offset_channels(problem);
+        let offsets = &locals[locals.len() - estimated.len()..];
+        for (output, offset) in estimated.into_iter().zip(offsets) {
+            own.predicted[output].iter_mut().for_each(|value| *value += offset);
+        }
+        Ok(own)
+    });
+    each.collect()
+}
+
+fn begin(
+    problem: &Problem<'_>,
+    values: &[f64],
+    from: Option<(&Model, &Measured)>,
+) -> Result<Option<Point>, IdentifyError> {
+    if problem.model.equations(values).is_err() {
+        return Ok(None);
+    }
+    let mut locals = pass::first_locals(problem, values)?;
+    if let Some((model, before)) = from
+        && before.locals.len() == locals.len()
+    {
+        let (Ok(old), Ok(new)) = (model.equations(&before.values), problem.model.equations(values)) else {
+            return Ok(None);
+        };
+        for (new_locals, old_locals) in locals.iter_mut().zip(&before.locals) {
+            carry((&old.state_names, old_locals), (&new.state_names, new_locals));
+        }
+    }
+    Ok(Some(Point { values: values.to_vec(), locals }))
+}
+
+/// Start states of the same name and offsets go over; states that are new begin at nothing.
+fn carry(old: (&[String], &[f64]), new: (&[String], &mut [f64])) {
+    let (names, values) = old;
+    let offsets = values.len().saturating_sub(names.len());
+    let states = new.1.len().saturating_sub(offsets);
+    for (target, name) in new.1[..states].iter_mut().zip(new.0) {
+        *target = names.iter().position(|known| known == name).map_or(0.0, |index| values[index]);
+    }
+    new.1[states..].copy_from_slice(&values[values.len() - offsets..]);
+}
+
+fn measured(problem: &Problem<'_>, point: &Point, passed: &[StretchResult], converged: bool) -> Measured {
+    let recordings = problem.datasets.len();
+    let (mut chi2, mut count) = (vec![0.0; recordings], vec![0.0; recordings]);
+    for (stretch, result) in problem.stretches.iter().zip(passed) {
+        chi2[stretch.recording] += result.weighted_squares;
+        count[stretch.recording] += result.channels.iter().map(|channel| channel.count).sum::<f64>();
+    }
+    Measured {
+        values: point.values.clone(),
+        chi2,
+        count,
+        rms: solver::channel_sums(passed).iter().map(pass::ChannelSums::rms).collect(),
+        converged,
+        locals: point.locals.clone(),
+    }
+}
