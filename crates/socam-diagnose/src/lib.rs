@@ -1,14 +1,29 @@
 //! Diagnosis: where simulation and recordings part, what physics was left out, and the proof.
 //!
-//! [`document`] is the answer as other people's scripts read it, [`evidence`] what its pictures are drawn from, and
-//! [`report`] the page that explains both to people.
+//! [`diagnose`](fn@diagnose) fits the base model, asks whether anything is missing, screens every effect of the catalogue at every
+//! place by one pass of slopes (`screen`), fits the few that promise most, and keeps the one that predicts held-out recordings
+//! best, until nothing is left that is worth it (`course`). [`document`] is the answer as other people's scripts read it,
+//! [`evidence`] what its pictures are drawn from, and [`report`] the page that explains both to people.
 //!
 //! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 
+mod answer;
+mod candidates;
+mod course;
+mod diagnose;
 pub mod document;
 pub mod evidence;
+mod experiment;
+mod noise_floor;
+mod pictures;
 mod plot;
 pub mod report;
+mod scales;
+mod screen;
+mod spectrum;
+mod validation;
+mod words;
 
+pub use diagnose::{Answer, DiagnoseError, Options, diagnose};
 pub use document::Diagnosis;
 pub use evidence::Evidence;

@@ -3,6 +3,7 @@
 mod check;
 mod completions;
 mod demo;
+mod diagnose;
 mod export;
 mod flash;
 mod identify;
@@ -59,6 +60,7 @@ commands! {
     Import => import,
     Export => export,
     Identify => identify,
+    Diagnose => diagnose,
     Demo => demo,
     Record => record,
     Simulate => simulate,

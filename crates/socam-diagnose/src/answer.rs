@@ -1,0 +1,246 @@
+//! The document, from the way that led to it.
+
+use socam_identify::{Identification, IdentifyError, compare::Measured};
+use socam_model::{EffectUse, Model};
+
+use crate::{
+    Diagnosis,
+    candidates::{self, Candidate},
+    course::{Bench, Course, Fitted, Step},
+    document::{
+        ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
+        RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, Validation, Verdict,
+    },
+    experiment, noise_floor, words,
+};
+
+/// Fall of the sum of squares at which an effect would have been seen.
+const SEEN: f64 = 25.0;
+/// A rival worth naming.
+const LEAST_WEIGHT: f64 = 1e-3;
+
+pub(crate) fn document(
+    bench: &Bench<'_>,
+    course: &Course,
+    before: &Identification,
+    after: &Identification,
+    cpu_s: f64,
+) -> Result<Diagnosis, IdentifyError> {
+    let mut findings: Vec<Finding> = Vec::new();
+    for (index, step) in course.steps.iter().enumerate() {
+        findings.push(finding(course, index, step, after));
+    }
+    findings.sort_by(|a, b| {
+        let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
+        gain(b).total_cmp(&gain(a))
+    });
+    let verdict = if findings.is_empty() { Verdict::Adequate } else { Verdict::MissingPhysics };
+    let mut warnings = after.warnings.clone();
+    if bench.folds.kind == Validation::Blocks {
+        warnings.push(
+            "only one recording: it was held out part by part, which proves less than another recording would".into(),
+        );
+    }
+    Ok(Diagnosis {
+        schema: SCHEMA.into(),
+        verdict,
+        false_alarm_rate: bench.options.false_alarm_rate,
+        validation: bench.folds.kind,
+        suggested_experiment: suggestion(&findings),
+        findings,
+        fit: fit(bench, course),
+        parameters: parameters(before, after),
+        combinations: combinations(before, after),
+        not_found: not_found(course),
+        cpu_s,
+        warnings,
+        model: course.base.model.name.clone(),
+        recordings: recordings(bench),
+        version: env!("CARGO_PKG_VERSION").into(),
+    })
+}
+
+fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
+    let held_out = bench.folds.folds.iter().filter(|_| bench.folds.kind == Validation::Holdout);
+    let held_out = held_out.flat_map(|fold| &fold.held_out).map(|data| (data, true));
+    let all = bench.training.iter().map(|data| (data, false)).chain(held_out);
+    all.map(|(data, held_out)| RecordingUse {
+        name: data.name().to_owned(),
+        held_out,
+        samples: data.rows(),
+        duration_s: data.end_s() - data.start_s(),
+    })
+    .collect()
+}
+
+fn finding(course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
+    let model = &course.last.model;
+    let added = model.effects.len() - course.steps.len();
+    let used = &model.effects[added + index];
+    let parameters = effect_parameters(model, used, after);
+    let place = &step.candidate.place;
+    Finding {
+        effect: step.candidate.effect.id.into(),
+        location: place.clone(),
+        sentence: words::sentence(step.candidate.effect, place, &parameters),
+        equation: step.candidate.effect.equation.into(),
+        parameters,
+        components: Vec::new(),
+        curve: None,
+        region: Region { text: words::region(step.candidate.effect), ..Region::default() },
+        evidence: Proof {
+            p_value: Some(step.p_value),
+            chi2_gain: Some(step.gain),
+            holdout_gain_percent: Some(step.held_gain_percent),
+            misfit_percent: None,
+        },
+        rivals: rivals(step),
+    }
+}
+
+/// Those that a file gives; a phase within a turn.
+fn effect_parameters(model: &Model, used: &EffectUse, after: &Identification) -> Vec<EffectParameter> {
+    let given = used.effect.parameters.iter().zip(&used.parameters);
+    given
+        .filter(|(_, index)| !model.parameters[**index].fixed)
+        .map(|(own, index)| {
+            let estimate = &after.parameters[*index];
+            let turns = if own.name == "phase" {
+                let value = estimate.value.unwrap_or(0.0);
+                value - (value + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
+                    + std::f64::consts::PI
+            } else {
+                0.0
+            };
+            EffectParameter {
+                name: own.name.into(),
+                value: estimate.value.map(|value| value - turns),
+                unit: estimate.unit.clone(),
+                ci95: estimate.ci95.map(|end| end.map(|end| end - turns)),
+            }
+        })
+        .collect()
+}
+
+/// Weights as of a likelihood, the finding's own being one before they are made to sum to one.
+fn rivals(step: &Step) -> Vec<Rival> {
+    let weight = |worse: f64| (-0.5 * worse).exp().min(1.0);
+    let total: f64 = 1.0 + step.rivals.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();
+    let named = step.rivals.iter().map(|(candidate, worse)| Rival {
+        effect: candidate.effect.id.into(),
+        location: candidate.place.clone(),
+        weight: weight(*worse) / total,
+    });
+    let mut named: Vec<Rival> = named.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
+    named.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    named
+}
+
+fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
+    let rivals = findings.iter().find(|finding| !finding.rivals.is_empty())?;
+    Some(experiment::suggestion(rivals))
+}
+
+/// Root mean square over several measurements, output by output.
+fn rms(all: &[Measured], output: usize) -> Option<f64> {
+    let values = all.iter().map(|measured| {
+        let count: f64 = measured.count.iter().sum();
+        (count, measured.rms[output].powi(2) * count)
+    });
+    let (count, sum) = values.fold((0.0, 0.0), |(n, s), (count, sum)| (n + count, s + sum));
+    (count > 0.0).then(|| (sum / count).sqrt())
+}
+
+fn fit(bench: &Bench<'_>, course: &Course) -> Fit {
+    let step_s = bench.training.first().map_or(1e-3, socam_recording::Dataset::sample_time_s);
+    let last = &course.last;
+    let floor = noise_floor::floor(&last.model, &last.at.values, course.yardstick.levels(), step_s);
+    let outputs = last.model.outputs().enumerate();
+    let of = |fitted: &Fitted, output: usize| rms(std::slice::from_ref(&fitted.at), output);
+    let channels = outputs.map(|(output, channel)| {
+        let fit = ChannelFit {
+            noise_std: Some(floor[output]),
+            rms_before: of(&course.base, output),
+            rms_after: of(last, output),
+            holdout_rms_before: rms(&course.base.held, output),
+            holdout_rms_after: rms(&last.held, output),
+            unit: channel.unit.into(),
+        };
+        (channel.name.clone(), fit)
+    });
+    Fit { channels: channels.collect() }
+}
+
+fn parameters(before: &Identification, after: &Identification) -> Vec<ParameterChange> {
+    let each = before.parameters.iter().filter_map(|old| {
+        let new = after.parameters.iter().find(|new| new.name == old.name)?;
+        Some(ParameterChange {
+            name: old.name.clone(),
+            unit: old.unit.clone(),
+            before: old.value,
+            after: new.value,
+            ci95: new.ci95,
+            ci95_before: old.ci95,
+            identifiable: new.identifiable,
+            fixed: new.source == socam_identify::Source::Fixed,
+            determined_with: new.determined_with.clone(),
+        })
+    });
+    each.collect()
+}
+
+fn combinations(before: &Identification, after: &Identification) -> Vec<CombinationChange> {
+    let each = after.combinations.iter().map(|new| CombinationChange {
+        name: new.name.clone(),
+        expression: new.expression.clone(),
+        unit: new.unit.clone(),
+        before: before.combinations.iter().find(|old| old.name == new.name).and_then(|old| old.value),
+        after: new.value,
+        ci95: new.ci95,
+    });
+    each.collect()
+}
+
+/// By effect and place, at the point of its grid where it shows best.
+fn not_found(course: &Course) -> Vec<NotFound> {
+    let scale = course.last.scale();
+    let mut all: Vec<NotFound> = Vec::new();
+    for one in &course.screened {
+        let candidate = &one.start;
+        let Some(parameter) = candidate.strength.first() else { continue };
+        let size = one.promise.resolution * (SEEN * scale).sqrt();
+        let size =
+            if candidate.effect.id == "missing_compliance" { candidates::stiffness_of(size) } else { size };
+        let smallest = Some(size).filter(|size| size.is_finite());
+        let known = all
+            .iter_mut()
+            .find(|known| known.effect == candidate.effect.id && known.location == candidate.place);
+        match known {
+            Some(known) => {
+                let better = |a: f64, b: f64| {
+                    if candidate.effect.id == "missing_compliance" { a.max(b) } else { a.min(b) }
+                };
+                known.smallest_detectable = match (known.smallest_detectable, smallest) {
+                    (Some(a), Some(b)) => Some(better(a, b)),
+                    (a, b) => a.or(b),
+                };
+            }
+            None => all.push(NotFound {
+                effect: candidate.effect.id.into(),
+                location: candidate.place.clone(),
+                parameter: (*parameter).into(),
+                smallest_detectable: smallest,
+                unit: unit(&course.last.model, candidate, parameter),
+            }),
+        }
+    }
+    all.sort_by(|a, b| (&a.effect, &a.location).cmp(&(&b.effect, &b.location)));
+    all
+}
+
+fn unit(model: &Model, candidate: &Candidate, parameter: &str) -> String {
+    let own = candidate.effect.parameters.iter().find(|own| own.name == parameter);
+    let unit = own.map_or("", |own| own.kind.unit(model.motion == socam_model::Motion::Rotation));
+    let channel = model.channels.iter().find(|channel| channel.name == candidate.place);
+    if unit.is_empty() { channel.map_or("", |channel| channel.unit).into() } else { unit.into() }
+}

@@ -1,0 +1,197 @@
+//! Every way in which an effect of the catalogue may be added to a model: where, and from which values a fit may start.
+
+use socam_model::{
+    Model, Role,
+    effects::{ActsAt, CATALOGUE, Effect, Form},
+};
+
+use crate::scales::Scales;
+
+/// Small enough to be nothing, large enough to be divided by.
+const NEXT_TO_NOTHING_S: f64 = 1e-8;
+/// Stiffness of a shaft that is as good as rigid, N m/rad (N/m), and its damping.
+const RIGID: (f64, f64) = (1e6, 1.0);
+
+/// An effect at a place with its other parameters at one point of their grid, its strength at nothing.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    pub(crate) effect: &'static Effect,
+    pub(crate) place: String,
+    /// All parameters that a file must give, SI.
+    pub(crate) values: Vec<(&'static str, f64)>,
+    /// Those that measure how strong it is: the model is linear in them where they are nothing. None where it never is.
+    pub(crate) strength: &'static [&'static str],
+}
+
+impl Candidate {
+    /// Whether it is a wave whose phase is not known: then its strength is that of two, a quarter of a period apart.
+    pub(crate) fn is_wave(&self) -> bool {
+        self.values.iter().any(|(name, _)| *name == "phase")
+    }
+
+    /// Whether the grid's points are of some strength already.
+    pub(crate) fn is_full(&self) -> bool {
+        self.effect.id == "coupling_slip"
+    }
+
+    /// Whether it has a state that moves: its steps are short, and so would be those of all that share its pass.
+    pub(crate) fn is_slow(&self) -> bool {
+        matches!(self.effect.id, "coupling_slip" | "hysteresis")
+    }
+
+    pub(crate) fn with(&self, name: &str, value: f64) -> Self {
+        let mut changed = self.clone();
+        changed.values.iter_mut().filter(|(known, _)| *known == name).for_each(|(_, old)| *old = value);
+        changed
+    }
+}
+
+/// All of them.
+pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for effect in CATALOGUE {
+        for place in places(model, effect) {
+            for values in grid(model, effect, &place, scales) {
+                found.push(Candidate { effect, place: place.clone(), values, strength: strength(effect) });
+            }
+        }
+    }
+    found
+}
+
+/// Where a diagnosis looks for an effect: what acts from outside acts on the load, and inertia is missed where there is some.
+fn places(model: &Model, effect: &Effect) -> Vec<String> {
+    let driven: Vec<&str> = model.inputs().map(|input| input.at.as_str()).collect();
+    let prescribed = |name: &str| {
+        model.inputs().any(|input| input.quantity == socam_model::Quantity::Speed && input.at == name)
+    };
+    let all = model.places(effect).into_iter();
+    let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
+    let kept: Vec<&str> = match effect.id {
+        "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),
+        "missing_inertia" => all.filter(|place| massive(place) && !prescribed(place)).collect(),
+        _ if effect.acts_at == ActsAt::Node => {
+            let last = all.filter(|place| massive(place) && !prescribed(place)).next_back();
+            last.into_iter().collect()
+        }
+        _ if effect.acts_at == ActsAt::Channel => all.filter(|place| is_sensor(model, place)).collect(),
+        _ => all.collect(),
+    };
+    kept.into_iter().map(str::to_owned).collect()
+}
+
+fn is_sensor(model: &Model, name: &str) -> bool {
+    model.channels.iter().any(|channel| channel.name == name && !channel.quantity.is_clock())
+}
+
+fn strength(effect: &Effect) -> &'static [&'static str] {
+    match effect.id {
+        "coulomb_friction"
+        | "constant_load"
+        | "hysteresis"
+        | "gravity_unbalance"
+        | "external_disturbance"
+        | "torque_ripple" => &["torque"],
+        "stribeck_friction" => &["torque", "static_torque"],
+        "quadratic_drag" => &["coefficient"],
+        "damping_drift" => &["rate"],
+        "direction_dependence" => &["torque_difference", "damping_difference"],
+        "mesh_loss" => &["fraction"],
+        "backlash" => &["gap"],
+        "kinematic_error" | "sensor_hum" | "sensor_ripple" => &["amplitude"],
+        "stiffness_hardening" => &["cubic"],
+        "missing_compliance" => &["stiffness"],
+        "missing_inertia" => &["inertia"],
+        "sensor_gain" => &["gain"],
+        "sensor_offset" => &["offset"],
+        "sensor_lag" => &["time_constant"],
+        "sensor_delay" => &["delay"],
+        "coupling_slip" => &["torque"],
+        _ => &[],
+    }
+}
+
+type Values = Vec<(&'static str, f64)>;
+
+/// Points from which to look: strength at nothing, the others on a grid of what these recordings could show.
+fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Values> {
+    let spring = model.springs.iter().position(|spring| spring.name == place);
+    let torque = spring.map_or(0.0, |spring| scales.torque(spring));
+    let node = model.bearings.iter().find(|bearing| bearing.name == place).map(|bearing| bearing.node);
+    let speed = node.map_or(0.0, |node| scales.speed(node));
+    match effect.id {
+        "stribeck_friction" => [0.02, 0.06, 0.2]
+            .map(|part| {
+                vec![("torque", 0.0), ("static_torque", 0.0), ("stribeck_speed", (part * speed).max(1e-3))]
+            })
+            .to_vec(),
+        "direction_dependence" => vec![vec![("torque_difference", 0.0), ("damping_difference", 0.0)]],
+        "kinematic_error" => {
+            gear_orders(model, place).map(|order| wave("order", order, "amplitude")).collect()
+        }
+        "hysteresis" => {
+            let twist =
+                spring.map_or(0.0, |spring| torque / model.parameters[model.springs[spring].stiffness].value);
+            let deflection = |part: f64| (part * twist).max(1e-6);
+            [0.12].map(|part| vec![("torque", 0.0), ("deflection", deflection(part))]).to_vec()
+        }
+        "missing_compliance" => vec![vec![("stiffness", RIGID.0), ("damping", RIGID.1)]],
+        "coupling_slip" => [0.9, 0.7].map(|part| vec![("torque", part * torque)]).to_vec(),
+        "gravity_unbalance" => vec![vec![("torque", 0.0), ("phase", 0.0)]],
+        "external_disturbance" => {
+            scales.lines(None).into_iter().map(|hz| wave("frequency", hz, "torque")).collect()
+        }
+        "torque_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "torque")).collect(),
+        "sensor_gain" => vec![vec![("gain", 1.0)]],
+        "sensor_lag" => vec![vec![("time_constant", NEXT_TO_NOTHING_S)]],
+        "sensor_delay" => vec![vec![("delay", NEXT_TO_NOTHING_S)]],
+        "sensor_saturation" => Vec::new(),
+        "sensor_hum" => {
+            let output = model.outputs().position(|channel| channel.name == place);
+            scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
+        }
+        "sensor_ripple" => [1.0, 2.0].map(|order| wave("order", order, "amplitude")).to_vec(),
+        _ => vec![effect.parameters.iter().filter(|p| p.default.is_none()).map(|p| (p.name, 0.0)).collect()],
+    }
+}
+
+/// A wave of no size.
+fn wave(what: &'static str, value: f64, size: &'static str) -> Values {
+    vec![(what, value), (size, 0.0), ("phase", 0.0)]
+}
+
+/// Once and twice per turn of either shaft.
+fn gear_orders(model: &Model, place: &str) -> impl Iterator<Item = f64> {
+    let gear = model.gears.iter().find(|gear| gear.name == place);
+    let ratio = gear.map_or(1.0, |gear| model.parameters[gear.ratio].value.abs());
+    let mut orders = vec![1.0, 2.0, 1.0 / ratio, 2.0 / ratio];
+    orders.sort_by(f64::total_cmp);
+    orders.dedup();
+    orders.into_iter()
+}
+
+/// Whether an effect changes the network itself, so that it is tried in a model without others of its kind.
+pub(crate) fn is_structural(effect: &Effect) -> bool {
+    !matches!(effect.form, Form::Laws(_)) || effect.acts_at == ActsAt::Gear
+}
+
+/// Channels whose highest or lowest readings are all the same, many times: cut off at that value.
+pub(crate) fn saturations(model: &Model, extremes: &[(f64, u64)]) -> Vec<Candidate> {
+    let saturation = CATALOGUE.iter().find(|effect| effect.id == "sensor_saturation");
+    let outputs = model.channels.iter().filter(|channel| channel.role == Role::Output);
+    let cut = outputs.zip(extremes).filter(|(_, (_, repeated))| *repeated >= 20);
+    cut.filter_map(|(channel, (limit, _))| {
+        Some(Candidate {
+            effect: saturation?,
+            place: channel.name.clone(),
+            values: vec![("limit", *limit)],
+            strength: &[],
+        })
+    })
+    .collect()
+}
+
+/// Stiffness of a shaft that gives as much as a change of the rigid one's by so much.
+pub(crate) fn stiffness_of(change: f64) -> f64 {
+    RIGID.0 * RIGID.0 / change
+}

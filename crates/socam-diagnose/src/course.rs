@@ -1,0 +1,273 @@
+//! Step by step: which effect to add, whether it is worth it, and what becomes superfluous.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError, NoiseLevels, Options as FitOptions, Problem,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::Model;
+use socam_recording::Dataset;
+
+use crate::{
+    Options,
+    candidates::{self, Candidate},
+    document::Validation,
+    scales::Scales,
+    screen::{self, Promising, carry_values},
+    validation::Folds,
+};
+
+/// Candidates that are fitted in earnest.
+const TRIED: usize = 7;
+/// Iterations of such a fit, and of one that only follows another choice of recordings.
+const ITERATIONS: usize = 14;
+const FOLLOWING: usize = 6;
+/// Least fall of the sum of squares, in training and on held-out recordings, that counts.
+const LEAST_GAIN: f64 = 25.0;
+const LEAST_HELD_GAIN: f64 = 10.0;
+/// A simpler effect is preferred if it predicts held-out recordings worse by no more than this.
+const PREFERENCE: f64 = 8.0;
+
+/// A model at its best fit, and how it predicts what it was not fitted to.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    pub(crate) model: Model,
+    pub(crate) at: Measured,
+    /// On held-out recordings, fold by fold.
+    pub(crate) held: Vec<Measured>,
+}
+
+impl Fitted {
+    pub(crate) fn held_chi2(&self) -> f64 {
+        self.held.iter().map(Measured::total).sum()
+    }
+
+    fn held_count(&self) -> f64 {
+        self.held.iter().flat_map(|measured| &measured.count).sum()
+    }
+
+    /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.
+    pub(crate) fn scale(&self) -> f64 {
+        (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
+    }
+}
+
+/// One effect that was added.
+#[derive(Debug, Clone)]
+pub(crate) struct Step {
+    pub(crate) candidate: Candidate,
+    pub(crate) p_value: f64,
+    pub(crate) gain: f64,
+    pub(crate) held_gain_percent: f64,
+    /// What else was tried, by how much worse it predicted held-out recordings.
+    pub(crate) rivals: Vec<(Candidate, f64)>,
+}
+
+/// The whole way.
+pub(crate) struct Course {
+    pub(crate) base: Fitted,
+    pub(crate) last: Fitted,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) yardstick: Yardstick,
+    /// What the last screening saw, strongest first.
+    pub(crate) screened: Vec<Promising>,
+    /// Chance of the most conspicuous one in the first screening, all of them counted.
+    pub(crate) p_value: f64,
+}
+
+/// Recordings and assumptions that all fits share.
+pub(crate) struct Bench<'a> {
+    pub(crate) training: &'a [Dataset],
+    pub(crate) folds: &'a Folds,
+    pub(crate) fit: FitOptions,
+    pub(crate) options: &'a Options,
+    /// Values that are cut off: limit and how many readings stand at it, by output.
+    pub(crate) extremes: Vec<(f64, u64)>,
+}
+
+impl Bench<'_> {
+    pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
+        Problem::new(model, self.training, self.fit.clone())
+    }
+
+    fn yardstick(
+        &self,
+        model: &Model,
+        values: &[f64],
+        levels: NoiseLevels,
+    ) -> Result<Yardstick, IdentifyError> {
+        let training = self.problem(model)?;
+        let held: Result<Vec<_>, _> = self
+            .folds
+            .folds
+            .iter()
+            .map(|fold| Problem::new(model, &fold.held_out, self.fit.clone()))
+            .collect();
+        let held = held?;
+        let problems: Vec<&Problem<'_>> = std::iter::once(&training).chain(&held).collect();
+        Yardstick::new(&problems, values, levels)
+    }
+
+    /// Fits a model, beginning at `values`, to all recordings and, where these are held out in turn, to each choice of them.
+    pub(crate) fn fitted(
+        &self,
+        model: &Model,
+        values: &[f64],
+        from: Option<&Fitted>,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let before = from.map(|from| (&from.model, &from.at));
+        let problem = self.problem(model)?;
+        let Some(at) = compare::descend(&problem, yardstick, values, before, ITERATIONS)? else {
+            return Ok(None);
+        };
+        let held = self.folds.folds.par_iter().map(|fold| {
+            let values = if self.folds.kind == Validation::Holdout {
+                at.values.clone()
+            } else {
+                let own = Problem::new(model, &fold.fitted, self.fit.clone())?;
+                match compare::descend(&own, yardstick, &at.values, None, FOLLOWING)? {
+                    Some(own) => own.values,
+                    None => return Ok(None),
+                }
+            };
+            let held_out = Problem::new(model, &fold.held_out, self.fit.clone())?;
+            compare::measure(&held_out, yardstick, &values)
+        });
+        let held: Result<Vec<Option<Measured>>, IdentifyError> = held.collect();
+        let held: Option<Vec<Measured>> = held?.into_iter().collect();
+        Ok(held.map(|held| Fitted { model: model.clone(), at, held }))
+    }
+
+    fn with(
+        &self,
+        before: &Fitted,
+        candidate: &Candidate,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
+        let Ok(grown) = grown else { return Ok(None) };
+        let mut values = grown.values();
+        carry_values((&before.model, &before.at.values), (&grown, &mut values));
+        self.fitted(&grown, &values, Some(before), yardstick)
+    }
+}
+
+/// From a base model at its fit (`values`, SI) and noise levels to what is missing.
+pub(crate) fn run(
+    bench: &Bench<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: NoiseLevels,
+) -> Result<Option<Course>, IdentifyError> {
+    let mut yardstick = bench.yardstick(model, values, levels)?;
+    let Some(base) = bench.fitted(model, values, None, &yardstick)? else { return Ok(None) };
+    let mut course = Course {
+        last: base.clone(),
+        base,
+        steps: Vec::new(),
+        yardstick: yardstick.clone(),
+        screened: Vec::new(),
+        p_value: 1.0,
+    };
+    for round in 0..=bench.options.most_effects {
+        let problem = bench.problem(&course.last.model)?;
+        let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
+        let mut all = candidates::all(&course.last.model, &scales);
+        all.retain(|candidate| !course.steps.iter().any(|step| is_same(&step.candidate, candidate)));
+        let mut seen = screen::screen(
+            &course.last.model,
+            bench.training,
+            &bench.fit,
+            &yardstick,
+            &course.last.at,
+            &all,
+        )?;
+        seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
+        let threshold = bench.options.false_alarm_rate / all.len().max(1) as f64;
+        let most_conspicuous = seen.iter().map(|one| one.promise.p_value).fold(1.0, f64::min);
+        if round == 0 {
+            course.p_value = (most_conspicuous * all.len() as f64).min(1.0);
+        }
+        course.screened = seen;
+        if round == bench.options.most_effects {
+            break;
+        }
+        let tried = worth_trying(&course, threshold, bench);
+        let Some((step, fitted)) = best(bench, &course, tried, &yardstick)? else { break };
+        course.steps.push(step);
+        course.last = fitted;
+        let problem = bench.problem(&course.last.model)?;
+        let levels = compare::noise(&problem, &course.last.at, yardstick.levels())?;
+        yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
+        let again =
+            bench.fitted(&course.last.model, &course.last.at.values, Some(&course.last), &yardstick)?;
+        course.last = again.unwrap_or(course.last);
+        let base =
+            bench.fitted(&course.base.model, &course.base.at.values, Some(&course.base), &yardstick)?;
+        course.base = base.unwrap_or(course.base);
+        course.yardstick = yardstick.clone();
+    }
+    Ok(Some(course))
+}
+
+fn is_same(a: &Candidate, b: &Candidate) -> bool {
+    a.effect.id == b.effect.id && a.place == b.place
+}
+
+/// The candidates that promise most, each effect and place once; and those that promise nothing because they are linear in nothing.
+fn worth_trying(course: &Course, threshold: f64, bench: &Bench<'_>) -> Vec<(Candidate, f64)> {
+    let mut tried: Vec<(Candidate, f64)> = Vec::new();
+    for one in &course.screened {
+        let significant = one.promise.p_value < threshold && one.promise.gain > LEAST_GAIN;
+        let known = tried.iter().any(|(candidate, _)| is_same(candidate, &one.start));
+        if one.possible && significant && !known && tried.len() < TRIED {
+            tried.push((one.start.clone(), one.promise.p_value));
+        }
+    }
+    let blind = candidates::saturations(&course.last.model, &bench.extremes);
+    let new = blind
+        .into_iter()
+        .filter(|candidate| !course.steps.iter().any(|step| is_same(&step.candidate, candidate)));
+    tried.extend(new.map(|candidate| (candidate, course.p_value)));
+    tried
+}
+
+/// Fits all that are tried; the simplest of those that predict held-out recordings best, if that is worth it.
+fn best(
+    bench: &Bench<'_>,
+    course: &Course,
+    tried: Vec<(Candidate, f64)>,
+    yardstick: &Yardstick,
+) -> Result<Option<(Step, Fitted)>, IdentifyError> {
+    let before = &course.last;
+    let fits: Result<Vec<_>, IdentifyError> =
+        tried.par_iter().map(|(candidate, _)| bench.with(before, candidate, yardstick)).collect();
+    let mut fits: Vec<(usize, Fitted)> =
+        fits?.into_iter().enumerate().filter_map(|(index, fit)| Some((index, fit?))).collect();
+    fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
+    let Some((_, first)) = fits.first() else { return Ok(None) };
+    let (least, scale) = (first.held_chi2(), first.scale());
+    let size = |index: usize| tried[index].0.values.len();
+    let near = fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + PREFERENCE * scale);
+    let Some((index, fitted)) = near.min_by_key(|(index, _)| size(*index)).cloned() else { return Ok(None) };
+    let held_gain = before.held_chi2() - fitted.held_chi2();
+    let gain = before.at.total() - fitted.at.total();
+    if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale {
+        return Ok(None);
+    }
+    let rivals = fits.iter().filter(|(other, fit)| *other != index && fit.held_chi2() < before.held_chi2());
+    // As Akaike counts: each parameter more must earn two.
+    let cost = |index: usize, fit: &Fitted| fit.held_chi2() / scale + 2.0 * size(index) as f64;
+    let own = cost(index, &fitted);
+    let rivals = rivals.map(|(other, fit)| (tried[*other].0.clone(), cost(*other, fit) - own)).collect();
+    let excess = (before.held_chi2() - before.held_count()).max(held_gain);
+    let step = Step {
+        candidate: tried[index].0.clone(),
+        p_value: tried[index].1,
+        gain,
+        held_gain_percent: 100.0 * held_gain / excess,
+        rivals,
+    };
+    Ok(Some((step, fitted)))
+}

@@ -1,0 +1,160 @@
+//! The whole diagnosis, from recordings to the answer.
+
+use socam_identify::{
+    Identification, IdentifyError, NoiseLevels, Options as FitOptions, Problem, Watch, output_error,
+};
+use socam_model::{Model, ModelError, Update};
+use socam_recording::{Dataset, RecordingError};
+use thiserror::Error;
+
+use crate::{
+    Diagnosis, Evidence, answer,
+    course::{self, Bench, Course},
+    pictures,
+    validation::Folds,
+};
+
+/// What a diagnosis assumes and how far it goes.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Share of benches with nothing missing on which something may be found, 1.
+    pub false_alarm_rate: f64,
+    /// Most effects that are added.
+    pub most_effects: usize,
+    /// Starts of the base model's fit.
+    pub starts: usize,
+    /// Seed of their spread.
+    pub seed: u64,
+    /// Who follows the search and may end it.
+    pub watch: Watch,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { false_alarm_rate: 0.01, most_effects: 3, starts: 2, seed: 1, watch: Watch::default() }
+    }
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// The document.
+    pub diagnosis: Diagnosis,
+    /// What its pictures are drawn from.
+    pub evidence: Evidence,
+    /// The corrected model, its parameters at their fit; a model file like any other.
+    pub model_toml: String,
+}
+
+/// Input that cannot be used.
+#[derive(Debug, Error)]
+pub enum DiagnoseError {
+    /// The base model could not be fitted.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// A recording could not be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The corrected model could not be written.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The base model cannot follow the recordings at all.
+    #[error(
+        "{model} cannot follow these recordings: its prediction overflows; give start values nearer to the bench"
+    )]
+    Diverged {
+        /// Its name.
+        model: String,
+    },
+}
+
+/// Says whether `model` lacks physics that `training` recordings show, which, and whether adding it predicts `holdout` recordings
+/// better. Without any of those, training recordings are left out one at a time, a single one part by part.
+///
+/// # Errors
+/// [`DiagnoseError`] where a recording or the model cannot be used. That nothing fits is no error.
+pub fn diagnose(
+    model: &Model,
+    training: &[Dataset],
+    holdout: &[Dataset],
+    options: &Options,
+) -> Result<Answer, DiagnoseError> {
+    let clock = cpu_time::ProcessTime::now();
+    let fit = FitOptions {
+        starts: options.starts,
+        seed: options.seed,
+        watch: options.watch.clone(),
+        ..FitOptions::default()
+    };
+    let before = output_error(&Problem::new(model, training, fit.clone())?)?;
+    let folds = Folds::new(training, holdout)?;
+    let bench = Bench { training, folds: &folds, fit, options, extremes: extremes(model, training)? };
+    let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
+    let course = course::run(&bench, model, &before.point, levels(model, &before))?.ok_or_else(diverged)?;
+    let after = if course.steps.is_empty() { before.clone() } else { refined(&bench, &course)? };
+    let corrected = &course.last.model;
+    let model_toml = corrected.text_with(&updates(corrected, &after))?;
+    let evidence = pictures::evidence(&bench, &course)?;
+    let diagnosis = answer::document(&bench, &course, &before, &after, clock.elapsed().as_secs_f64())?;
+    Ok(Answer { diagnosis, evidence, model_toml })
+}
+
+/// Noise levels that a fit found.
+fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
+    let outputs = fit.fit.channels.iter().map(|(_, channel)| channel.noise_std).collect();
+    let own =
+        |name: &str| fit.input_noise_std.iter().find(|(known, _)| known == name).map_or(0.0, |(_, std)| *std);
+    NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
+}
+
+/// The corrected model's fit with intervals.
+fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, IdentifyError> {
+    let mut model = course.last.model.clone();
+    for (parameter, value) in model.parameters.iter_mut().zip(&course.last.at.values) {
+        parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
+    }
+    let fit = FitOptions { starts: 1, ..bench.fit.clone() };
+    output_error(&Problem::new(&model, bench.training, fit)?)
+}
+
+fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
+    let free = model.parameters.iter().zip(&fit.parameters).zip(&fit.point);
+    free.filter(|((parameter, _), _)| !parameter.fixed)
+        .map(|((parameter, estimate), value)| Update {
+            name: parameter.name.clone(),
+            value: *value,
+            ci95: match estimate.ci95 {
+                [Some(low), Some(high)] if estimate.identifiable => Some([low, high]),
+                _ => None,
+            },
+            source: "diagnosis".into(),
+        })
+        .collect()
+}
+
+/// For each output the largest magnitude that it reads, and how many readings stand there.
+fn extremes(model: &Model, training: &[Dataset]) -> Result<Vec<(f64, u64)>, RecordingError> {
+    let mut found = vec![(0.0_f64, 0_u64); model.outputs().count()];
+    for dataset in training {
+        let columns: Vec<usize> = model
+            .outputs()
+            .map(|channel| dataset.channel_index(&channel.column))
+            .collect::<Result<_, _>>()?;
+        for block in dataset.blocks_in(0..dataset.rows(), &columns)? {
+            let block = block?;
+            for ((most, count), (column, channel)) in
+                found.iter_mut().zip(block.columns.iter().zip(model.outputs()))
+            {
+                for value in column.values().iter().filter(|value| !value.is_nan()) {
+                    let size = (channel.scale * value + channel.offset).abs();
+                    if size > *most * (1.0 + 1e-9) {
+                        (*most, *count) = (size, 1);
+                    } else if size >= *most * (1.0 - 1e-9) && size > 0.0 {
+                        *count += 1;
+                    }
+                }
+            }
+        }
+    }
+    Ok(found)
+}

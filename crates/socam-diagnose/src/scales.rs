@@ -1,0 +1,91 @@
+//! How large motions and torques are on these recordings, at every place: where grids and first guesses are taken from.
+
+use socam_identify::{
+    IdentifyError, Problem,
+    compare::{self, Measured},
+};
+use socam_model::{Channel, Model, Quantity, Role, Take};
+
+use crate::spectrum;
+
+/// Frequencies at which a channel's residual stands out.
+const PEAKS: usize = 3;
+
+/// What is seen at the places of a model.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Scales {
+    /// By node: largest speed, rad/s.
+    speeds: Vec<f64>,
+    /// By spring: largest torque, N m.
+    torques: Vec<f64>,
+    /// By output: frequencies at which its residual has lines, Hz.
+    peaks: Vec<Vec<f64>>,
+}
+
+impl Scales {
+    pub(crate) fn new(problem: &Problem<'_>, model: &Model, at: &Measured) -> Result<Self, IdentifyError> {
+        let mut probe = model.clone();
+        probe.channels.retain(|channel| channel.role == Role::Input);
+        let mut seen = Vec::new();
+        let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
+        for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
+            let mut trial = probe.clone();
+            trial.channels.push(sensor(name, quantity));
+            // A point without inertia or damper has no speed of its own.
+            let works = trial.equations(&at.values).is_ok();
+            if works {
+                probe = trial;
+            }
+            seen.push(works);
+        }
+        let traces = compare::traces(problem, at, Some(&probe))?;
+        let sizes: Vec<f64> = (0..probe.outputs().count())
+            .map(|output| {
+                let all = traces.iter().flat_map(|trace| &trace.predicted[output]);
+                all.fold(0.0, |most: f64, value| most.max(value.abs()))
+            })
+            .collect();
+        let mut sizes = sizes.into_iter();
+        let mut all = seen.into_iter().map(|works| if works { sizes.next().unwrap_or(0.0) } else { 0.0 });
+        let speeds = all.by_ref().take(model.nodes.len()).collect();
+        let own = compare::traces(problem, at, None)?;
+        let peaks = (0..model.outputs().count()).map(|output| spectrum::peaks(&own, output, PEAKS)).collect();
+        Ok(Self { speeds, torques: all.collect(), peaks })
+    }
+
+    pub(crate) fn speed(&self, node: usize) -> f64 {
+        self.speeds.get(node).copied().unwrap_or(0.0)
+    }
+
+    pub(crate) fn torque(&self, spring: usize) -> f64 {
+        self.torques.get(spring).copied().unwrap_or(0.0)
+    }
+
+    /// Lines of one output, or of all.
+    pub(crate) fn lines(&self, output: Option<usize>) -> Vec<f64> {
+        let mut all: Vec<f64> = match output {
+            Some(output) => self.peaks.get(output).cloned().unwrap_or_default(),
+            None => self.peaks.iter().flat_map(|own| own.iter().take(2)).copied().collect(),
+        };
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() < 0.05);
+        all
+    }
+}
+
+fn sensor(at: &str, quantity: Quantity) -> Channel {
+    Channel {
+        name: format!("{at} seen"),
+        column: String::new(),
+        role: Role::Output,
+        quantity,
+        at: at.to_owned(),
+        take: Take::Value,
+        scale: 1.0,
+        offset: 0.0,
+        gain: None,
+        noise_std: None,
+        estimate_offset: false,
+        unit: "",
+    }
+}

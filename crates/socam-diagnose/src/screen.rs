@@ -1,0 +1,175 @@
+//! Every candidate at once: what each promises, from one pass over the recordings for a handful of them.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError, Options, Problem,
+    compare::{self, Measured, Promise, Yardstick},
+};
+use socam_model::{Model, ModelError};
+use socam_recording::Dataset;
+
+use crate::candidates::{self, Candidate};
+
+/// Candidates that share a pass: each adds to what a step costs.
+const TOGETHER: usize = 6;
+
+/// A candidate and what it promises, as a start for a fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Promising {
+    /// With the strength that the slopes foretell.
+    pub(crate) start: Candidate,
+    pub(crate) promise: Promise,
+    /// Whether the foretold strength is one that can be.
+    pub(crate) possible: bool,
+}
+
+/// What all candidates promise to a model at a fit. Those whose effect is linear in nothing are not among them.
+pub(crate) fn screen(
+    model: &Model,
+    datasets: &[Dataset],
+    options: &Options,
+    yardstick: &Yardstick,
+    at: &Measured,
+    all: &[Candidate],
+) -> Result<Vec<Promising>, IdentifyError> {
+    let linear: Vec<&Candidate> = all.iter().filter(|candidate| !candidate.strength.is_empty()).collect();
+    // What moves a state of its own takes short steps, alone.
+    let (slow, linear): (Vec<&Candidate>, Vec<&Candidate>) =
+        linear.into_iter().partition(|candidate| candidate.is_slow());
+    let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
+        linear.into_iter().partition(|candidate| candidates::is_structural(candidate.effect));
+    let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
+    batches.extend(slow.into_iter().map(|candidate| vec![candidate]));
+    batches.extend(by_kind(structural));
+    let each = batches.par_iter().map(|batch| together(model, datasets, options, yardstick, at, batch));
+    let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
+    Ok(found?.into_iter().flatten().collect())
+}
+
+/// Effects that change the network, each kind for itself, no two at one place.
+fn by_kind(all: Vec<&Candidate>) -> Vec<Vec<&Candidate>> {
+    let mut batches: Vec<Vec<&Candidate>> = Vec::new();
+    for candidate in all {
+        let fits = |batch: &&mut Vec<&Candidate>| {
+            let same_kind = batch[0].effect.acts_at == candidate.effect.acts_at;
+            let other_place = batch.iter().all(|known| {
+                known.place != candidate.place
+                    || (candidate.effect.acts_at == socam_model::effects::ActsAt::Gear)
+            });
+            same_kind && other_place && batch.len() < TOGETHER
+        };
+        match batches.iter_mut().find(fits) {
+            Some(batch) => batch.push(candidate),
+            None => batches.push(vec![candidate]),
+        }
+    }
+    batches
+}
+
+fn together(
+    model: &Model,
+    datasets: &[Dataset],
+    options: &Options,
+    yardstick: &Yardstick,
+    at: &Measured,
+    batch: &[&Candidate],
+) -> Result<Vec<Promising>, IdentifyError> {
+    let Ok((grown, groups)) = grown(model, batch) else { return Ok(Vec::new()) };
+    let mut values = grown.values();
+    carry_values((model, &at.values), (&grown, &mut values));
+    let problem = Problem::new(&grown, datasets, options.clone())?;
+    let base: Vec<usize> = model
+        .parameters
+        .iter()
+        .filter(|parameter| !parameter.fixed)
+        .filter_map(|parameter| grown.parameter(&parameter.name))
+        .collect();
+    let promises = compare::screen(&problem, yardstick, &values, (model, at), &base, &groups)?;
+    let Some(promises) = promises else { return Ok(Vec::new()) };
+    let each = batch.iter().zip(promises).map(|(candidate, mut promise)| {
+        if candidate.is_full() {
+            promise.gain += at.total() - promise.total;
+            promise.p_value = f64::from(promise.gain <= 0.0);
+        }
+        foretold(candidate, promise)
+    });
+    Ok(each.collect())
+}
+
+/// The model with all of a batch in it at no strength, and the parameters that measure each one's.
+fn grown(model: &Model, batch: &[&Candidate]) -> Result<(Model, Vec<Vec<usize>>), ModelError> {
+    let mut grown = model.clone();
+    let mut names: Vec<Vec<String>> = Vec::new();
+    for candidate in batch {
+        let mut own = Vec::new();
+        let phases: &[f64] = if candidate.is_wave() { &[0.0, std::f64::consts::FRAC_PI_2] } else { &[0.0] };
+        for phase in phases {
+            let turned = candidate.with("phase", *phase);
+            grown = grown.with_effect(turned.effect.id, &turned.place, &turned.values)?;
+            own.extend(strengths(&grown, candidate));
+        }
+        names.push(own);
+    }
+    for parameter in &mut grown.parameters {
+        let is_new = model.parameter(&parameter.name).is_none();
+        if is_new {
+            parameter.fixed = !names.iter().flatten().any(|name| *name == parameter.name);
+        }
+    }
+    let groups = names.iter().map(|own| own.iter().filter_map(|name| grown.parameter(name)).collect());
+    let groups = groups.collect();
+    Ok((grown, groups))
+}
+
+/// Names of the parameters that measure the strength of the model's last effect.
+fn strengths(model: &Model, candidate: &Candidate) -> Vec<String> {
+    let Some(used) = model.effects.last() else { return Vec::new() };
+    let own = used.effect.parameters.iter().zip(&used.parameters);
+    own.filter(|(parameter, _)| candidate.strength.contains(&parameter.name))
+        .map(|(_, index)| model.parameters[*index].name.clone())
+        .collect()
+}
+
+/// Values go over by name.
+pub(crate) fn carry_values(old: (&Model, &[f64]), new: (&Model, &mut [f64])) {
+    for (parameter, value) in old.0.parameters.iter().zip(old.1) {
+        if let Some(index) = new.0.parameter(&parameter.name) {
+            new.1[index] = *value;
+        }
+    }
+}
+
+fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
+    let mut start = candidate.clone();
+    let mut possible = true;
+    if candidate.is_wave() {
+        let (sin, cos) = (promise.step[0], promise.step.get(1).copied().unwrap_or(0.0));
+        let size = sin.hypot(cos);
+        let name = candidate.strength[0];
+        start = start.with(name, size).with("phase", cos.atan2(sin));
+    } else {
+        for (name, step) in candidate.strength.iter().zip(&promise.step) {
+            let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
+            let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
+            let (least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
+            let value = moved(candidate, name, before, *step);
+            possible &= (least..=most).contains(&value);
+            start = start.with(name, value.clamp(least, most));
+        }
+    }
+    Promising { start, promise, possible }
+}
+
+/// A stiffness is moved by what it gives: from one that is as good as rigid.
+fn moved(candidate: &Candidate, name: &str, before: f64, step: f64) -> f64 {
+    if candidate.effect.id != "missing_compliance" {
+        return before + step;
+    }
+    match name {
+        "stiffness" => {
+            let compliance = (1.0 - step / before) / before;
+            if compliance > 0.0 { (1.0 / compliance).min(1e7) } else { -1.0 }
+        }
+        _ => before,
+    }
+}

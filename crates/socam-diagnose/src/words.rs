@@ -1,0 +1,58 @@
+//! What the document says in words.
+
+use socam_model::effects::Effect;
+
+use crate::document::EffectParameter;
+
+/// For a mechanic: what it is, where, and how much.
+pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParameter]) -> String {
+    let size = parameters.iter().filter(|parameter| parameter.name != "phase").filter_map(|parameter| {
+        let value = parameter.value?;
+        let name = parameter.name.replace('_', " ");
+        let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+        Some(format!("{name} {}{unit}", short(value)))
+    });
+    let size: Vec<String> = size.collect();
+    let size = if size.is_empty() { String::new() } else { format!(" ({})", size.join(", ")) };
+    format!("At {}: {}{size}", place.replace('_', " "), lower_first(effect.sentence.trim_end_matches('.')))
+}
+
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// Four digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    let text =
+        if (1e-4..1e5).contains(&value.abs()) { format!("{value:.digits$}") } else { format!("{value:.3e}") };
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        text
+    }
+}
+
+/// Where to look for it.
+pub(crate) fn region(effect: &Effect) -> String {
+    match effect.id {
+        "coulomb_friction" | "direction_dependence" => "where the motion changes its direction",
+        "stribeck_friction" => "slow motion, on either side of standstill",
+        "quadratic_drag" => "high speeds",
+        "damping_drift" => "late in a recording, against its beginning",
+        "mesh_loss" | "hysteresis" => "where torque is transmitted, in proportion to it",
+        "backlash" => "where the transmitted torque changes its sign",
+        "stiffness_hardening" | "coupling_slip" => "large torques",
+        "missing_compliance" | "missing_inertia" | "sensor_lag" | "sensor_delay" => "fast motion",
+        "kinematic_error" | "gravity_unbalance" | "torque_ripple" | "sensor_ripple" => {
+            "a fixed number of times per turn"
+        }
+        "external_disturbance" | "sensor_hum" => "one frequency, whatever the motion",
+        _ => "everywhere",
+    }
+    .into()
+}

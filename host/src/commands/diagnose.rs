@@ -1,0 +1,217 @@
+//! `diagnose`: where recordings and model part, what physics was left out, and the proof.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use socam_diagnose::{
+    Answer, Diagnosis,
+    document::{Finding, Validation, Verdict},
+};
+use socam_recording::{Dataset, OutputFile};
+
+use super::Outcome;
+use crate::interrupt::Interrupt;
+use crate::output::{self, WrongArguments};
+use crate::{model_file, table, watch};
+
+/// Say where recordings and model part, what physics the model leaves out, and whether adding it helps
+///
+/// Fits the model to the recordings, asks whether anything is missing at all, tries every effect of the catalogue at every place,
+/// and keeps what predicts recordings better that were never fitted. Without --holdout, recordings are left out one at a time.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
+  socam-host diagnose RUN*.mcap --report report --write-model corrected.toml")]
+pub(crate) struct Args {
+    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    /// Recordings to prove it on, not used in any fit; may be repeated
+    #[arg(long, value_name = "RUN")]
+    holdout: Vec<String>,
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    model: String,
+    /// Hold a parameter, at its value in the model or at the given one (SI); may be repeated
+    #[arg(long, value_name = "NAME[=VALUE]")]
+    fix: Vec<String>,
+    /// Share of benches with nothing missing on which something may be found
+    #[arg(long, value_name = "P", default_value_t = 0.01)]
+    false_alarm_rate: f64,
+    /// Most effects to add
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
+    most: u8,
+    /// Seed of the start values that compete
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write the corrected model to this file
+    #[arg(long, value_name = "FILE")]
+    write_model: Option<PathBuf>,
+    /// Write index.html, diagnosis.json and model.toml into this directory
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Say on stderr how far it is, also where that is no terminal
+    #[arg(long)]
+    progress: bool,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let mut model = model_file::load(&args.model)?;
+    model_file::set(&mut model, &args.fix, true)?;
+    if !(args.false_alarm_rate > 0.0 && args.false_alarm_rate < 1.0) {
+        let message =
+            format!("--false-alarm-rate {}: expected a number between 0 and 1", args.false_alarm_rate);
+        return Err(WrongArguments(message).into());
+    }
+    let all: Vec<&String> = args.runs.iter().chain(&args.holdout).collect();
+    if let Some((_, twice)) = all.iter().enumerate().find(|(i, run)| all[..*i].contains(run)) {
+        let message = format!(
+            "`{twice}` is named twice; what is held out must not be fitted, and nothing counts double"
+        );
+        return Err(WrongArguments(message).into());
+    }
+    let interrupt = Interrupt::listen();
+    interrupt.end_after(0);
+    let target = args.write_model.as_deref().map(output::create).transpose()?;
+    interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
+    let open =
+        |runs: &[String]| runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<Dataset>>>();
+    let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
+    let mut fit = socam_identify::Options::default();
+    let answer = watch::fit(&interrupt, args.progress, &mut fit, |fit| {
+        let options = socam_diagnose::Options {
+            false_alarm_rate: args.false_alarm_rate,
+            most_effects: args.most.into(),
+            seed: args.seed,
+            watch: fit.watch.clone(),
+            ..socam_diagnose::Options::default()
+        };
+        socam_diagnose::diagnose(&model, &training, &holdout, &options)
+    })?;
+    if let Some(mut target) = target {
+        target.write_all(answer.model_toml.as_bytes())?;
+        target.commit()?;
+        interrupt.unfinished(None);
+    }
+    let Answer { diagnosis, evidence, model_toml } = &answer;
+    if let Some(dir) = &args.report {
+        socam_diagnose::report::write(dir, diagnosis, evidence, &model, Some(model_toml))?;
+    }
+    if args.json {
+        output::print_json(diagnosis)?;
+    } else {
+        diagnosis.warnings.iter().for_each(output::warn);
+        output::print(&text(diagnosis))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The answer as text.
+pub(crate) fn text(diagnosis: &Diagnosis) -> String {
+    let proof = match diagnosis.validation {
+        Validation::Holdout => "recordings that were held out",
+        Validation::LeaveOneOut => "each recording in turn, fitted to the others",
+        Validation::Blocks => "each part of the recording in turn, fitted to the others",
+    };
+    let verdict = match diagnosis.verdict {
+        Verdict::Adequate => format!(
+            "{} explains these recordings: nothing is missing that they could show (false alarms: {} %)",
+            diagnosis.model,
+            table::number(100.0 * diagnosis.false_alarm_rate)
+        ),
+        Verdict::MissingPhysics => format!("{} leaves physics out, as proven on {proof}", diagnosis.model),
+        Verdict::Unexplained => {
+            format!("{} leaves something out that has no name in the catalogue", diagnosis.model)
+        }
+    };
+    let mut text = format!("{verdict}. {:.1} CPU s\n", diagnosis.cpu_s);
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        text.push_str(&one(index + 1, finding));
+    }
+    text.push_str(&fit(diagnosis));
+    text.push_str(&changed(diagnosis));
+    if let Some(next) = &diagnosis.suggested_experiment {
+        text.push_str(&format!(
+            "\nWhat to record next, to tell {} apart\n  {}\n",
+            next.tells_apart.join(" and "),
+            next.sentence
+        ));
+    }
+    text
+}
+
+fn one(number: usize, finding: &Finding) -> String {
+    let mut text = format!("\n{number}. {} at {}: {}\n", finding.effect, finding.location, finding.equation);
+    text.push_str(&format!("   {}\n", finding.sentence));
+    for parameter in &finding.parameters {
+        let ends = parameter.ci95.map(|end| end.map_or("?".into(), table::number));
+        let value = parameter.value.map_or("not determined".into(), table::number);
+        text.push_str(&format!(
+            "   {} = {value} {} [{}, {}]\n",
+            parameter.name, parameter.unit, ends[0], ends[1]
+        ));
+    }
+    let proof = &finding.evidence;
+    let share = proof
+        .holdout_gain_percent
+        .map_or(String::new(), |gain| format!("{} % of what the model missed there", table::number(gain)));
+    text.push_str(&format!("   held-out recordings: {share}\n"));
+    for rival in &finding.rivals {
+        text.push_str(&format!(
+            "   or {} at {} ({:.0} %)\n",
+            rival.effect,
+            rival.location,
+            100.0 * rival.weight
+        ));
+    }
+    text
+}
+
+fn fit(diagnosis: &Diagnosis) -> String {
+    let head = ["channel", "unit", "noise floor", "before", "after", "held out: before", "after"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for (name, fit) in &diagnosis.fit.channels {
+        let numbers =
+            [fit.noise_std, fit.rms_before, fit.rms_after, fit.holdout_rms_before, fit.holdout_rms_after];
+        let numbers = numbers.map(|value| value.map_or("-".into(), table::number));
+        rows.push([vec![name.clone(), fit.unit.clone()], numbers.to_vec()].concat());
+    }
+    format!(
+        "\nResidual rms, running free\n{}",
+        table::align(&rows, &[false, false, true, true, true, true, true])
+    )
+}
+
+/// Parameters that the correction moved.
+fn changed(diagnosis: &Diagnosis) -> String {
+    let mut rows =
+        vec![["parameter", "unit", "before", "after", "95 % interval"].map(str::to_owned).to_vec()];
+    let number = |value: Option<f64>| value.map_or("-".into(), table::number);
+    let interval = |ends: [Option<f64>; 2]| match ends {
+        [Some(low), Some(high)] => format!("[{}, {}]", table::number(low), table::number(high)),
+        _ => String::new(),
+    };
+    for change in diagnosis.parameters.iter().filter(|change| !change.fixed && change.identifiable) {
+        let own = [
+            change.name.clone(),
+            change.unit.clone(),
+            number(change.before),
+            number(change.after),
+            interval(change.ci95),
+        ];
+        rows.push(own.to_vec());
+    }
+    for change in &diagnosis.combinations {
+        let own = [
+            change.name.clone(),
+            change.unit.clone(),
+            number(change.before),
+            number(change.after),
+            interval(change.ci95),
+        ];
+        rows.push(own.to_vec());
+    }
+    format!("\nParameters\n{}", table::align(&rows, &[false, false, true, true, false]))
+}
