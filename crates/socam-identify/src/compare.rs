@@ -249,7 +249,7 @@ impl<'f> Picture<'f> {
             .iter()
             .zip(&lengths)
             .map(|(column, own)| *own > LEAST_OWN * self.factor.col(*column).norm_l2() && own.is_normal());
-        if group.is_empty() || !counts.fold(true, |all, one| all && one) {
+        if group.is_empty() || !counts.all(|one| one) {
             return nothing;
         }
         let n = group.len();

@@ -1,0 +1,120 @@
+//! `diagnose` as a user runs it: on benches with something concealed, and on one with nothing.
+
+use std::path::Path;
+
+use serde_json::Value;
+use socam_tests::run;
+
+/// What the bench's parameters really are; the model file has others.
+const BENCH: [&str; 6] = ["k1=75", "k2=50", "k4=120", "c4=0.1", "c5=0.04", "c2=0.03"];
+const TRAINING: [&str; 3] = ["multisine", "triangle", "steps"];
+const HELD_OUT: &str = "reversals";
+
+/// Records the profiles on a bench with something hidden in it.
+fn record(folder: &Path, hidden: &[&str]) {
+    for (seed, profile) in (101..).zip(TRAINING.iter().chain([&HELD_OUT])) {
+        let target = folder.join(format!("{profile}.csv"));
+        let seed = format!("{seed}");
+        let mut arguments = vec!["simulate", "--profile", profile, "--duration", "8s", "--seed", &seed];
+        arguments.extend(["-o", target.to_str().unwrap()]);
+        arguments.extend(BENCH.iter().flat_map(|set| ["--set", set]));
+        arguments.extend(hidden.iter().flat_map(|hide| ["--hide", hide]));
+        assert_eq!(run(&arguments).code, Some(0), "{profile}");
+    }
+}
+
+fn diagnosed(folder: &Path, more: &[&str]) -> Value {
+    let path = |profile: &str| folder.join(format!("{profile}.csv")).to_str().unwrap().to_owned();
+    let mut arguments = vec!["diagnose".to_owned()];
+    arguments.extend(TRAINING.iter().map(|profile| path(profile)));
+    arguments.extend(["--holdout".into(), path(HELD_OUT), "--json".into()]);
+    arguments.extend(more.iter().map(|text| (*text).to_owned()));
+    run(&arguments).json()
+}
+
+fn finding(document: &Value, index: usize) -> (&str, &str) {
+    let finding = &document["findings"][index];
+    (finding["effect"].as_str().unwrap(), finding["location"].as_str().unwrap())
+}
+
+#[test]
+fn a_bench_that_its_model_explains_is_called_adequate() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), &[]);
+    let document = diagnosed(folder.path(), &[]);
+    assert_eq!(document["schema"], "socam.diagnosis/1");
+    assert_eq!(document["verdict"], "adequate", "{}", document["findings"]);
+    assert_eq!(document["validation"], "holdout");
+    assert_eq!(document["findings"], serde_json::json!([]));
+    for (name, channel) in document["fit"]["channels"].as_object().unwrap() {
+        let ratio = channel["holdout_rms_after"].as_f64().unwrap() / channel["noise_std"].as_f64().unwrap();
+        assert!((0.9..1.1).contains(&ratio), "{name}: {ratio}");
+    }
+    // How large the friction of the load's bearing would have had to be: a hundredth of what is found below is not overlooked.
+    let unseen = document["not_found"].as_array().unwrap();
+    let friction =
+        unseen.iter().find(|one| one["effect"] == "coulomb_friction" && one["location"] == "load_bearing");
+    let smallest = friction.unwrap()["smallest_detectable"].as_f64().unwrap();
+    assert!((1e-5..3e-3).contains(&smallest), "{smallest}");
+}
+
+#[test]
+fn concealed_friction_is_named_added_and_proven() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), &["coulomb_friction@load_bearing:torque=0.3"]);
+    let report = folder.path().join("report");
+    let model = folder.path().join("corrected.toml");
+    let (report, model) = (report.to_str().unwrap(), model.to_str().unwrap());
+    let document = diagnosed(folder.path(), &["--report", report, "--write-model", model]);
+    assert_eq!(document["verdict"], "missing_physics");
+    assert_eq!(finding(&document, 0), ("coulomb_friction", "load_bearing"));
+    assert_eq!(document["findings"].as_array().unwrap().len(), 1, "{}", document["findings"]);
+    let torque = &document["findings"][0]["parameters"][0];
+    let ends = torque["ci95"].as_array().unwrap();
+    assert!((torque["value"].as_f64().unwrap() - 0.3).abs() < 3e-3, "{torque}");
+    assert!(ends[0].as_f64() < torque["value"].as_f64() && torque["value"].as_f64() < ends[1].as_f64());
+    // What it had bent is straight again.
+    let damping = document["parameters"].as_array().unwrap().iter().find(|one| one["name"] == "c5").unwrap();
+    assert!((damping["before"].as_f64().unwrap() - 0.04).abs() > 0.005, "{damping}");
+    assert!((damping["after"].as_f64().unwrap() - 0.04).abs() < 0.0005, "{damping}");
+    for (name, channel) in document["fit"]["channels"].as_object().unwrap() {
+        let number = |key: &str| channel[key].as_f64().unwrap();
+        assert!(number("holdout_rms_before") > 1.5 * number("holdout_rms_after"), "{name}: {channel}");
+        assert!(number("holdout_rms_after") < 1.15 * number("noise_std"), "{name}: {channel}");
+    }
+    for file in ["index.html", "diagnosis.json", "model.toml"] {
+        assert!(Path::new(report).join(file).exists(), "{file}");
+    }
+    // The corrected model is a model file like any other.
+    let held_out = folder.path().join(format!("{HELD_OUT}.csv"));
+    let again = run(["identify", held_out.to_str().unwrap(), "--model", model, "--json"]).json();
+    assert_eq!(again["converged"], true);
+}
+
+#[test]
+fn a_sensor_is_not_mistaken_for_the_plant() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), &["sensor_gain@torque_out:gain=0.96"]);
+    let document = diagnosed(folder.path(), &[]);
+    assert_eq!(finding(&document, 0), ("sensor_gain", "torque_out"), "{}", document["findings"]);
+    let gain = document["findings"][0]["parameters"][0]["value"].as_f64().unwrap();
+    assert!((gain - 0.96).abs() < 2e-3, "{gain}");
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), &[]);
+    let path = folder.path().join("steps.csv");
+    let path = path.to_str().unwrap();
+    let refused = |arguments: &[&str], code: i32, words: &str| {
+        let ran = run(arguments);
+        assert_eq!(ran.code, Some(code), "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{arguments:?}: {}", ran.stderr);
+    };
+    refused(&["diagnose", path, "--holdout", path], 2, "named twice");
+    refused(&["diagnose", path, "--false-alarm-rate", "2"], 2, "between 0 and 1");
+    refused(&["diagnose", "nothing.csv"], 1, "nothing.csv");
+    refused(&["diagnose", path, "--model", "two-mass"], 1, "load_speed_rad_s");
+    refused(&["diagnose", path, "--report", path], 1, "directory");
+}
