@@ -9,7 +9,7 @@ use std::sync::Arc;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use socam_model::Model;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use crate::{
     IdentifyError, colour,
@@ -26,6 +26,8 @@ use crate::{
 
 /// A descent ends when a step promises less than this of the sum of squares.
 const TOLERANCE: f64 = 0.05;
+/// How much stronger than the yardstick has it noise may be in the band where an effect acts, in power: coloured noise is.
+pub const INFLATION: f64 = 16.0;
 /// Columns of which so little is left beside others are nothing of their own.
 const LEAST_OWN: f64 = 1e-7;
 
@@ -144,7 +146,9 @@ pub struct Promise {
     pub gain: f64,
     /// Sum of squares at the values.
     pub total: f64,
-    /// Chance of a step so consistent from block to block if none were needed; residuals may be coloured and of any size.
+    /// Chance of as much if nothing were needed: of a step so consistent from block to block, whatever the size and colour of
+    /// residuals, or of such a gain from noise [`INFLATION`] times as strong as the yardstick has it, whichever is less. (What
+    /// is missing may act in a few blocks only, and is then anything but consistent.)
     pub p_value: f64,
     /// Step of each parameter, SI.
     pub step: Vec<f64>,
@@ -245,7 +249,7 @@ impl<'f> Picture<'f> {
         let (residual, _) = self.own(self.factor.ncols() - 1);
         let own: Vec<(Vec<f64>, Vec<f64>)> = group.iter().map(|column| self.own(*column)).collect();
         let lengths: Vec<f64> = own.iter().map(|(rest, _)| length(rest)).collect();
-        let counts = group
+        let mut counts = group
             .iter()
             .zip(&lengths)
             .map(|(column, own)| *own > LEAST_OWN * self.factor.col(*column).norm_l2() && own.is_normal());
@@ -272,7 +276,7 @@ impl<'f> Picture<'f> {
             })
             .collect();
         let step = step.iter().zip(&lengths).map(|(step, length)| step / length).collect();
-        Promise { gain, total: self.total, p_value: consistency(&scores), step, resolution: 1.0 / lengths[0] }
+        Promise { gain, total: self.total, p_value: consistency(&scores).min(chance(gain, n)), step, resolution: 1.0 / lengths[0] }
     }
 }
 
@@ -286,6 +290,11 @@ fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
     let llt = matrix.llt(faer::Side::Lower).ok()?;
     let solution = llt.solve(right);
     (0..matrix.nrows()).map(|k| Some(solution[(k, 0)]).filter(|value| value.is_finite())).collect()
+}
+
+/// Chance of a gain by that many parameters if noise had [`INFLATION`] times the power that the yardstick gives it.
+fn chance(gain: f64, parameters: usize) -> f64 {
+    ChiSquared::new(parameters as f64).map_or(1.0, |noise| noise.sf(gain / INFLATION))
 }
 
 /// Chance that block sums of mean zero come out so alike (Hotelling 1931).
