@@ -32,13 +32,15 @@ pub struct Setup {
     /// Standard deviations of the noise of single channels, by name, SI; the others have the default bench's. They count for
     /// noisy sensors only.
     pub noise_std: Vec<(String, f64)>,
+    /// A converter of fewer bits than its counts have leaves so many at zero.
+    pub empty_bits: u8,
 }
 
 impl Setup {
     /// A bench with the drive that suits the model, and with noise.
     pub fn new(truth: Truth, calibration: Calibration, seed: u64) -> Self {
         let drive = Drive::for_model(&truth.model, &calibration.motor);
-        Self { truth, drive, calibration, seed, noisy: true, noise_std: Vec::new() }
+        Self { truth, drive, calibration, seed, noisy: true, noise_std: Vec::new(), empty_bits: 0 }
     }
 
     /// Standard deviation of the noise of a channel's sensor, SI.
@@ -193,6 +195,7 @@ pub(crate) struct Bench<'p> {
     trajectory: Trajectory<'p>,
     drive: Drive,
     converter: Converter,
+    empty_bits: u8,
     inputs: Vec<Input>,
     outputs: Vec<f64>,
     /// Outputs that are speeds of watched shafts, and the shafts' angles, rad.
@@ -226,7 +229,11 @@ impl<'p> Bench<'p> {
         Ok(Self {
             trajectory: plant.start()?,
             drive: setup.drive.clone(),
-            converter: calibration.input,
+            converter: Converter {
+                bits: calibration.input.bits.saturating_sub(setup.empty_bits),
+                ..calibration.input
+            },
+            empty_bits: setup.empty_bits,
             inputs: inputs.collect(),
             outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
@@ -262,9 +269,9 @@ impl<'p> Bench<'p> {
         self.outputs.copy_from_slice(&rising);
         self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += rising[*row] * step_s);
         counts.fill(0);
-        let converter = self.converter;
+        let (converter, empty_bits) = (self.converter, self.empty_bits);
         for (count, volts) in counts.iter_mut().zip(self.read(to_s, step_s)) {
-            *count = converter.count(volts);
+            *count = converter.count(volts) << empty_bits;
         }
         Ok(())
     }

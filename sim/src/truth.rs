@@ -125,7 +125,7 @@ impl Truth {
 }
 
 /// The channel whose sensor is flawed.
-fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
+pub(crate) fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
     if model.channels.iter().any(|channel| channel.name == hidden.place) {
         return Ok(hidden.place.clone());
     }

@@ -272,6 +272,28 @@ pub(crate) fn add_effect(
     Ok(document.to_string())
 }
 
+/// The model with an effect that no file can name; `None` where it cannot act there.
+pub(crate) fn put(model: &Model, effect: &'static Effect, place: &str, values: &[f64]) -> Option<Model> {
+    let mut model = model.clone();
+    if !model.places(effect).contains(&place) || values.len() != effect.parameters.len() {
+        return None;
+    }
+    let mut reader = Reader {
+        text: "",
+        rotational: model.motion == Motion::Rotation,
+        parameters: std::mem::take(&mut model.parameters),
+        nodes: Vec::new(),
+        places: Vec::new(),
+    };
+    let own = effect.parameters.iter().zip(values);
+    let own = own.map(|(parameter, value)| reader.add_default(place, parameter, (*value, *value))).collect();
+    let fits = reader.put(effect, place.into(), own, &mut model);
+    model.parameters = reader.parameters;
+    model.channels.retain(|channel| !channel.quantity.is_clock());
+    add_clocks(&mut model);
+    fits.then_some(model)
+}
+
 /// The name, or the first with a number behind it that no parameter has.
 fn free_name(document: &toml_edit::DocumentMut, name: &str) -> String {
     let taken = |name: &str| document["parameters"].get(name).is_some();
@@ -554,9 +576,16 @@ impl Reader<'_> {
                 }
             });
         }
-        let Some(at) = self.site(effect, &place, &indices, model) else {
-            return self.fail(&raw.at, format!("{id} cannot act at \"{place}\""));
-        };
+        if !self.put(effect, place, indices, model) {
+            return self.fail(&raw.at, format!("{id} cannot act at \"{}\"", raw.at.get_ref()));
+        }
+        Ok(())
+    }
+
+    /// Puts an effect with its own parameters where it acts; whether that is a place for it.
+    fn put(&mut self, effect: &'static Effect, place: String, own: Vec<usize>, model: &mut Model) -> bool {
+        let mut indices = own;
+        let Some(at) = self.site(effect, &place, &indices, model) else { return false };
         if let Some(borrowed) = effect.borrows {
             match (borrowed, at) {
                 (Borrowed::Stiffness, Site::Spring(spring) | Site::Gear { contact: spring, .. }) => {
@@ -573,7 +602,7 @@ impl Reader<'_> {
             }
         }
         model.effects.push(EffectUse { effect, place, at, parameters: indices });
-        Ok(())
+        true
     }
 
     /// A parameter of an effect; its bounds are narrowed to what makes sense for it.

@@ -322,6 +322,18 @@ impl Model {
         Ok(grown)
     }
 
+    /// The model with an effect more that need not be in the catalogue, its own parameters fixed at `values` (SI): for benches
+    /// that are simulated. No file can name such an effect, so [`Self::text`] stays as it was.
+    ///
+    /// # Errors
+    /// [`ModelError::Network`] where the effect cannot act at that place; as [`Self::equations`] for values that make no sense.
+    pub fn with_law(&self, effect: &'static Effect, place: &str, values: &[f64]) -> Result<Self, ModelError> {
+        let refused = || ModelError::Network(format!("{} cannot act at {place}", effect.id));
+        let model = file::put(self, effect, place, values).ok_or_else(refused)?;
+        model.equations(&model.values())?;
+        Ok(model)
+    }
+
     /// Places at which an effect may act.
     pub fn places(&self, effect: &Effect) -> Vec<&str> {
         match effect.acts_at {
