@@ -1,5 +1,6 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
+mod challenge;
 mod check;
 mod completions;
 mod demo;
@@ -64,6 +65,7 @@ commands! {
     Demo => demo,
     Record => record,
     Simulate => simulate,
+    Challenge => challenge,
     VirtualBoard => virtual_board,
     Flash => flash,
     Template => template,

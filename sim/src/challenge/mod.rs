@@ -11,10 +11,11 @@ mod sizes;
 mod truth;
 
 use serde::{Deserialize, Serialize};
+use socam_core::scaling::Converter;
 use socam_model::Model;
 use socam_recording::Dataset;
 
-use crate::SimError;
+use crate::{SimError, calibration_for};
 use random::Draw;
 pub use runs::Run;
 
@@ -152,6 +153,16 @@ impl Case {
     /// When it is not built in.
     pub fn base(&self) -> Result<Model, SimError> {
         builtin(&self.model)
+    }
+
+    /// Standard deviation of what a sensor's noise and its converter's steps do to a channel together, SI.
+    pub fn noise_floor(&self, channel: &str) -> Option<f64> {
+        let calibration = calibration_for(&self.base().ok()?);
+        let sensor = calibration.channels.iter().find(|known| known.channel.name == channel)?.sensor;
+        let converter = Converter { bits: self.bits, ..calibration.input };
+        let step = converter.volts_per_count() / sensor.volts_per_unit.abs();
+        let noise = self.noise_std.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, std)| *std);
+        Some((noise * noise + step * step / 12.0).sqrt())
     }
 
     /// Records the case.

@@ -5,7 +5,7 @@ use super::random::Draw;
 
 /// Least and greatest size, drawn log-uniformly; what is measured is the effect's first parameter unless `hide` says otherwise.
 /// The least ones gain some tens in whitened chi-square on two held-out recordings at the usual noise of the sensors.
-type Range = (&'static str, &'static [(&'static str, (f64, f64))]);
+pub(super) type Range = (&'static str, &'static [(&'static str, (f64, f64))]);
 
 /// The catalogue at its places on the default bench, and torque ripple on the two-mass drive. Left out are places at which
 /// nothing can show: the driven node, and `roller_pins` as a spring that hardens or rubs, because it winds up a thousandth of

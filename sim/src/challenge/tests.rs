@@ -36,3 +36,67 @@ fn all_effects_get_their_turn_in_either_half() {
         }
     }
 }
+
+/// Every effect of a list at every place, at its turn.
+fn each(ranges: &[sizes::Range]) -> Vec<Hidden> {
+    let draw = &mut Draw::new(5, 0);
+    let places = ranges.iter().map(|(_, places)| places.len() as u64).max().unwrap();
+    let mut all: Vec<Hidden> =
+        (0..ranges.len() as u64 * places).map(|turn| sizes::hide_one(ranges, turn, draw)).collect();
+    all.sort_by(|a, b| (&a.effect, &a.place).cmp(&(&b.effect, &b.place)));
+    all.dedup_by(|a, b| (&a.effect, &a.place) == (&b.effect, &b.place));
+    all
+}
+
+/// A bench without noise on which this is hidden, or nothing, and one recording of it.
+fn recorded(hidden: Option<Hidden>, model: &str) -> Dataset {
+    let mut case = Case::draw(1, 0).unwrap();
+    let base = builtin(model).unwrap();
+    case.model = model.into();
+    case.parameters = base.parameters.iter().map(|known| (known.name.clone(), known.value)).collect();
+    case.noise_std = Vec::new();
+    case.hidden = hidden.into_iter().collect();
+    case.bits = 16;
+    let setup = crate::Setup { noisy: false, ..case.setup().unwrap() };
+    let run = Run { profile: "multisine".into(), strength: 1.0, profile_seed: 1, noise_seed: 1 };
+    run.record(&setup, "run").unwrap()
+}
+
+/// Largest change of a channel, as a part of its range.
+fn change(a: &Dataset, b: &Dataset) -> f64 {
+    let columns = |data: &Dataset| {
+        let names: Vec<String> = data.channels().iter().map(socam_recording::Channel::column_name).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        data.load(&names)
+            .unwrap()
+            .columns
+            .into_iter()
+            .map(|column| column.values().to_vec())
+            .collect::<Vec<_>>()
+    };
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    let each = columns(a).into_iter().zip(columns(b)).map(|(a, b)| {
+        let range = largest(&mut a.iter().copied()).max(f64::MIN_POSITIVE);
+        largest(&mut a.iter().zip(&b).map(|(a, b)| a - b)) / range
+    });
+    each.fold(0.0, f64::max)
+}
+
+#[test]
+fn everything_that_can_be_hidden_runs_and_shows() {
+    let all = each(&sizes::RANGES).into_iter().chain(each(&sizes::OUTSIDE));
+    let plain = ["speed-o-cam", "two-mass"].map(|model| recorded(None, model));
+    for hidden in all {
+        let two_mass = hidden.effect == "torque_ripple";
+        let model = if two_mass { "two-mass" } else { "speed-o-cam" };
+        let shown = change(&plain[usize::from(two_mass)], &recorded(Some(hidden.clone()), model));
+        assert!(shown > 1e-4, "{hidden:?}: {shown}");
+    }
+}
+
+#[test]
+fn what_a_diagnosis_gets_is_the_plain_model() {
+    let case = Case::draw(1, 1).unwrap();
+    assert!(!case.hidden.is_empty());
+    assert_eq!(case.base().unwrap().text, builtin(&case.model).unwrap().text);
+}

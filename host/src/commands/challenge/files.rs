@@ -1,0 +1,61 @@
+//! What a challenge keeps in its folder: for every case the sealed truth, the answer, and the score.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde::{Serialize, de::DeserializeOwned};
+use socam_recording::OutputFile;
+
+/// The folder.
+#[derive(Debug, Clone)]
+pub(super) struct Folder(PathBuf);
+
+/// One of a case's files.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum File {
+    /// What is hidden: written before the diagnosis, opened after its answer is on disk.
+    Sealed,
+    /// The answer.
+    Diagnosis,
+    /// Both compared; a case that has it is finished.
+    Score,
+}
+
+impl Folder {
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(path)
+            .with_context(|| format!("cannot create the folder `{}`", path.display()))?;
+        Ok(Self(path.into()))
+    }
+
+    pub(super) fn write(
+        &self,
+        seed: u64,
+        number: u64,
+        file: File,
+        content: &impl Serialize,
+    ) -> anyhow::Result<()> {
+        let mut output = OutputFile::create(&self.path(seed, number, file))?;
+        output.write_all(serde_json::to_string_pretty(content)?.as_bytes())?;
+        output.commit()?;
+        Ok(())
+    }
+
+    pub(super) fn read<T: DeserializeOwned>(&self, seed: u64, number: u64, file: File) -> anyhow::Result<T> {
+        let path = self.path(seed, number, file);
+        let text =
+            std::fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
+        serde_json::from_str(&text)
+            .with_context(|| format!("`{}` is not what a challenge writes", path.display()))
+    }
+
+    fn path(&self, seed: u64, number: u64, file: File) -> PathBuf {
+        let what = match file {
+            File::Sealed => "sealed",
+            File::Diagnosis => "diagnosis",
+            File::Score => "score",
+        };
+        self.0.join(format!("seed-{seed}-case-{number:05}.{what}.json"))
+    }
+}

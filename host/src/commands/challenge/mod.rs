@@ -1,0 +1,143 @@
+//! `challenge`: concealed physics, diagnosed and scored.
+
+mod crew;
+mod files;
+mod oracle;
+mod rates;
+mod report;
+mod score;
+mod twins;
+
+use std::path::PathBuf;
+
+use socam_diagnose::Diagnosis;
+use socam_model::Model;
+use socam_recording::Dataset;
+use socam_sim::challenge::{Case, Recordings};
+
+use super::Outcome;
+use crate::output;
+use files::{File, Folder};
+use report::Report;
+use score::Score;
+
+/// Hide physics in random benches, diagnose their recordings, and count how often the answer is right
+///
+/// Each case is drawn from the seed and its number: of twenty, eight hide nothing, seven one effect of the catalogue, three two of
+/// them, and two something that is not there. What is hidden obeys other laws than those that are fitted. The truth is sealed in a
+/// file before the diagnosis begins and opened once its answer is on disk. Every second twenty is locked: kept aside while the
+/// diagnosis is tuned, and scored apart.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host challenge
+  socam-host challenge --cases 0..1000 --resume challenge
+  socam-host challenge --cases 0..400 --open --json")]
+pub(crate) struct Args {
+    /// Numbers of the cases, the last one left out
+    #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = range)]
+    cases: std::ops::Range<u64>,
+    /// Another number, other cases
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Keep everything in this folder, and leave out the cases that are finished there
+    #[arg(long, value_name = "DIR")]
+    resume: Option<PathBuf>,
+    /// Leave the locked cases alone
+    #[arg(long)]
+    open: bool,
+    /// Number of threads; all cores when not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Print one JSON document instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// `A..B`
+fn range(text: &str) -> Result<std::ops::Range<u64>, String> {
+    let wrong = || format!("`{text}` is no range of cases; expected A..B, as in 0..20");
+    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
+    let (from, to): (u64, u64) = (from.parse().map_err(|_| wrong())?, to.parse().map_err(|_| wrong())?);
+    if from < to { Ok(from..to) } else { Err(wrong()) }
+}
+
+/// What is tried: a diagnosis sees the base model, the training recordings and the held-out ones.
+type Diagnose<'a> = dyn Fn(&Model, &[Dataset], &[Dataset]) -> Result<Diagnosis, String> + Sync + 'a;
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let temporary = if args.resume.is_none() { Some(tempfile::tempdir()?) } else { None };
+    let path = args.resume.as_deref().or(temporary.as_ref().map(tempfile::TempDir::path));
+    let folder = Folder::open(path.unwrap_or(std::path::Path::new(".")))?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.map_or(cores, usize::from);
+    let (scores, failures) = score_all(&args, threads, &folder, &diagnose)?;
+    let report = Report::new(args.seed, scores);
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    if let Some((number, first)) = failures.first() {
+        anyhow::bail!("{} cases came to nothing; the first is case {number}: {first:#}", failures.len());
+    }
+    Ok(Outcome::Done)
+}
+
+/// The engine.
+fn diagnose(_: &Model, _: &[Dataset], _: &[Dataset]) -> Result<Diagnosis, String> {
+    Err("there is no diagnosis yet".into())
+}
+
+type Failures = Vec<(u64, anyhow::Error)>;
+
+fn score_all(
+    args: &Args,
+    threads: usize,
+    folder: &Folder,
+    diagnose: &Diagnose<'_>,
+) -> anyhow::Result<(Vec<Score>, Failures)> {
+    let mut wanted = Vec::new();
+    for number in args.cases.clone() {
+        if !(args.open && Case::draw(args.seed, number)?.locked) {
+            wanted.push(number);
+        }
+    }
+    let answers = crew::run(&wanted, threads, |number| one(args.seed, *number, folder, diagnose))?;
+    let (mut scores, mut failures) = (Vec::new(), Vec::new());
+    for (number, answer) in wanted.into_iter().zip(answers) {
+        match answer {
+            Ok(score) => scores.push(score),
+            Err(error) => failures.push((number, error)),
+        }
+    }
+    Ok((scores, failures))
+}
+
+/// One case from its drawing to its score, unless it is finished.
+fn one(seed: u64, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> anyhow::Result<Score> {
+    if let Ok(finished) = folder.read::<Score>(seed, number, File::Score)
+        && finished.schema == score::SCHEMA
+    {
+        return Ok(finished);
+    }
+    let (model, recordings) = conceal(seed, number, folder)?;
+    let answer = diagnose(&model, &recordings.training, &recordings.holdout);
+    match &answer {
+        Ok(diagnosis) => folder.write(seed, number, File::Diagnosis, diagnosis)?,
+        Err(error) => folder.write(seed, number, File::Diagnosis, error)?,
+    }
+    let case: Case = folder.read(seed, number, File::Sealed)?;
+    let score = Score::new(&case, &answer, oracle::ask(&case, &recordings));
+    folder.write(seed, number, File::Score, &score)?;
+    Ok(score)
+}
+
+/// Draws a case, seals its truth away, and hands out what a diagnosis may see.
+fn conceal(seed: u64, number: u64, folder: &Folder) -> anyhow::Result<(Model, Recordings)> {
+    let case = Case::draw(seed, number)?;
+    folder.write(seed, number, File::Sealed, &case)?;
+    Ok((case.base()?, case.record()?))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,119 @@
+use serde_json::{Value, json};
+
+use super::*;
+
+fn finding(effect: &str, location: &str, rivals: &[(&str, &str)]) -> Value {
+    let rivals: Vec<Value> = rivals
+        .iter()
+        .map(|(effect, location)| json!({"effect": effect, "location": location, "weight": 0.5}))
+        .collect();
+    json!({
+        "effect": effect, "location": location, "components": [], "curve": null, "rivals": rivals,
+        "parameters": [
+            {"name": "torque", "value": 0.3, "unit": "N m", "ci95": [0.29, 0.31]},
+            {"name": "phase", "value": -0.1, "unit": "rad", "ci95": [-0.2, 0.1]},
+        ],
+        "region": {"speed_rad_s": null, "torque_Nm": null, "frequency_Hz": null, "time_s": null, "text": ""},
+        "evidence": {"p_value": null, "chi2_gain": null, "holdout_gain_percent": null},
+        "sentence": "", "equation": "",
+    })
+}
+
+fn diagnosis(findings: &[Value], holdout_rms_after: f64) -> Result<Diagnosis, String> {
+    let channel = json!({
+        "noise_std": 0.01, "rms_before": 0.1, "rms_after": 0.01, "holdout_rms_before": 0.1,
+        "holdout_rms_after": holdout_rms_after,
+    });
+    serde_json::from_value(json!({
+        "schema": "socam.diagnosis/1", "verdict": "missing_physics", "false_alarm_rate": 0.01, "validation": "holdout",
+        "findings": findings, "fit": {"channels": {"torque_out": channel}}, "parameters": [], "not_found": [],
+        "suggested_experiment": null, "cpu_s": 2.0, "warnings": [],
+    }))
+    .map_err(|error| error.to_string())
+}
+
+fn case(kind: Kind, hidden: &[(&str, &str)]) -> Case {
+    let mut case = Case::draw(1, 0).unwrap();
+    case.kind = kind;
+    case.hidden = hidden
+        .iter()
+        .map(|(effect, place)| Hidden {
+            effect: (*effect).into(),
+            place: (*place).into(),
+            parameters: vec![("torque".into(), 0.3), ("phase".into(), std::f64::consts::TAU)],
+        })
+        .collect();
+    case
+}
+
+fn score(kind: Kind, hidden: &[(&str, &str)], findings: &[Value]) -> Score {
+    let oracle = Oracle { gain: vec![Some(100.0); hidden.len()], misfit: Some(1.0) };
+    Score::new(&case(kind, hidden), &diagnosis(findings, 0.0114), oracle)
+}
+
+#[test]
+fn the_first_finding_counts() {
+    let truth = [("gravity_unbalance", "load")];
+    let right = finding("gravity_unbalance", "load", &[]);
+    let wrong = finding("sensor_gain", "torque_out", &[("gravity_unbalance", "load")]);
+    let first = score(Kind::Single, &truth, &[right.clone(), wrong.clone()]);
+    assert!(first.right && first.wrong_name && first.detectable);
+    assert_eq!(first.at_the_floor, Some(true));
+    assert_eq!(first.intervals, [("torque".to_owned(), true), ("phase".to_owned(), true)]);
+    let second = score(Kind::Single, &truth, &[wrong, right]);
+    assert!(!second.right && second.at_the_floor.is_none());
+    let elsewhere = score(Kind::Single, &truth, &[finding("gravity_unbalance", "disk", &[])]);
+    assert!(!elsewhere.right && elsewhere.intervals.is_empty());
+    assert!(!score(Kind::Single, &truth, &[]).right);
+}
+
+#[test]
+fn a_twin_counts_if_it_owns_up() {
+    let truth = [("missing_inertia", "cam_shaft")];
+    let named = |rivals: &[(&str, &str)]| finding("missing_inertia", "disk", rivals);
+    assert!(score(Kind::Single, &truth, &[named(&[("missing_inertia", "cam_shaft")])]).right);
+    assert!(!score(Kind::Single, &truth, &[named(&[])]).right);
+    let slip = finding("coupling_slip", "coupling_2", &[("coupling_slip", "coupling_1")]);
+    assert!(score(Kind::Single, &[("coupling_slip", "coupling_1")], &[slip]).right);
+}
+
+#[test]
+fn two_effects_count_in_any_order_but_before_others() {
+    let truth = [("constant_load", "load"), ("backlash", "mesh")];
+    let found = truth.map(|(effect, place)| finding(effect, place, &[]));
+    let extra = finding("sensor_gain", "torque_in", &[]);
+    let [load, play] = found;
+    assert!(score(Kind::Double, &truth, &[play.clone(), load.clone()]).right);
+    assert!(score(Kind::Double, &truth, &[load.clone(), play.clone(), extra.clone()]).right);
+    assert!(!score(Kind::Double, &truth, &[load.clone(), extra, play]).right);
+    assert!(!score(Kind::Double, &truth, &[load]).right);
+}
+
+#[test]
+fn nothing_is_to_be_found_on_a_clean_bench() {
+    assert!(score(Kind::Clean, &[], &[]).right);
+    let alarm = score(Kind::Clean, &[], &[finding("sensor_gain", "torque_in", &[])]);
+    assert!(!alarm.right && alarm.wrong_name);
+}
+
+#[test]
+fn outside_the_catalogue_the_place_is_enough_and_so_is_not_knowing() {
+    let truth = [("eddy_current_brake", "load_bearing")];
+    let unexplained = finding(UNEXPLAINED, "torque_out", &[]);
+    let elsewhere = finding("sensor_gain", "torque_out", &[]);
+    assert!(score(Kind::Outside, &truth, &[unexplained.clone()]).right);
+    assert!(score(Kind::Outside, &truth, &[finding("stribeck_friction", "load_bearing", &[])]).right);
+    assert!(score(Kind::Outside, &truth, &[finding("constant_load", "load", &[])]).right);
+    let wrong = score(Kind::Outside, &truth, &[elsewhere.clone()]);
+    assert!(!wrong.right && wrong.wrong_name);
+    assert!(!score(Kind::Outside, &truth, &[elsewhere, unexplained]).wrong_name);
+}
+
+#[test]
+fn a_failed_diagnosis_is_wrong_and_small_effects_do_not_count() {
+    let failed = Score::new(&case(Kind::Clean, &[]), &Err("no".into()), Oracle::default());
+    assert!(!failed.right && failed.error.is_some());
+    let oracle = Oracle { gain: vec![Some(24.0)], misfit: Some(1.0) };
+    let truth = case(Kind::Single, &[("backlash", "mesh")]);
+    assert!(!Score::new(&truth, &diagnosis(&[], 0.1), oracle).detectable);
+}
