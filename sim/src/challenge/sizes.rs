@@ -11,27 +11,27 @@ pub(super) type Range = (&'static str, &'static [(&'static str, (f64, f64))]);
 /// nothing can show: the driven node, and `roller_pins` as a spring that hardens or rubs, because it winds up a thousandth of
 /// what the couplings do. `load_hub` is the load by another name.
 pub(super) const RANGES: [Range; 24] = [
-    ("coulomb_friction", &[("load_bearing", (4e-3, 1.2)), ("cam_bearing", (1e-3, 0.15))]),
-    ("stribeck_friction", &[("load_bearing", (1e-2, 1.0)), ("cam_bearing", (3e-3, 0.12))]),
-    ("quadratic_drag", &[("load_bearing", (4e-5, 5e-3)), ("cam_bearing", (2e-7, 1e-5))]),
-    ("damping_drift", &[("load_bearing", (5e-4, 8e-2))]),
-    ("direction_dependence", &[("load_bearing", (8e-3, 1.0)), ("cam_bearing", (2e-3, 0.12))]),
-    ("constant_load", &[("load", (4e-3, 1.5))]),
-    ("mesh_loss", &[("mesh", (3e-3, 0.3))]),
-    ("backlash", &[("mesh", (2e-4, 2e-2))]),
-    ("kinematic_error", &[("mesh", (5e-6, 2e-3))]),
+    ("coulomb_friction", &[("load_bearing", (1.5e-3, 1.2)), ("cam_bearing", (2e-4, 0.15))]),
+    ("stribeck_friction", &[("load_bearing", (2e-3, 1.0)), ("cam_bearing", (2e-4, 0.12))]),
+    ("quadratic_drag", &[("load_bearing", (1.5e-5, 5e-3)), ("cam_bearing", (3e-8, 1e-5))]),
+    ("damping_drift", &[("load_bearing", (6e-4, 8e-2))]),
+    ("direction_dependence", &[("load_bearing", (2e-3, 1.0)), ("cam_bearing", (3e-4, 0.12))]),
+    ("constant_load", &[("load", (5e-4, 1.5))]),
+    ("mesh_loss", &[("mesh", (4e-4, 0.3))]),
+    ("backlash", &[("mesh", (2e-5, 2e-2))]),
+    ("kinematic_error", &[("mesh", (6e-6, 2e-3))]),
     (
         "stiffness_hardening",
-        &[("coupling_3", (8.0, 800.0)), ("coupling_1", (20.0, 3000.0)), ("coupling_2", (20.0, 3000.0))],
+        &[("coupling_3", (0.6, 800.0)), ("coupling_1", (3.0, 3000.0)), ("coupling_2", (3.0, 3000.0))],
     ),
-    ("hysteresis", &[("coupling_3", (2e-2, 2.0)), ("coupling_1", (5e-3, 0.4)), ("coupling_2", (5e-3, 0.4))]),
-    ("missing_compliance", &[("load_shaft", (40.0, 2000.0))]),
+    ("hysteresis", &[("coupling_3", (1e-3, 2.0)), ("coupling_1", (4e-3, 0.4)), ("coupling_2", (4e-3, 0.4))]),
+    ("missing_compliance", &[("load_shaft", (40.0, 2e4))]),
     (
         "missing_inertia",
         &[
-            ("load", (1.5e-5, 8e-3)),
-            ("disk", (2e-5, 5e-3)),
-            ("cam_shaft", (3e-7, 8e-5)),
+            ("load", (9e-6, 8e-3)),
+            ("disk", (3e-5, 5e-3)),
+            ("cam_shaft", (4e-7, 8e-5)),
             ("torque_sensor_in", (3e-6, 1e-4)),
             ("torque_sensor_out", (2e-5, 5e-3)),
         ],
@@ -40,34 +40,34 @@ pub(super) const RANGES: [Range; 24] = [
         "coupling_slip",
         &[("coupling_3", (0.8, 5.0)), ("coupling_1", (0.15, 0.7)), ("coupling_2", (0.15, 0.7))],
     ),
-    ("gravity_unbalance", &[("load", (3e-3, 1.5))]),
-    ("external_disturbance", &[("load", (3e-3, 1.5))]),
-    ("torque_ripple", &[("motor", (1e-3, 0.2))]),
+    ("gravity_unbalance", &[("load", (5e-4, 1.5))]),
+    ("external_disturbance", &[("load", (5e-4, 1.5))]),
+    ("torque_ripple", &[("motor", (4e-4, 0.2))]),
     (
         "sensor_gain",
         &[
-            ("output_speed", (3e-4, 0.3)),
-            ("torque_in", (2e-3, 0.3)),
-            ("torque_out", (2e-3, 0.3)),
-            ("motor_speed", (3e-4, 0.3)),
+            ("output_speed", (4e-5, 0.3)),
+            ("torque_in", (5e-4, 0.3)),
+            ("torque_out", (5e-4, 0.3)),
+            ("motor_speed", (4e-5, 0.3)),
         ],
     ),
     (
         "sensor_offset",
         &[
-            ("torque_out", (3e-3, 1.0)),
-            ("torque_in", (5e-4, 0.2)),
-            ("output_speed", (6e-4, 0.5)),
-            ("motor_speed", (5e-3, 3.0)),
+            ("torque_out", (5e-4, 1.0)),
+            ("torque_in", (1e-4, 0.2)),
+            ("output_speed", (2e-4, 0.5)),
+            ("motor_speed", (1.5e-3, 3.0)),
         ],
     ),
     (
         "sensor_lag",
-        &[("output_speed", (1e-4, 2e-2)), ("torque_in", (1e-4, 2e-2)), ("torque_out", (1e-4, 2e-2))],
+        &[("output_speed", (4e-5, 2e-2)), ("torque_in", (2e-5, 2e-2)), ("torque_out", (2e-5, 2e-2))],
     ),
     (
         "sensor_delay",
-        &[("output_speed", (1e-4, 2e-2)), ("torque_in", (1e-4, 2e-2)), ("torque_out", (1e-4, 2e-2))],
+        &[("output_speed", (2e-5, 2e-2)), ("torque_in", (1e-5, 2e-2)), ("torque_out", (1e-5, 2e-2))],
     ),
     (
         "sensor_saturation",
@@ -76,18 +76,18 @@ pub(super) const RANGES: [Range; 24] = [
     (
         "sensor_hum",
         &[
-            ("torque_out", (6e-4, 0.3)),
-            ("torque_in", (1.5e-4, 0.06)),
-            ("output_speed", (6e-4, 0.3)),
+            ("torque_out", (1e-3, 0.3)),
+            ("torque_in", (3e-4, 0.06)),
+            ("output_speed", (1e-3, 0.3)),
             ("motor_speed", (1e-2, 1.0)),
         ],
     ),
     (
         "sensor_ripple",
         &[
-            ("output_speed", (6e-4, 0.3)),
-            ("torque_in", (1.5e-4, 0.06)),
-            ("torque_out", (6e-4, 0.3)),
+            ("output_speed", (1e-3, 0.3)),
+            ("torque_in", (3e-4, 0.06)),
+            ("torque_out", (1e-3, 0.3)),
             ("motor_speed", (1e-2, 1.0)),
         ],
     ),
@@ -112,11 +112,12 @@ pub(super) fn hide_one(ranges: &[Range], turn: u64, draw: &mut Draw) -> Hidden {
     // Five steps on each time, so that a few cases in a row are of all sorts; no list's length is a multiple of five.
     let (effect, places) = ranges[(5 * turn % ranges.len() as u64) as usize];
     let (place, range) = places[(turn / ranges.len() as u64 % places.len() as u64) as usize];
-    hide(effect, place, range, draw)
+    let size = draw.log(range);
+    hide(effect, place, size, draw)
 }
 
-fn hide(effect: &str, place: &str, range: (f64, f64), draw: &mut Draw) -> Hidden {
-    let size = draw.log(range);
+/// An effect of a size, all else drawn.
+pub(super) fn hide(effect: &str, place: &str, size: f64, draw: &mut Draw) -> Hidden {
     let fast = matches!(place, "cam_bearing" | "motor" | "motor_speed" | "torque_in");
     // Speeds of the fast side are eight times those of the slow one.
     let speed = if fast { 8.0 } else { 1.0 };

@@ -37,15 +37,16 @@ fn all_effects_get_their_turn_in_either_half() {
     }
 }
 
-/// Every effect of a list at every place, at its turn.
+/// Every effect of a list at every place, as large as it gets.
 fn each(ranges: &[sizes::Range]) -> Vec<Hidden> {
     let draw = &mut Draw::new(5, 0);
-    let places = ranges.iter().map(|(_, places)| places.len() as u64).max().unwrap();
-    let mut all: Vec<Hidden> =
-        (0..ranges.len() as u64 * places).map(|turn| sizes::hide_one(ranges, turn, draw)).collect();
-    all.sort_by(|a, b| (&a.effect, &a.place).cmp(&(&b.effect, &b.place)));
-    all.dedup_by(|a, b| (&a.effect, &a.place) == (&b.effect, &b.place));
-    all
+    let all = ranges.iter().flat_map(|(effect, places)| places.iter().map(move |place| (*effect, *place)));
+    all.map(|(effect, (place, (least, most)))| {
+        // The stiffer a shaft, and the later a sensor is cut off, the less it shows.
+        let inverse = matches!(effect, "missing_compliance" | "sensor_saturation");
+        sizes::hide(effect, place, if inverse { least } else { most }, draw)
+    })
+    .collect()
 }
 
 /// A bench without noise on which this is hidden, or nothing, and one recording of it.
@@ -86,12 +87,16 @@ fn change(a: &Dataset, b: &Dataset) -> f64 {
 fn everything_that_can_be_hidden_runs_and_shows() {
     let all = each(&sizes::RANGES).into_iter().chain(each(&sizes::OUTSIDE));
     let plain = ["speed-o-cam", "two-mass"].map(|model| recorded(None, model));
+    let mut unseen = Vec::new();
     for hidden in all {
         let two_mass = hidden.effect == "torque_ripple";
         let model = if two_mass { "two-mass" } else { "speed-o-cam" };
         let shown = change(&plain[usize::from(two_mass)], &recorded(Some(hidden.clone()), model));
-        assert!(shown > 1e-4, "{hidden:?}: {shown}");
+        if shown <= 1e-3 {
+            unseen.push(format!("{hidden:?}: {shown}"));
+        }
     }
+    assert!(unseen.is_empty(), "{}", unseen.join("\n"));
 }
 
 #[test]
