@@ -22,7 +22,7 @@ pub(super) const RANGES: [Range; 24] = [
     ("kinematic_error", &[("mesh", (6e-6, 2e-3))]),
     (
         "stiffness_hardening",
-        &[("coupling_3", (0.6, 800.0)), ("coupling_1", (3.0, 3000.0)), ("coupling_2", (3.0, 3000.0))],
+        &[("coupling_3", (0.6, 800.0)), ("coupling_1", (10.0, 3000.0)), ("coupling_2", (10.0, 3000.0))],
     ),
     ("hysteresis", &[("coupling_3", (1e-3, 2.0)), ("coupling_1", (4e-3, 0.4)), ("coupling_2", (4e-3, 0.4))]),
     ("missing_compliance", &[("load_shaft", (40.0, 2e4))]),
@@ -31,25 +31,22 @@ pub(super) const RANGES: [Range; 24] = [
         &[
             ("load", (9e-6, 8e-3)),
             ("disk", (3e-5, 5e-3)),
-            ("cam_shaft", (4e-7, 8e-5)),
-            ("torque_sensor_in", (3e-6, 1e-4)),
-            ("torque_sensor_out", (2e-5, 5e-3)),
+            ("cam_shaft", (4e-8, 8e-5)),
+            ("torque_sensor_in", (3e-7, 1e-4)),
+            ("torque_sensor_out", (2e-6, 5e-3)),
         ],
     ),
-    (
-        "coupling_slip",
-        &[("coupling_3", (0.8, 5.0)), ("coupling_1", (0.15, 0.7)), ("coupling_2", (0.15, 0.7))],
-    ),
+    ("coupling_slip", &[("coupling_3", (1.0, 7.0)), ("coupling_1", (0.2, 1.3)), ("coupling_2", (0.2, 1.3))]),
     ("gravity_unbalance", &[("load", (5e-4, 1.5))]),
-    ("external_disturbance", &[("load", (5e-4, 1.5))]),
-    ("torque_ripple", &[("motor", (4e-4, 0.2))]),
+    ("external_disturbance", &[("load", (8e-4, 1.5))]),
+    ("torque_ripple", &[("motor", (6e-4, 0.2))]),
     (
         "sensor_gain",
         &[
             ("output_speed", (4e-5, 0.3)),
-            ("torque_in", (5e-4, 0.3)),
-            ("torque_out", (5e-4, 0.3)),
-            ("motor_speed", (4e-5, 0.3)),
+            ("torque_in", (8e-4, 0.3)),
+            ("torque_out", (8e-4, 0.3)),
+            ("motor_speed", (2e-4, 0.3)),
         ],
     ),
     (
@@ -57,8 +54,8 @@ pub(super) const RANGES: [Range; 24] = [
         &[
             ("torque_out", (5e-4, 1.0)),
             ("torque_in", (1e-4, 0.2)),
-            ("output_speed", (2e-4, 0.5)),
-            ("motor_speed", (1.5e-3, 3.0)),
+            ("output_speed", (4e-4, 0.5)),
+            ("motor_speed", (5e-3, 3.0)),
         ],
     ),
     (
@@ -71,7 +68,7 @@ pub(super) const RANGES: [Range; 24] = [
     ),
     (
         "sensor_saturation",
-        &[("output_speed", (6.0, 14.0)), ("torque_in", (0.15, 0.7)), ("torque_out", (0.8, 4.0))],
+        &[("output_speed", (6.0, 17.0)), ("torque_in", (0.2, 1.5)), ("torque_out", (1.0, 7.0))],
     ),
     (
         "sensor_hum",
@@ -79,7 +76,7 @@ pub(super) const RANGES: [Range; 24] = [
             ("torque_out", (1e-3, 0.3)),
             ("torque_in", (3e-4, 0.06)),
             ("output_speed", (1e-3, 0.3)),
-            ("motor_speed", (1e-2, 1.0)),
+            ("motor_speed", (3e-3, 1.0)),
         ],
     ),
     (
@@ -88,7 +85,7 @@ pub(super) const RANGES: [Range; 24] = [
             ("output_speed", (1e-3, 0.3)),
             ("torque_in", (3e-4, 0.06)),
             ("torque_out", (1e-3, 0.3)),
-            ("motor_speed", (1e-2, 1.0)),
+            ("motor_speed", (3e-3, 1.0)),
         ],
     ),
 ];

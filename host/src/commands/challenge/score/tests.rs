@@ -101,10 +101,10 @@ fn outside_the_catalogue_the_place_is_enough_and_so_is_not_knowing() {
     let truth = [("eddy_current_brake", "load_bearing")];
     let unexplained = finding(UNEXPLAINED, "torque_out", &[]);
     let elsewhere = finding("sensor_gain", "torque_out", &[]);
-    assert!(score(Kind::Outside, &truth, &[unexplained.clone()]).right);
+    assert!(score(Kind::Outside, &truth, std::slice::from_ref(&unexplained)).right);
     assert!(score(Kind::Outside, &truth, &[finding("stribeck_friction", "load_bearing", &[])]).right);
     assert!(score(Kind::Outside, &truth, &[finding("constant_load", "load", &[])]).right);
-    let wrong = score(Kind::Outside, &truth, &[elsewhere.clone()]);
+    let wrong = score(Kind::Outside, &truth, std::slice::from_ref(&elsewhere));
     assert!(!wrong.right && wrong.wrong_name);
     assert!(!score(Kind::Outside, &truth, &[elsewhere, unexplained]).wrong_name);
 }
