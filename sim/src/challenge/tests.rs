@@ -42,8 +42,8 @@ fn each(ranges: &[sizes::Range]) -> Vec<Hidden> {
     let draw = &mut Draw::new(5, 0);
     let all = ranges.iter().flat_map(|(effect, places)| places.iter().map(move |place| (*effect, *place)));
     all.map(|(effect, (place, (least, most)))| {
-        // The stiffer a shaft, and the later a sensor is cut off, the less it shows.
-        let inverse = matches!(effect, "missing_compliance" | "sensor_saturation");
+        // The stiffer a shaft, and the later a sensor is cut off or a coupling slips, the less it shows.
+        let inverse = matches!(effect, "missing_compliance" | "sensor_saturation" | "coupling_slip");
         sizes::hide(effect, place, if inverse { least } else { most }, draw)
     })
     .collect()
