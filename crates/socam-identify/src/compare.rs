@@ -276,7 +276,13 @@ impl<'f> Picture<'f> {
             })
             .collect();
         let step = step.iter().zip(&lengths).map(|(step, length)| step / length).collect();
-        Promise { gain, total: self.total, p_value: consistency(&scores).min(chance(gain, n)), step, resolution: 1.0 / lengths[0] }
+        Promise {
+            gain,
+            total: self.total,
+            p_value: consistency(&scores).min(chance(gain, n)),
+            step,
+            resolution: 1.0 / lengths[0],
+        }
     }
 }
 

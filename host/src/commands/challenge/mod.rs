@@ -84,8 +84,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 }
 
 /// The engine.
-fn diagnose(_: &Model, _: &[Dataset], _: &[Dataset]) -> Result<Diagnosis, String> {
-    Err("there is no diagnosis yet".into())
+fn diagnose(model: &Model, training: &[Dataset], holdout: &[Dataset]) -> Result<Diagnosis, String> {
+    let answer = socam_diagnose::diagnose(model, training, holdout, &socam_diagnose::Options::default());
+    answer.map(|answer| answer.diagnosis).map_err(|error| error.to_string())
 }
 
 type Failures = Vec<(u64, anyhow::Error)>;

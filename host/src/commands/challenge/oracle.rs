@@ -26,8 +26,7 @@ pub(super) fn ask(case: &Case, recordings: &Recordings) -> Oracle {
 
 fn answer(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     let full = told(case, &case.hidden)?;
-    let yardstick =
-        yardstick(case, &full, recordings)?.ok_or_else(|| anyhow::anyhow!("there is no steady filter"))?;
+    let yardstick = yardstick(case, &full, recordings)?;
     let with_all = left(&full, &yardstick, recordings)?;
     let each = (0..case.hidden.len()).map(|index| {
         let mut others = case.hidden.clone();
@@ -61,7 +60,7 @@ fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
 }
 
 /// The bench's noise as it is.
-fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<Option<Yardstick>> {
+fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<Yardstick> {
     let of = |name: &str, clock: bool| if clock { 0.0 } else { case.noise_floor(name).unwrap_or(0.0) };
     let levels = NoiseLevels {
         outputs: model.outputs().map(|channel| of(&channel.name, false)).collect(),
