@@ -65,13 +65,13 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
     let prescribed = |name: &str| {
         model.inputs().any(|input| input.quantity == socam_model::Quantity::Speed && input.at == name)
     };
-    let all = model.places(effect).into_iter();
+    let mut all = model.places(effect).into_iter();
     let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
     let kept: Vec<&str> = match effect.id {
         "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),
         "missing_inertia" => all.filter(|place| massive(place) && !prescribed(place)).collect(),
         _ if effect.acts_at == ActsAt::Node => {
-            let last = all.filter(|place| massive(place) && !prescribed(place)).next_back();
+            let last = all.rfind(|place| massive(place) && !prescribed(place));
             last.into_iter().collect()
         }
         _ if effect.acts_at == ActsAt::Channel => all.filter(|place| is_sensor(model, place)).collect(),

@@ -106,9 +106,9 @@ fn abscissa(model: &Model, trace: &Traces, quantity: Quantity) -> Option<Vec<f64
         return Some(values.clone());
     }
     let step_s = step(trace);
-    let turned = values.iter().scan(0.0, |angle, speed| {
+    let turned = values.iter().scan(0.0_f64, |angle, speed| {
         *angle += if speed.is_nan() { 0.0 } else { speed * step_s };
-        Some((*angle as f64).rem_euclid(std::f64::consts::TAU))
+        Some(angle.rem_euclid(std::f64::consts::TAU))
     });
     Some(turned.collect())
 }
