@@ -25,11 +25,12 @@ pub(super) const EFFECT: Effect = Effect {
 fn answer(sights: &[f64], p: &[f64]) -> Response {
     let (sign, bend, by_width) = shape::sign(sights[0], p[1]);
     let torque = sights[1];
-    let size = (torque * torque + p[2] * p[2]).sqrt() - p[2];
-    let root = size + p[2];
+    let (turn, turn_bend, by_transition) = shape::sign(torque, p[2]);
+    // |torque|, smooth at zero and exact away from it.
+    let size = torque * turn;
     shape::response(
         -p[0] * size * sign,
-        &[-p[0] * size * bend, -p[0] * sign * torque / root],
-        &[-size * sign, -p[0] * size * by_width, -p[0] * sign * (p[2] / root - 1.0)],
+        &[-p[0] * size * bend, -p[0] * sign * (turn + torque * turn_bend)],
+        &[-size * sign, -p[0] * size * by_width, -p[0] * sign * torque * by_transition],
     )
 }
