@@ -88,7 +88,7 @@ pub struct Measured {
     pub rms: Vec<f64>,
     /// Whether the descent that led here came to its end.
     pub converged: bool,
-    /// What is local to each stretch, by name; see [`carried`].
+    /// What is local to each stretch.
     locals: Vec<Vec<f64>>,
 }
 
