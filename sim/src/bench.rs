@@ -289,7 +289,7 @@ impl<'p> Bench<'p> {
 
     /// Lets time pass.
     pub(crate) fn pass(&mut self, to_s: f64) -> Result<(), SimError> {
-        self.trajectory.hold(to_s, &[self.settles_at])
+        self.trajectory.hold(to_s, &[self.settles_at, 1.0])
     }
 
     /// What the sensors make of the outputs, in volt.
