@@ -1,6 +1,6 @@
 //! The document, from the way that led to it.
 
-use socam_identify::{Identification, IdentifyError, compare::Measured};
+use socam_identify::{Identification, compare::Measured};
 use socam_model::{EffectUse, Model};
 
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
         ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
         RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, Validation, Verdict,
     },
-    experiment, noise_floor, words,
+    experiment, words,
 };
 
 /// Fall of the sum of squares at which an effect would have been seen.
@@ -19,17 +19,17 @@ const SEEN: f64 = 25.0;
 /// A rival worth naming.
 const LEAST_WEIGHT: f64 = 1e-3;
 
+/// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
     bench: &Bench<'_>,
     course: &Course,
     before: &Identification,
     after: &Identification,
+    floor: &[f64],
     cpu_s: f64,
-) -> Result<Diagnosis, IdentifyError> {
-    let mut findings: Vec<Finding> = Vec::new();
-    for (index, step) in course.steps.iter().enumerate() {
-        findings.push(finding(course, index, step, after));
-    }
+) -> Diagnosis {
+    let steps = course.steps.iter().enumerate();
+    let mut findings: Vec<Finding> = steps.map(|(index, step)| finding(course, index, step, after)).collect();
     findings.sort_by(|a, b| {
         let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
         gain(b).total_cmp(&gain(a))
@@ -41,14 +41,14 @@ pub(crate) fn document(
             "only one recording: it was held out part by part, which proves less than another recording would".into(),
         );
     }
-    Ok(Diagnosis {
+    Diagnosis {
         schema: SCHEMA.into(),
         verdict,
         false_alarm_rate: bench.options.false_alarm_rate,
         validation: bench.folds.kind,
         suggested_experiment: suggestion(&findings),
         findings,
-        fit: fit(bench, course),
+        fit: fit(course, floor),
         parameters: parameters(before, after),
         combinations: combinations(before, after),
         not_found: not_found(course),
@@ -57,7 +57,7 @@ pub(crate) fn document(
         model: course.base.model.name.clone(),
         recordings: recordings(bench),
         version: env!("CARGO_PKG_VERSION").into(),
-    })
+    }
 }
 
 fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
@@ -151,10 +151,8 @@ fn rms(all: &[Measured], output: usize) -> Option<f64> {
     (count > 0.0).then(|| (sum / count).sqrt())
 }
 
-fn fit(bench: &Bench<'_>, course: &Course) -> Fit {
-    let step_s = bench.training.first().map_or(1e-3, socam_recording::Dataset::sample_time_s);
+fn fit(course: &Course, floor: &[f64]) -> Fit {
     let last = &course.last;
-    let floor = noise_floor::floor(&last.model, &last.at.values, course.yardstick.levels(), step_s);
     let outputs = last.model.outputs().enumerate();
     let of = |fitted: &Fitted, output: usize| rms(std::slice::from_ref(&fitted.at), output);
     let channels = outputs.map(|(output, channel)| {

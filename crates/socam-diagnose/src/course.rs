@@ -1,4 +1,4 @@
-//! Step by step: which effect to add, whether it is worth it, and what becomes superfluous.
+//! Step by step: which effect to add, and whether it is worth it.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -160,16 +160,10 @@ pub(crate) fn run(
     values: &[f64],
     levels: NoiseLevels,
 ) -> Result<Option<Course>, IdentifyError> {
-    let mut yardstick = bench.yardstick(model, values, levels)?;
+    let yardstick = bench.yardstick(model, values, levels)?;
     let Some(base) = bench.fitted(model, values, None, &yardstick)? else { return Ok(None) };
-    let mut course = Course {
-        last: base.clone(),
-        base,
-        steps: Vec::new(),
-        yardstick: yardstick.clone(),
-        screened: Vec::new(),
-        p_value: 1.0,
-    };
+    let mut course =
+        Course { last: base.clone(), base, steps: Vec::new(), yardstick, screened: Vec::new(), p_value: 1.0 };
     for round in 0..=bench.options.most_effects {
         let problem = bench.problem(&course.last.model)?;
         let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
@@ -179,7 +173,7 @@ pub(crate) fn run(
             &course.last.model,
             bench.training,
             &bench.fit,
-            &yardstick,
+            &course.yardstick,
             &course.last.at,
             &all,
         )?;
@@ -194,19 +188,18 @@ pub(crate) fn run(
             break;
         }
         let tried = worth_trying(&course, threshold, bench);
-        let Some((step, fitted)) = best(bench, &course, tried, &yardstick)? else { break };
+        let Some((step, fitted)) = best(bench, &course, tried)? else { break };
         course.steps.push(step);
         course.last = fitted;
         let problem = bench.problem(&course.last.model)?;
-        let levels = compare::noise(&problem, &course.last.at, yardstick.levels())?;
-        yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
-        let again =
-            bench.fitted(&course.last.model, &course.last.at.values, Some(&course.last), &yardstick)?;
-        course.last = again.unwrap_or(course.last);
-        let base =
-            bench.fitted(&course.base.model, &course.base.at.values, Some(&course.base), &yardstick)?;
-        course.base = base.unwrap_or(course.base);
-        course.yardstick = yardstick.clone();
+        let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
+        course.yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
+        for fitted in [&mut course.last, &mut course.base] {
+            let again = bench.fitted(&fitted.model, &fitted.at.values, Some(&*fitted), &course.yardstick)?;
+            if let Some(again) = again {
+                *fitted = again;
+            }
+        }
     }
     Ok(Some(course))
 }
@@ -240,11 +233,10 @@ fn best(
     bench: &Bench<'_>,
     course: &Course,
     tried: Vec<(Candidate, f64)>,
-    yardstick: &Yardstick,
 ) -> Result<Option<(Step, Fitted)>, IdentifyError> {
     let before = &course.last;
     let fits: Result<Vec<_>, IdentifyError> =
-        tried.par_iter().map(|(candidate, _)| bench.with(before, candidate, yardstick)).collect();
+        tried.par_iter().map(|(candidate, _)| bench.with(before, candidate, &course.yardstick)).collect();
     let mut fits: Vec<(usize, Fitted)> =
         fits?.into_iter().enumerate().filter_map(|(index, fit)| Some((index, fit?))).collect();
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));

@@ -10,7 +10,7 @@ use thiserror::Error;
 use crate::{
     Diagnosis, Evidence, answer,
     course::{self, Bench, Course},
-    pictures,
+    noise_floor, pictures,
     validation::Folds,
 };
 
@@ -94,8 +94,11 @@ pub fn diagnose(
     let after = if course.steps.is_empty() { before.clone() } else { refined(&bench, &course)? };
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
-    let evidence = pictures::evidence(&bench, &course)?;
-    let diagnosis = answer::document(&bench, &course, &before, &after, clock.elapsed().as_secs_f64())?;
+    let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
+    let floor = noise_floor::floor(corrected, &course.last.at.values, course.yardstick.levels(), step_s);
+    let evidence = pictures::evidence(&bench, &course, &floor)?;
+    let cpu_s = clock.elapsed().as_secs_f64();
+    let diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s);
     Ok(Answer { diagnosis, evidence, model_toml })
 }
 

@@ -10,7 +10,7 @@ use crate::{
     course::{Bench, Course},
     document::Validation,
     evidence::{Binned, ChannelEvidence, Evidence, RecordingTraces, Spectrum, Trace},
-    noise_floor, spectrum,
+    spectrum,
 };
 
 /// Bins of a picture over speed, angle or torque.
@@ -26,7 +26,8 @@ struct Pair {
     after: Option<Traces>,
 }
 
-pub(crate) fn evidence(bench: &Bench<'_>, course: &Course) -> Result<Evidence, IdentifyError> {
+/// `floor` is the noise floor of each output, SI.
+pub(crate) fn evidence(bench: &Bench<'_>, course: &Course, floor: &[f64]) -> Result<Evidence, IdentifyError> {
     let corrected = !course.steps.is_empty();
     let mut pairs = Vec::new();
     let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
@@ -47,8 +48,6 @@ pub(crate) fn evidence(bench: &Bench<'_>, course: &Course) -> Result<Evidence, I
     }
     let model = &base.model;
     let recordings = pairs.iter().map(|pair| recording(model, pair)).collect();
-    let step_s = pairs.first().map_or(1e-3, |pair| step(&pair.before));
-    let floor = noise_floor::floor(&last.model, &last.at.values, course.yardstick.levels(), step_s);
     let outputs = model.outputs().enumerate();
     let channels = outputs.map(|(output, channel)| ChannelEvidence {
         name: channel.name.clone(),

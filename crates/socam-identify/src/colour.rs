@@ -62,20 +62,18 @@ pub(crate) fn all(
         let (less, distance) = less.unwrap_or_else(|| (equations.clone(), step));
         sides.push((changed(j, step)?, less, scale / distance));
     }
-    let colour = |sample_time_s: f64| {
+    let times_s = sample_times(problem);
+    let with_neighbours = |colour: Colour| {
         let filter = |equations: &Equations| {
-            Whitener::new(equations, &levels, &weights.noise_std, sample_time_s, problem.intersample)
+            Whitener::new(equations, &levels, &levels.outputs, colour.sample_time_s, problem.intersample)
         };
         let neighbours = sides.iter().map(|(more, less, factor)| {
             Some(Neighbours { more: filter(more)?, less: filter(less)?, factor: *factor })
         });
-        Some(Colour {
-            sample_time_s,
-            whitener: filter(equations)?,
-            neighbours: neighbours.collect::<Option<_>>()?,
-        })
+        Some(Colour { neighbours: neighbours.collect::<Option<_>>()?, ..colour })
     };
-    sample_times(problem).into_iter().map(colour).collect()
+    let colours = fixed(equations, &levels, &times_s, problem.intersample)?;
+    colours.into_iter().map(with_neighbours).collect()
 }
 
 /// Filters that stay as they are, whatever the parameters: one for each sample time. Empty where no input is noisy, `None` where

@@ -193,25 +193,11 @@ fn changed(diagnosis: &Diagnosis) -> String {
         [Some(low), Some(high)] => format!("[{}, {}]", table::number(low), table::number(high)),
         _ => String::new(),
     };
-    for change in diagnosis.parameters.iter().filter(|change| !change.fixed && change.identifiable) {
-        let own = [
-            change.name.clone(),
-            change.unit.clone(),
-            number(change.before),
-            number(change.after),
-            interval(change.ci95),
-        ];
-        rows.push(own.to_vec());
-    }
-    for change in &diagnosis.combinations {
-        let own = [
-            change.name.clone(),
-            change.unit.clone(),
-            number(change.before),
-            number(change.after),
-            interval(change.ci95),
-        ];
-        rows.push(own.to_vec());
-    }
+    let row = |name: &str, unit: &str, before: Option<f64>, after: Option<f64>, ci95: [Option<f64>; 2]| {
+        vec![name.to_owned(), unit.to_owned(), number(before), number(after), interval(ci95)]
+    };
+    let determined = diagnosis.parameters.iter().filter(|change| !change.fixed && change.identifiable);
+    rows.extend(determined.map(|c| row(&c.name, &c.unit, c.before, c.after, c.ci95)));
+    rows.extend(diagnosis.combinations.iter().map(|c| row(&c.name, &c.unit, c.before, c.after, c.ci95)));
     format!("\nParameters\n{}", table::align(&rows, &[false, false, true, true, false]))
 }
