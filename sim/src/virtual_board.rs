@@ -1,5 +1,6 @@
 //! A board in software: the same core and the same link as on the real one, on a simulated bench and a simulated clock.
 
+use socam_core::scaling::Converter;
 use socam_core::{Board, Ring, State};
 use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Text};
 
@@ -42,8 +43,8 @@ impl VirtualBoard<'_> {
             board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
             firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),
             front_end: FrontEnd {
-                input_full_scale_uv: (setup.calibration.input.full_scale_v * 1e6).round() as u32,
-                output_full_scale_uv: (setup.calibration.output.full_scale_v * 1e6).round() as u32,
+                input_full_scale_uv: full_scale_uv(&setup.calibration.input),
+                output_full_scale_uv: full_scale_uv(&setup.calibration.output),
                 channel_step_ns: 0,
             },
         };
@@ -119,4 +120,9 @@ impl VirtualBoard<'_> {
             self.status_us = now_us;
         }
     }
+}
+
+/// Voltage at 2^15 counts, in microvolt, whatever the converter's own range.
+fn full_scale_uv(converter: &Converter) -> u32 {
+    (converter.volts_per_count() * 32_768e6).round() as u32
 }

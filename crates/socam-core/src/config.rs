@@ -253,10 +253,11 @@ impl Config {
 
 impl Channel {
     fn is_sound(&self) -> bool {
-        let gain = self.scale.micro_per_count_q16;
-        // Full scale must stay inside i32: 2^31 micro over 2^15 counts, in 1/2^16.
+        let gain = self.scale.micro_per_count_q16.unsigned_abs();
+        // Full scale, which a converter of fewer bits reaches in fewer counts, must stay inside i32: 2^31 micro, in 1/2^16.
+        let full_scale_count = self.saturation_count.map_or(1 << 15, |rail| u64::from(rail.unsigned_abs()));
         gain != 0
-            && gain.unsigned_abs() <= 1 << 32
+            && gain.checked_mul(full_scale_count).is_some_and(|full_scale| full_scale <= 1 << 47)
             && self.limit_micro.is_none_or(|limit| limit > 0)
             && self.saturation_count.is_none_or(|count| count > 0)
             && self.missing_below_micro.is_none_or(|below| below >= 0)
@@ -304,6 +305,18 @@ mod tests {
         assert!(check(|c| c.speed.tachometer = 2).unwrap_err().contains("tachometer"));
         assert!(check(|c| c.host_timeout_us = 0).unwrap_err().starts_with("host timeout"));
         assert!(check(|c| c.confirm_samples = 0).is_err());
+    }
+
+    #[test]
+    fn converters_of_fewer_bits_have_larger_counts() {
+        let twelve_bit = Converter { bits: 12, full_scale_v: 10.0 };
+        let mut config = Config::default();
+        config.channels[0].scale = Sensor::MOTOR_SPEED.scale(&twelve_bit);
+        config.channels[0].saturation_count = Some(twelve_bit.highest_count());
+        assert_eq!(config.check(), Ok(()));
+        // 2047 counts of this are 2500 units: more than an i32 holds in millionths.
+        config.channels[0].scale.micro_per_count_q16 *= 17;
+        assert_eq!(config.check(), Err(ConfigError::Channel(0)));
     }
 
     #[test]

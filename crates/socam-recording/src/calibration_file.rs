@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use socam_core::scaling::{self, Converter, MotorCalibration, RAD_S_PER_RPM, Sensor, micro};
-use socam_core::{ChannelKind, Config, MAX_CHANNELS, Output, SpeedControl};
+use socam_core::{ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
 
 use crate::settings::{self, Fields, SettingsError};
 use crate::{Channel, Unit};
@@ -240,9 +240,9 @@ impl Calibration {
             moving_uv: micro(self.safety.moving_v),
             missing_after_us: us(self.safety.missing_s),
         };
-        config
-            .check()
-            .map_err(|error| SettingsError::new(format!("this calibration cannot run: {error}")))?;
+        let is_within = self.output.count(self.clamp_v) < self.output.highest_count();
+        let sound = if is_within { config.check() } else { Err(ConfigError::Output) };
+        sound.map_err(|error| SettingsError::new(format!("this calibration cannot run: {error}")))?;
         Ok(config)
     }
 }
@@ -315,6 +315,17 @@ mod tests {
         let sample: Vec<_> = read.values(16384, &[22609, 0, 1638, -32768]).collect();
         let expected = [5.0, 1000.0 * RAD_S_PER_RPM, 0.0, 0.25, -40.0];
         assert!(sample.iter().zip(expected).all(|(a, b)| (a - b).abs() < 5e-3), "{sample:?}");
+    }
+
+    #[test]
+    fn converters_of_twelve_bits_run_too() {
+        let mut calibration = Calibration::default();
+        calibration.input.bits = 12;
+        calibration.output.bits = 12;
+        let config = calibration.config(1000).unwrap();
+        assert_eq!(config.output.count(config.output.clamp_uv), 1022);
+        calibration.clamp_v = 10.0;
+        assert!(calibration.config(1000).is_err());
     }
 
     #[test]

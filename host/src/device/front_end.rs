@@ -38,8 +38,9 @@ pub(crate) fn check(calibration: &Calibration, front_end: &FrontEnd) -> anyhow::
     Ok(())
 }
 
+/// What a board calls full scale is the voltage at 2^15 counts, however many bits it has.
 fn fits(converter: &Converter, full_scale_uv: u32) -> bool {
-    converter.bits == 16 && (converter.full_scale_v / volts(full_scale_uv) - 1.0).abs() < 1e-6
+    (converter.volts_per_count() * 32_768.0 / volts(full_scale_uv) - 1.0).abs() < 1e-6
 }
 
 fn volts(uv: u32) -> f64 {
@@ -67,5 +68,6 @@ mod tests {
         );
         let coarse = Calibration { output: Converter { bits: 12, ..Converter::DEFAULT }, ..calibration };
         assert!(check(&coarse, &PICO).is_err());
+        check(&coarse, &FrontEnd { output_full_scale_uv: 160_000_000, ..PICO }).unwrap();
     }
 }
