@@ -201,6 +201,8 @@ pub(crate) struct Bench<'p> {
     /// Outputs that are speeds of watched shafts, and the shafts' angles, rad.
     shafts: Vec<(usize, f64)>,
     settles_at: f64,
+    /// When sensors were read last.
+    read_at_s: f64,
     /// What the conversions since the last sample add to the next one.
     rising: Vec<f64>,
 }
@@ -238,6 +240,7 @@ impl<'p> Bench<'p> {
             outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
             settles_at: 0.0,
+            read_at_s: 0.0,
             rising: vec![0.0; outputs],
         })
     }
@@ -278,7 +281,9 @@ impl<'p> Bench<'p> {
 
     /// Lets time pass up to `to_s`, and reads all sensors as they are at that instant, in volt.
     pub(crate) fn voltages(&mut self, to_s: f64, volts: &mut [f64]) -> Result<(), SimError> {
-        let step_s = to_s - self.trajectory.time_s();
+        // Not since the trajectory's own time: commands come between readings.
+        let step_s = to_s - self.read_at_s;
+        self.read_at_s = to_s;
         self.pass(to_s)?;
         self.trajectory.outputs(&mut self.outputs);
         let outputs = &self.outputs;
