@@ -24,6 +24,10 @@ const ALARM: usize = 1;
 /// A request is not begun when the next conversion is nearer than this: those that are allowed while the bench runs take less.
 const REQUEST_TAKES_US: u32 = 25;
 
+/// The alarm rings so long before a conversion, and the rest is waited for: whatever keeps interrupts off for less than this shifts no
+/// sampling instant.
+const AWAITED_US: u32 = 4;
+
 /// Conversions that may be made up for at once. Whoever stood still for longer begins anew.
 const MADE_UP_FOR: u32 = 64;
 
@@ -99,7 +103,8 @@ fn now_us() -> u32 {
 impl Sampler {
     fn interrupt(&mut self) {
         pac::TIMER.intr().write(|intr| intr.set_alarm(ALARM, true));
-        if self.time_left_us() == 0 {
+        if self.time_left_us() <= AWAITED_US {
+            while self.time_left_us() > 0 {}
             self.convert();
         } else if self.time_left_us() >= REQUEST_TAKES_US {
             self.answer();
@@ -135,13 +140,18 @@ impl Sampler {
         let log2 = conversions_per_sample(self.period_us).trailing_zeros();
         let passed_us = position.wrapping_add(1).wrapping_mul(self.period_us) >> log2;
         self.next_us = self.interval_us.wrapping_add(passed_us);
-        pac::TIMER.alarm(ALARM).write_value(self.next_us);
+        pac::TIMER.alarm(ALARM).write_value(self.next_us.wrapping_sub(AWAITED_US));
     }
 
     /// An alarm that was set in the past never rings: conversions whose time has passed meanwhile are left out.
     fn catch_up(&mut self) {
         for _ in 0..MADE_UP_FOR {
-            if self.time_left_us() > 0 || pac::TIMER.intr().read().alarm(ALARM) {
+            let left_us = self.time_left_us();
+            if left_us > AWAITED_US || pac::TIMER.intr().read().alarm(ALARM) {
+                return;
+            }
+            if left_us > 0 {
+                nudge();
                 return;
             }
             self.board.ports_mut().skip();
