@@ -1,4 +1,4 @@
-//! Puts the linker script where the linker looks, and the commit where the program reads it.
+//! Puts the linker script where the linker looks and the commit where the program reads it, and has the linker say how much fits.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,6 +8,7 @@ fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::write(out.join("memory.x"), include_bytes!("memory.x")).expect("memory.x");
     println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rustc-link-arg-bins=--print-memory-usage");
     println!("cargo:rustc-env=SOCAM_COMMIT={}", commit());
     for path in ["memory.x", "build.rs", "../.git/HEAD", "../.git/index", "../.git/refs/heads"] {
         println!("cargo:rerun-if-changed={path}");

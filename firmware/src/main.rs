@@ -3,6 +3,8 @@
 //! What is decided is decided in `socam-core`; this program brings it converters, lines, a clock and a link to the host.
 #![no_std]
 #![no_main]
+// What the linker says is how much of flash and memory is taken.
+#![warn(linker_messages)]
 
 mod bus;
 mod hardware;
