@@ -21,8 +21,38 @@ const RP2040: u32 = 0xe48b_ff56;
 /// Where the chip's flash lies.
 const FLASH: std::ops::Range<u64> = 0x1000_0000..0x1100_0000;
 
-/// The image as the boot drive takes it: what of it lies in flash, in whole pages.
-pub(crate) fn from_elf(elf: &[u8]) -> anyhow::Result<Vec<u8>> {
+/// The image as the boot drive takes it, from an ELF file or as it is.
+pub(crate) fn of(image: Vec<u8>) -> anyhow::Result<Vec<u8>> {
+    if image.get(..4) == Some(&MAGIC[0].to_le_bytes()) {
+        check(&image)?;
+        return Ok(image);
+    }
+    from_elf(&image)
+}
+
+/// The boot drive ignores blocks that it does not like, without a word.
+fn check(uf2: &[u8]) -> anyhow::Result<()> {
+    let (blocks, rest) = uf2.as_chunks::<BLOCK>();
+    let word =
+        |block: &[u8; BLOCK], at: usize| u32::from_le_bytes(std::array::from_fn(|byte| block[at + byte]));
+    for (number, block) in blocks.iter().enumerate() {
+        let marks = [word(block, 0), word(block, 4), word(block, BLOCK - 4)];
+        if marks != [MAGIC[0], MAGIC[1], MAGIC_END] || word(block, 20) != number as u32 {
+            bail!("its block {number} is damaged: copy or build it again");
+        }
+        if word(block, 8) & HAS_FAMILY == 0 || word(block, 28) != RP2040 {
+            bail!("it is made for another chip than the RP2040");
+        }
+    }
+    let planned = blocks.first().map_or(0, |block| word(block, 24));
+    if planned as usize != blocks.len() || !rest.is_empty() {
+        bail!("it has {} whole blocks of {planned}: copy or build it again", blocks.len());
+    }
+    Ok(())
+}
+
+/// What of the image lies in flash, in whole pages.
+fn from_elf(elf: &[u8]) -> anyhow::Result<Vec<u8>> {
     let pages = pages(elf)?;
     let mut uf2 = Vec::with_capacity(pages.len() * BLOCK);
     for (number, (address, page)) in pages.iter().enumerate() {
@@ -38,15 +68,19 @@ pub(crate) fn from_elf(elf: &[u8]) -> anyhow::Result<Vec<u8>> {
 
 /// The pages of the flash that the image fills, in order; bytes that it does not name are erased ones.
 fn pages(elf: &[u8]) -> anyhow::Result<Vec<(u32, [u8; PAYLOAD])>> {
-    let file = ElfFile32::<object::Endianness>::parse(elf).context("no ELF file of a 32-bit processor")?;
+    let file = ElfFile32::<object::Endianness>::parse(elf).context(
+        "no whole ELF file of a 32-bit processor, as `cargo build --release` makes one in firmware/",
+    )?;
     let endian = file.endian();
     let mut pages = std::collections::BTreeMap::<u32, [u8; PAYLOAD]>::new();
     for segment in file.elf_program_headers() {
         let address = u64::from(segment.p_paddr(endian));
-        let bytes = segment.data(endian, elf).ok().unwrap_or_default();
-        if segment.p_type(endian) != PT_LOAD || bytes.is_empty() {
+        if segment.p_type(endian) != PT_LOAD || segment.p_filesz(endian) == 0 {
             continue;
         }
+        let Ok(bytes) = segment.data(endian, elf) else {
+            bail!("it is cut off at {} bytes: build or copy it again", elf.len())
+        };
         if !FLASH.contains(&address) {
             bail!("a part of it belongs to address {address:#x}, which is not in the board's flash");
         }
@@ -105,9 +139,25 @@ mod tests {
     }
 
     #[test]
+    fn an_image_that_is_one_already_is_taken_whole_or_not_at_all() {
+        let uf2 = from_elf(&elf(0x1000_0000, &[7; 1000])).unwrap();
+        assert_eq!(of(uf2.clone()).unwrap(), uf2);
+        let refused = |change: fn(&mut Vec<u8>)| {
+            let mut uf2 = uf2.clone();
+            change(&mut uf2);
+            of(uf2).unwrap_err().to_string()
+        };
+        assert!(refused(|uf2| uf2.truncate(1536)).contains("3 whole blocks of 4"));
+        assert!(refused(|uf2| uf2.truncate(2047)).contains("3 whole blocks of 4"));
+        assert!(refused(|uf2| uf2[512 + 4] ^= 1).contains("block 1 is damaged"));
+        assert!(refused(|uf2| uf2[28] ^= 1).contains("another chip"));
+    }
+
+    #[test]
     fn what_is_no_image_for_this_board_is_refused() {
         for (file, why) in [
-            (b"#!/bin/sh".to_vec(), "no ELF file"),
+            (b"#!/bin/sh".to_vec(), "no whole ELF file"),
+            (elf(0x1000_0000, &[1; 300])[..200].to_vec(), "cut off at 200 bytes"),
             (elf(0x2000_0000, &[1]), "0x20000000"),
             (elf(0x1000_0100, &[1]), "beginning of the board's flash"),
         ] {

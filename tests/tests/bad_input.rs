@@ -216,6 +216,22 @@ fn an_output_that_cannot_be_written_leaves_nothing() {
 }
 
 #[test]
+fn what_cannot_be_flashed_is_refused() {
+    let folder = Folder::new();
+    let drive = folder.path("");
+    folder.file("INFO_UF2.TXT", "Board-ID: RPI-RP2");
+    let flash = |image: &str, mentions: &[&str]| {
+        folder.refuses(FAILED, &["flash", image, "--drive", &drive], mentions);
+    };
+    flash(&folder.file("notes.txt", "an idea"), &["notes.txt", "no whole ELF file", "cargo build"]);
+    flash(
+        &folder.file("cut.uf2", [b"UF2\n".as_slice(), &[0; 600]].concat()),
+        &["cut.uf2", "block 0 is damaged"],
+    );
+    flash(&folder.path("absent"), &["absent"]);
+}
+
+#[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_said() {
     let folder = Folder::new();

@@ -16,7 +16,7 @@ use crate::{output, uf2};
   socam-host flash firmware/target/thumbv6m-none-eabi/release/socam-firmware
   socam-host flash FIRMWARE --probe                                             with a debug probe attached")]
 pub(crate) struct Args {
-    /// Image, as `cargo build --release` leaves it in firmware/target (ELF)
+    /// Image, as `cargo build --release` leaves it in firmware/target (ELF), or as UF2
     #[arg(value_name = "FIRMWARE")]
     image: PathBuf,
     /// Where the boot drive is mounted; looked for in the usual places when not given
@@ -36,7 +36,7 @@ const MOUNTS: [&str; 4] = ["/media", "/run/media", "/Volumes", "/mnt"];
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let image = std::fs::read(&args.image).with_context(|| format!("`{}`", args.image.display()))?;
-    let uf2 = uf2::from_elf(&image).with_context(|| format!("`{}`", args.image.display()))?;
+    let uf2 = uf2::of(image).with_context(|| format!("`{}`", args.image.display()))?;
     if args.probe {
         return by_probe(&args.image);
     }

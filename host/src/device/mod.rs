@@ -10,6 +10,7 @@ pub(crate) mod virtual_bench;
 
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
+use std::path::Path;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -107,13 +108,31 @@ fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
 
 fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
     // USB CDC ignores the rate; a real UART needs one that carries the stream.
-    let mut port = serialport::new(path, 921_600)
-        .timeout(PATIENCE)
-        .open()
-        .with_context(|| format!("cannot open the serial line {path}"))?;
+    let opened = serialport::new(path, 921_600).timeout(PATIENCE).open();
+    let mut port = opened
+        .map_err(|error| anyhow!("cannot open the serial line {path}: {}", why_not_open(path, &error)))?;
     // Many USB stacks send nothing before the host raises this line.
     port.write_data_terminal_ready(true).ok();
     Ok(port)
+}
+
+fn why_not_open(path: &str, error: &serialport::Error) -> String {
+    use std::io::ErrorKind;
+    match error.kind() {
+        serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
+            format!(
+                "permission denied; on Linux, `sudo usermod -aG dialout $USER` and a new login give it ({error})"
+            )
+        }
+        _ if Path::new(path).exists() => format!("it is no serial line, or busy ({error})"),
+        _ => {
+            let names =
+                serialport::available_ports().unwrap_or_default().into_iter().map(|port| port.port_name);
+            let names: Vec<String> = names.collect();
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            format!("there is no such line; here are: {known} (the board on USB is found by --device serial)")
+        }
+    }
 }
 
 fn open_tcp(address: &str) -> anyhow::Result<TcpStream> {
