@@ -81,7 +81,6 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
     if interrupt.count() > 0 {
         bail!("stopped before the bench moved");
     }
-    let names: Vec<String> = plan.calibration.channels.iter().map(|c| c.channel.name.clone()).collect();
     let columns = Columns::of(&plan.calibration);
     let header = RecordingHeader {
         channels: columns.channels.clone(),
@@ -96,7 +95,6 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
         session,
         recorder,
         columns,
-        names,
         period_us: plan.period_us,
         calibration: plan.calibration,
         first_tick: None,
@@ -121,6 +119,7 @@ fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
     let config = plan.calibration.config(plan.period_us)?;
     let mut result = session.request(Request::Configure(config))?;
     if let Err(Refusal::Faulted(fault)) = result {
+        let fault = fault_text(&fault, &plan.calibration);
         output::warn(format_args!("the board remembers an earlier fault, which is cleared now: {fault}"));
         session.request(Request::ClearFault)?.ok();
         result = session.request(Request::Configure(config))?;
@@ -132,6 +131,12 @@ fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
     }
     result.context("the board refuses the calibration")?;
     session.request(Request::Load(plan.profile))?.context("the board refuses the profile")
+}
+
+/// A fault in words, with the channels' names.
+fn fault_text(fault: &Fault, calibration: &Calibration) -> String {
+    let names: Vec<&str> = calibration.channels.iter().map(|channel| channel.channel.name.as_str()).collect();
+    fault.with_names(&names).to_string()
 }
 
 fn wait_for_rest(session: &mut Session, config: socam_core::Config) -> anyhow::Result<Result<(), Refusal>> {
@@ -198,7 +203,6 @@ struct Run<'s> {
     session: &'s mut Session,
     recorder: Recorder,
     columns: Columns,
-    names: Vec<String>,
     calibration: Calibration,
     period_us: u32,
     /// Tick of the first sample of the course.
@@ -362,16 +366,11 @@ impl Run<'_> {
         });
         if let Some(fault) = board.fault {
             // Samples are sent before the status, so those that led to the fault are here.
-            self.end = Some(self.fault_end(&fault));
+            self.end = Some(End::Fault(fault_text(&fault, &self.calibration)));
         } else if board.state == State::Idle && self.state.is_live() {
             self.end.get_or_insert(End::Finished);
         }
         self.state = board.state;
-    }
-
-    fn fault_end(&self, fault: &Fault) -> End {
-        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-        End::Fault(fault.with_names(&names).to_string())
     }
 
     fn event(&mut self, kind: &str, text: String) {
