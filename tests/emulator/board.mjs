@@ -46,6 +46,7 @@ export class Board {
     this.wire(PIN.outputSelect, (high) => this.output.select(!high));
     this.wire(PIN.outputReset, () => this.lines());
     this.wire(PIN.enable, () => this.lines());
+    this.wire(PIN.light, (high) => high !== this.lit && this.note('light', (this.lit = high)));
     rp2040.gpio[PIN.cable].setInputValue(this.plugged);
     if (this.plugged) this.usb.plug();
     this.measure();
@@ -183,8 +184,10 @@ export class Board {
         this.input.fault = value === 'well' ? null : value;
         break;
       case 'reading': {
+        // Without a voltage the sensor reads as it should.
         const [channel, volts] = value.split('@').map(Number);
-        this.input.forced.set(channel, volts);
+        if (volts === undefined) this.input.forced.delete(channel);
+        else this.input.forced.set(channel, volts);
         break;
       }
       case 'output':

@@ -93,6 +93,10 @@ function turn() {
   }
 }
 
+// Whoever started it is gone.
+const parent = process.ppid;
+setInterval(() => process.ppid === parent || process.exit(), 1000);
+
 link.listen(0, '127.0.0.1', () => {
   control.listen(0, '127.0.0.1', () => {
     process.stderr.write(`listening on ${link.address().port} and ${control.address().port}\n`);

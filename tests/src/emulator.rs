@@ -11,12 +11,38 @@ use std::sync::OnceLock;
 use std::thread::JoinHandle;
 
 use serde_json::{Value, json};
-use socam_sim::{Analog, Setup};
+use socam_model::Model;
+use socam_recording::Calibration;
+use socam_sim::{Analog, Setup, Truth};
 
 use crate::firmware;
 
+/// What is hidden in a bench behind the filters of docs/firmware.md: two poles each, which slow signals by 0.217 ms as a Bessel filter
+/// of 1 kHz does, of parts that are a quarter of a per cent off, either way.
+pub const FILTERS: [&str; 8] = [
+    "sensor_lag@motor_speed:time_constant=1.0805e-4",
+    "sensor_lag@motor_speed:time_constant=1.0805e-4",
+    "sensor_lag@output_speed:time_constant=1.086e-4",
+    "sensor_lag@output_speed:time_constant=1.086e-4",
+    "sensor_lag@torque_in:time_constant=1.086e-4",
+    "sensor_lag@torque_in:time_constant=1.086e-4",
+    "sensor_lag@torque_out:time_constant=1.0805e-4",
+    "sensor_lag@torque_out:time_constant=1.0805e-4",
+];
+
 /// Bytes of a question or command of the emulator: its kind, a time, a voltage, whether the drive is enabled.
 const MESSAGE: usize = 25;
+
+/// The default bench with something hidden in it, as after `--hide`.
+///
+/// # Panics
+/// When it cannot be built.
+#[must_use]
+pub fn bench(hidden: &[&str], seed: u64) -> Setup {
+    let hidden: Vec<_> = hidden.iter().map(|text| text.parse().expect("a concealed effect")).collect();
+    let model = Model::builtin("speed-o-cam").expect("the default model");
+    Setup::new(Truth::new(&model, &[], &hidden).expect("the bench is sound"), Calibration::default(), seed)
+}
 
 /// A running board.
 pub struct Emulator {
@@ -105,7 +131,7 @@ impl Emulator {
 pub struct Happened {
     /// Time since power-on, s.
     pub at_s: f64,
-    /// `boot`, `enable`, `volts` (to and from 0 V) or `injected`.
+    /// `boot`, `enable`, `light`, `volts` (to and from 0 V) or `injected`.
     pub what: String,
     /// The cause of the boot, the new state of the line, the new voltage, or what was injected.
     pub value: Value,

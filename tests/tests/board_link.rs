@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use serde_json::json;
-use socam_model::Model;
 use socam_recording::{Calibration, Dataset};
-use socam_sim::{Setup, Truth};
-use socam_tests::emulator::Emulator;
+use socam_tests::emulator::{Emulator, bench};
 use socam_tests::run;
 use socam_wire::{Decoder, ToHost};
 
@@ -40,8 +38,7 @@ fn said(bytes: &[u8], calibration: &Calibration) -> BTreeMap<u32, Vec<f64>> {
 
 #[test]
 fn a_bad_link_costs_samples_that_are_counted_and_falsifies_none() {
-    let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();
-    let Some(mut board) = Emulator::start(Setup::new(truth, Calibration::default(), 5)) else { return };
+    let Some(mut board) = Emulator::start(bench(&[], 5)) else { return };
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
     let _ = board.ask(&json!({ "ask": "keep" }));

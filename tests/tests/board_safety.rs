@@ -6,10 +6,7 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 use socam_core::Fault;
-use socam_model::Model;
-use socam_recording::Calibration;
-use socam_sim::{Setup, Truth};
-use socam_tests::emulator::{Emulator, Happened};
+use socam_tests::emulator::{Emulator, Happened, bench};
 use socam_tests::{Ran, run};
 use socam_wire::{BoardStatus, Decoder, ToHost};
 
@@ -17,8 +14,7 @@ use socam_wire::{BoardStatus, Decoder, ToHost};
 const AFTER_S: f64 = 0.4;
 
 fn board() -> Option<Emulator> {
-    let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[]).unwrap();
-    Emulator::start(Setup::new(truth, Calibration::default(), 3))
+    Emulator::start(bench(&[], 3))
 }
 
 fn record(board: &Emulator, more: &[&str]) -> Ran {
@@ -62,13 +58,18 @@ fn stops(board: &mut Emulator, what: &str, within_s: f64, more: &[&str]) -> Ran 
 
 /// The next run goes well, and its host is told first what the board remembers.
 #[track_caller]
-fn remembers(board: &mut Emulator, fault: &Fault) {
+fn remembers(board: &mut Emulator, fault: &str) {
     let ran = record(board, &[]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    assert!(
-        ran.stderr.contains("remembers an earlier fault") && ran.stderr.contains(&fault.to_string()),
-        "{ran:?}"
-    );
+    assert!(ran.stderr.contains("remembers an earlier fault") && ran.stderr.contains(fault), "{ran:?}");
+}
+
+/// How often the light blinks between two long pauses, from a time on.
+fn blinks(log: &[Happened], from_s: f64) -> usize {
+    let changes: Vec<_> = log.iter().filter(|entry| entry.what == "light" && entry.at_s >= from_s).collect();
+    let pauses: Vec<usize> =
+        (1..changes.len()).filter(|&i| changes[i].at_s - changes[i - 1].at_s > 1.5).collect();
+    (pauses[1] - pauses[0]) / 2
 }
 
 /// What the board says of itself, unasked; not the first time, which may date from before the line was opened.
@@ -101,7 +102,7 @@ fn a_pulled_cable_stops_the_bench() {
     assert_eq!(told.fault, Some(Fault::CablePulled));
     // Samples of more than two seconds at 1 kHz, of which the buffer holds one.
     assert!((1000..told.tick).contains(&told.dropped), "{told:?}");
-    remembers(&mut board, &Fault::CablePulled);
+    remembers(&mut board, &Fault::CablePulled.to_string());
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn a_host_that_falls_silent_or_mad_stops_the_bench() {
         // The host's last word was up to 0.1 s before.
         let _ = stops(&mut board, what, 0.502, &[]);
         board.inject("host=alone", None);
-        remembers(&mut board, &Fault::HostSilent { timeout_us: 500_000 });
+        remembers(&mut board, &Fault::HostSilent { timeout_us: 500_000 }.to_string());
     }
 }
 
@@ -123,13 +124,13 @@ fn a_converter_that_does_not_answer_stops_the_bench() {
         let ran = stops(&mut board, what, 0.002, &[]);
         assert!(ran.stderr.contains(&Fault::ConverterSilent.to_string()), "{ran:?}");
         board.inject("input=well", None);
-        remembers(&mut board, &Fault::ConverterSilent);
+        remembers(&mut board, &Fault::ConverterSilent.to_string());
     }
     for what in ["output=low", "output=high"] {
         let ran = stops(&mut board, what, 0.002, &[]);
         assert!(ran.stderr.contains(&Fault::OutputSilent.to_string()), "{ran:?}");
         board.inject("output=well", None);
-        remembers(&mut board, &Fault::OutputSilent);
+        remembers(&mut board, &Fault::OutputSilent.to_string());
     }
 }
 
@@ -138,6 +139,8 @@ fn a_converter_that_repeats_itself_stops_the_bench() {
     let Some(mut board) = board() else { return };
     let ran = stops(&mut board, "input=stuck", 0.002, &[]);
     assert!(ran.stderr.contains("all inputs read the same"), "{ran:?}");
+    board.inject("input=well", None);
+    remembers(&mut board, "all inputs read the same");
 }
 
 /// One input that never changes cannot be told from a quiet bench at once: a second is allowed.
@@ -146,6 +149,8 @@ fn a_value_that_never_changes_stops_the_bench() {
     let Some(mut board) = board() else { return };
     let ran = stops(&mut board, "reading=2@1", 1.004, &[]);
     assert!(ran.stderr.contains("torque_in is stuck"), "{ran:?}");
+    board.inject("reading=2", None);
+    remembers(&mut board, "torque_in is stuck");
 }
 
 #[test]
@@ -164,8 +169,9 @@ fn over_speed_and_over_torque_stop_the_bench() {
         std::fs::write(&file, text).unwrap();
         let ran = stops(&mut board, what, 0.002, &["--calibration", file.to_str().unwrap()]);
         assert!(ran.stderr.contains(says), "{ran:?}");
-        board.inject(&format!("{}@0.01", what.split_once('@').unwrap().0), None);
+        board.inject(what.split_once('@').unwrap().0, None);
         board.run_for(0.01);
+        remembers(&mut board, says);
     }
 }
 
@@ -174,11 +180,14 @@ fn the_emergency_stop_stops_the_bench() {
     let Some(mut board) = board() else { return };
     let ran = stops(&mut board, "open-stop", 1e-6, &[]);
     assert!(ran.stderr.contains(&Fault::EmergencyStopInput.to_string()), "{ran:?}");
+    let stopped_s = board.log().last().unwrap().at_s;
+    board.run_for(8.0);
+    assert_eq!(blinks(&board.log(), stopped_s), usize::from(Fault::EmergencyStopInput.code()));
     // While it is open nothing starts.
     let ran = record(&board, &[]);
     assert_eq!(ran.code, Some(1), "{ran:?}");
     board.inject("close-stop", None);
-    remembers(&mut board, &Fault::EmergencyStopInput);
+    remembers(&mut board, &Fault::EmergencyStopInput.to_string());
 }
 
 /// The thesis' program stopped by its timer alone.
@@ -187,8 +196,8 @@ fn a_program_that_hangs_and_a_reset_stop_the_bench() {
     let Some(mut board) = board() else { return };
     let ran = stops(&mut board, "hang", 0.002, &[]);
     assert!(ran.stderr.contains(&Fault::Watchdog.to_string()), "{ran:?}");
-    remembers(&mut board, &Fault::Watchdog);
+    remembers(&mut board, &Fault::Watchdog.to_string());
     let ran = stops(&mut board, "press-reset", 0.002, &[]);
     assert!(ran.stderr.contains(&Fault::Reset.to_string()), "{ran:?}");
-    remembers(&mut board, &Fault::Reset);
+    remembers(&mut board, &Fault::Reset.to_string());
 }
