@@ -52,3 +52,43 @@ impl Analog<'_> {
         self.bench.voltages(at_s, volts)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use socam_model::Model;
+    use socam_recording::Calibration;
+
+    use super::*;
+    use crate::Truth;
+
+    /// What a slow tachometer reads every 0.25 ms; `again`: the command is given twice in between, the second time 0.06 ms later.
+    fn read(again: bool) -> Vec<f64> {
+        let lag = "sensor_lag@motor_speed:time_constant=0.002".parse().unwrap();
+        let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[lag]).unwrap();
+        let mut setup = Setup::new(truth, Calibration::default(), 1);
+        setup.noisy = false;
+        let read = Analog::run(&setup, |bench| {
+            let mut volts = vec![0.0; bench.channels()];
+            let mut one = |reading: u32| {
+                let at_s = f64::from(reading) * 250e-6;
+                bench.voltages(at_s, &mut volts).unwrap();
+                bench.command(at_s, 1.0, true).unwrap();
+                if again {
+                    bench.command(at_s + 60e-6, 1.0, true).unwrap();
+                }
+                volts[0]
+            };
+            (1..200).map(&mut one).collect()
+        });
+        read.unwrap()
+    }
+
+    #[test]
+    fn a_sensors_lag_does_not_depend_on_when_commands_come() {
+        let (once, twice) = (read(false), read(true));
+        assert!(once[198] > 0.1);
+        for (a, b) in once.iter().zip(&twice) {
+            assert!((a - b).abs() < 1e-5, "{a}, {b}");
+        }
+    }
+}
