@@ -1,7 +1,5 @@
 //! The firmware's image on the emulated board: what it records, how long it takes, and what the processor makes of the core's arithmetic.
 
-use std::time::Duration;
-
 use serde_json::json;
 use socam_core::{Board, ConverterSilent, Ports, Request, Ring};
 use socam_model::Model;
@@ -290,10 +288,8 @@ fn a_minute_at_five_kilohertz_loses_nothing_and_takes_its_time() {
     // From the earliest to the latest, on a grid of exactly 100 us: a quarter of what +-2 us are.
     assert!(measured["spreadNs"].as_f64().unwrap() <= 1000.0, "{measured}");
     board.inject("host=alone", None);
-    let started = std::time::Instant::now();
     let measured = record(&mut board, &path(&folder, "long.mcap"), "chirp", "60s", 5000);
     println!("measured: 5 kHz chirp, one minute: {measured}");
     assert!(measured["worstCycles"].as_u64().unwrap() <= 10_000, "{measured}");
-    assert!(started.elapsed() < Duration::from_secs(600));
     assert_eq!(Dataset::open(&path(&folder, "long.mcap")).unwrap().rows(), 300_000);
 }
