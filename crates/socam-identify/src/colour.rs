@@ -11,9 +11,11 @@ use socam_model::Equations;
 
 use crate::{
     Intersample,
+    bank::{Bank, Remembered},
+    exponential::padded,
     pass::{Point, Weights},
     problem::{Problem, sample_times},
-    whitener::{Filtered, NoiseLevels, Whitener},
+    whitener::{FilteredRows, NoiseLevels, Whitener},
 };
 
 /// Step of differences in a parameter, relative.
@@ -24,17 +26,10 @@ const STEP: f64 = 1e-4;
 pub(crate) struct Colour {
     pub(crate) sample_time_s: f64,
     pub(crate) whitener: Whitener,
-    /// Per free parameter.
-    neighbours: Vec<Neighbours>,
-}
-
-/// Filters at a little more and a little less of a parameter.
-#[derive(Debug, Clone)]
-struct Neighbours {
-    more: Whitener,
-    less: Whitener,
-    /// Turns their difference to a slope, as scaled as those of the pass.
-    factor: f64,
+    /// At a little more of each free parameter, then at a little less of each; none where filters stay.
+    neighbours: Bank,
+    /// Turns the difference of the two to a slope, as scaled as those of the pass.
+    factors: Vec<f64>,
 }
 
 /// One colour for each sample time; empty where no input is noisy. `None` where no steady filter exists.
@@ -67,10 +62,10 @@ pub(crate) fn all(
         let filter = |equations: &Equations| {
             Whitener::new(equations, &levels, &levels.outputs, colour.sample_time_s, problem.intersample)
         };
-        let neighbours = sides.iter().map(|(more, less, factor)| {
-            Some(Neighbours { more: filter(more)?, less: filter(less)?, factor: *factor })
-        });
-        Some(Colour { neighbours: neighbours.collect::<Option<_>>()?, ..colour })
+        let more = sides.iter().map(|(more, ..)| filter(more));
+        let filters: Option<Vec<_>> = more.chain(sides.iter().map(|(_, less, _)| filter(less))).collect();
+        let neighbours = Bank::new(&filters?.iter().collect::<Vec<_>>());
+        Some(Colour { neighbours, factors: sides.iter().map(|(.., factor)| *factor).collect(), ..colour })
     };
     let colours = fixed(equations, &levels, &times_s, problem.intersample)?;
     colours.into_iter().map(with_neighbours).collect()
@@ -89,7 +84,12 @@ pub(crate) fn fixed(
     }
     let colour = |sample_time_s: &f64| {
         let whitener = Whitener::new(equations, levels, &levels.outputs, *sample_time_s, intersample)?;
-        Some(Colour { sample_time_s: *sample_time_s, whitener, neighbours: Vec::new() })
+        Some(Colour {
+            sample_time_s: *sample_time_s,
+            whitener,
+            neighbours: Bank::new(&[]),
+            factors: Vec::new(),
+        })
     };
     times_s.iter().map(colour).collect()
 }
@@ -102,26 +102,31 @@ pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels)
     sample_times(problem).into_iter().all(|time_s| filter(time_s).is_some_and(|filter| filter.memory() < 1.0))
 }
 
-/// The filters along one stretch.
+/// The filters along one stretch. Rows hold slopes by free parameters and the residual, then, filled up to whole vectors, what is
+/// local.
 pub(crate) struct Course<'c> {
     colour: &'c Colour,
-    state: Filtered,
-    neighbours: Vec<[Filtered; 2]>,
+    globals: usize,
+    state: FilteredRows,
+    neighbours: Remembered,
+    stride: usize,
     rows: Vec<f64>,
-    sides: [Vec<f64>; 2],
+    residual: Vec<f64>,
     here: Vec<bool>,
 }
 
 impl Colour {
-    /// Nothing remembered yet, for rows of this many columns.
-    pub(crate) fn start(&self, columns: usize) -> Course<'_> {
-        let each = self.neighbours.iter();
+    /// Nothing remembered yet, for rows of `locals` columns, `globals` more and the residual.
+    pub(crate) fn start(&self, locals: usize, globals: usize) -> Course<'_> {
+        let stride = padded(globals + 1) + padded(locals);
         Course {
             colour: self,
-            state: self.whitener.rest(columns),
-            neighbours: each.map(|pair| [pair.more.rest(1), pair.less.rest(1)]).collect(),
+            globals,
+            state: self.whitener.rest_of_rows(stride),
+            neighbours: self.neighbours.rest(),
+            stride,
             rows: Vec::new(),
-            sides: [Vec::new(), Vec::new()],
+            residual: Vec::new(),
             here: Vec::new(),
         }
     }
@@ -129,50 +134,50 @@ impl Colour {
 
 impl Course<'_> {
     /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other; its
-    /// columns are those of the stretch from `skipped` on, slopes by free parameters and the residual last. `present` is by
-    /// row of the block.
-    pub(crate) fn apply(
-        &mut self,
-        mut block: MatMut<'_, f64>,
-        samples: usize,
-        skipped: usize,
-        present: &[bool],
-    ) {
-        let (whitener, width) = (&self.colour.whitener, block.ncols());
+    /// columns are what is local (all of it, or nothing), slopes by free parameters and the residual. `present` is by row of
+    /// the block.
+    pub(crate) fn apply(&mut self, mut block: MatMut<'_, f64>, samples: usize, present: &[bool]) {
+        let globals = self.globals + 1;
+        let locals = block.ncols() - globals;
+        let width = if locals > 0 { self.stride } else { padded(globals) };
         let outputs = present.len() / samples.max(1);
+        self.rows.resize(outputs * self.stride, 0.0);
         for k in 0..samples {
-            self.rows.clear();
+            self.residual.clear();
             self.here.clear();
-            for o in 0..outputs {
-                let row = block.as_ref().row(o * samples + k);
-                self.rows.extend(row.iter());
+            for (o, row) in self.rows.chunks_exact_mut(self.stride).enumerate() {
+                let source = block.as_ref().row(o * samples + k);
+                let (local, global) = source.split_at_col(locals);
+                row.iter_mut().zip(global.iter()).for_each(|(target, value)| *target = *value);
+                let behind = row[padded(globals)..].iter_mut();
+                behind.zip(local.iter()).for_each(|(target, value)| *target = *value);
+                self.residual.push(row[globals - 1]);
                 self.here.push(present[o * samples + k]);
             }
-            let residual: Vec<f64> = self.rows.iter().skip(width - 1).step_by(width).copied().collect();
-            whitener.advance(&mut self.state, &mut self.rows, skipped, &self.here);
-            whitener.normalise(&mut self.rows, &self.here);
-            self.add_slopes(&residual, width);
-            for o in 0..outputs {
-                let row = block.rb_mut().row_mut(o * samples + k);
-                row.iter_mut().zip(&self.rows[o * width..]).for_each(|(target, value)| *target = *value);
+            self.colour.whitener.whiten(&mut self.state, &mut self.rows, width, &self.here);
+            self.add_slopes();
+            for (o, row) in self.rows.chunks_exact(self.stride).enumerate() {
+                let target = block.rb_mut().row_mut(o * samples + k);
+                let (local, global) = target.split_at_col_mut(locals);
+                global.iter_mut().zip(row).for_each(|(target, value)| *target = *value);
+                local.iter_mut().zip(&row[padded(globals)..]).for_each(|(target, value)| *target = *value);
             }
         }
     }
 
     /// Adds to each parameter's slope what the filter's own change makes of the residual.
-    fn add_slopes(&mut self, residual: &[f64], width: usize) {
-        let first = width - 1 - self.neighbours.len();
-        for (j, (pair, states)) in self.colour.neighbours.iter().zip(&mut self.neighbours).enumerate() {
-            let filters = [&pair.more, &pair.less];
-            for ((filter, state), side) in filters.into_iter().zip(states).zip(&mut self.sides) {
-                side.clear();
-                side.extend_from_slice(residual);
-                filter.advance(state, side, 0, &self.here);
-                filter.normalise(side, &self.here);
-            }
-            for (o, (more, less)) in self.sides[0].iter().zip(&self.sides[1]).enumerate() {
-                self.rows[o * width + first + j] += pair.factor * (more - less);
-            }
+    fn add_slopes(&mut self) {
+        let Colour { neighbours, factors, .. } = self.colour;
+        if factors.is_empty() {
+            return;
+        }
+        neighbours.advance(&mut self.neighbours, &self.residual, &self.here);
+        let white = self.neighbours.white.chunks_exact(neighbours.stride());
+        for (row, white) in self.rows.chunks_exact_mut(self.stride).zip(white) {
+            let (more, less) = white.split_at(factors.len());
+            let slopes =
+                more.iter().zip(less).zip(factors).map(|((more, less), factor)| factor * (more - less));
+            row.iter_mut().zip(slopes).for_each(|(target, slope)| *target += slope);
         }
     }
 }

@@ -11,10 +11,11 @@ use socam_model::Equations;
 
 use crate::{
     IdentifyError, Intersample, Problem,
+    bank::{Bank, Remembered},
     feed::Stretch,
     pass::{self, Point, Weights},
     problem::sample_times,
-    whitener::{Filtered, NoiseLevels, Whitener},
+    whitener::{NoiseLevels, Whitener},
 };
 
 /// Step of central differences in the logarithm of a variance.
@@ -125,9 +126,9 @@ fn score(
 
 /// Filters about one choice of levels.
 pub(crate) struct Probe {
-    centre: Whitener,
-    /// A little more and a little less of each level that is sought.
-    sides: Vec<[Whitener; 2]>,
+    /// At the levels, then at a little more and a little less of each that is sought.
+    filters: Bank,
+    inverse_root: DMatrix<f64>,
     /// Slope of the remainder's covariance by each level, in units of its root.
     spreads: Vec<DMatrix<f64>>,
 }
@@ -185,68 +186,51 @@ impl Probe {
             |levels: &NoiseLevels| Whitener::new(equations, levels, units, sample_time_s, intersample);
         let centre = filter(levels)?;
         let root = centre.inverse_root();
-        let mut sides = Vec::new();
+        let mut filters = vec![centre];
         let mut spreads = Vec::new();
         for level in sought {
             let pair = [filter(&scaled(levels, *level, STEP))?, filter(&scaled(levels, *level, -STEP))?];
             let slope = (&pair[0].covariance - &pair[1].covariance) / (2.0 * STEP);
             spreads.push(&root * slope * root.transpose());
-            sides.push(pair);
+            filters.extend(pair);
         }
-        Some(Self { centre, sides, spreads })
+        let filters = Bank::new(&filters.iter().collect::<Vec<_>>());
+        Some(Self { filters, inverse_root: root, spreads })
     }
 
     pub(crate) fn start(&self) -> Course<'_> {
-        let pair = |side: &[Whitener; 2]| [side[0].rest(1), side[1].rest(1)];
-        Course {
-            probe: self,
-            centre: self.centre.rest(1),
-            sides: self.sides.iter().map(pair).collect(),
-            score: Score::new(self.sides.len()),
-        }
+        Course { probe: self, filters: self.filters.rest(), score: Score::new(self.spreads.len()) }
     }
 }
 
 /// The filters along one stretch.
 pub(crate) struct Course<'p> {
     probe: &'p Probe,
-    centre: Filtered,
-    sides: Vec<[Filtered; 2]>,
+    filters: Remembered,
     pub(crate) score: Score,
 }
 
 impl Course<'_> {
     /// Takes the residuals of one sample, one per output.
     pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
-        let probe = self.probe;
-        let mut remainder = residual.to_vec();
-        probe.centre.advance(&mut self.centre, &mut remainder, 0, present);
-        let moved: Vec<Vec<f64>> = probe
-            .sides
-            .iter()
-            .zip(&mut self.sides)
-            .map(|(filters, states)| {
-                let [mut more, mut less] = [residual.to_vec(), residual.to_vec()];
-                filters[0].advance(&mut states[0], &mut more, 0, present);
-                filters[1].advance(&mut states[1], &mut less, 0, present);
-                let mut slope: Vec<f64> =
-                    more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect();
-                probe.centre.normalise(&mut slope, present);
-                slope
-            })
-            .collect();
+        let Probe { filters, inverse_root, spreads } = self.probe;
+        filters.advance(&mut self.filters, residual, present);
         if present.contains(&false) {
             return;
         }
-        probe.centre.normalise(&mut remainder, present);
-        let white = DVector::from_vec(remainder);
-        for (i, slope) in moved.iter().enumerate() {
-            let spread = &probe.spreads[i];
-            let along: f64 = white.iter().zip(slope).map(|(w, s)| w * s).sum();
-            self.score.slope[i] += 0.5 * ((white.transpose() * spread * &white)[0] - spread.trace()) - along;
-            for (j, other) in moved.iter().enumerate() {
-                let common: f64 = slope.iter().zip(other).map(|(a, b)| a * b).sum();
-                self.score.information[(i, j)] += 0.5 * spread.dot(&probe.spreads[j]) + common;
+        let (stride, outputs) = (filters.stride(), residual.len());
+        let remainder = |output: usize, lane: usize| self.filters.remainder[output * stride + lane];
+        let white = DVector::from_fn(outputs, |o, _| self.filters.white[o * stride]);
+        // By level: how the remainder moves, in units of its root.
+        let moved = DMatrix::from_fn(outputs, spreads.len(), |o, level| {
+            (remainder(o, 2 * level + 1) - remainder(o, 2 * level + 2)) / (2.0 * STEP)
+        });
+        let moved = inverse_root * moved;
+        for (i, spread) in spreads.iter().enumerate() {
+            let slope = moved.column(i);
+            self.score.slope[i] += 0.5 * (white.dot(&(spread * &white)) - spread.trace()) - white.dot(&slope);
+            for (j, other) in spreads.iter().enumerate() {
+                self.score.information[(i, j)] += 0.5 * spread.dot(other) + slope.dot(&moved.column(j));
             }
         }
     }

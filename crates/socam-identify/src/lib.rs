@@ -14,6 +14,7 @@
 mod advice;
 mod amends;
 mod band;
+mod bank;
 mod between;
 mod colour;
 mod combinations;

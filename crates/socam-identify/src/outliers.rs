@@ -63,7 +63,7 @@ impl<'w> Gate<'w> {
         let bins = (2 * OCTAVES as usize) << BIN_BITS;
         let track = Track { histogram: vec![0; bins], large: 0, alone: Vec::new(), run: None, previous: 0.0 };
         let tracks = vec![track; sizes.len()];
-        let whitener = whitener.map(|whitener| (whitener, whitener.rest(1)));
+        let whitener = whitener.map(|whitener| (whitener, whitener.rest()));
         Self { whitener, sizes, row: 0, remainder: Vec::new(), tracks }
     }
 
@@ -72,7 +72,7 @@ impl<'w> Gate<'w> {
         self.remainder.clear();
         self.remainder.extend_from_slice(residual);
         if let Some((whitener, state)) = &self.whitener {
-            whitener.subtract_foretold(state, &mut self.remainder, 0, present);
+            whitener.subtract_foretold(state, &mut self.remainder, present);
         }
         for (o, track) in self.tracks.iter_mut().enumerate() {
             let unit = self.whitener.as_ref().map_or(1.0, |(filter, _)| filter.covariance[(o, o)].sqrt());
@@ -85,7 +85,7 @@ impl<'w> Gate<'w> {
             }
         }
         if let Some((whitener, state)) = &mut self.whitener {
-            whitener.follow(state, &self.remainder, 0);
+            whitener.follow(state, &self.remainder);
         }
         self.row += 1;
     }

@@ -12,9 +12,10 @@
 //! covariance of all residuals would, at a cost linear in samples.
 
 use nalgebra::{Cholesky, DMatrix};
+use pulp::{Simd, WithSimd};
 use socam_model::Equations;
 
-use crate::{Intersample, between};
+use crate::{Intersample, between, combine};
 
 /// Standard deviations of white noise, SI, in the model's order.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,20 +36,21 @@ impl NoiseLevels {
 /// The steady filter for one sample time. Residuals come in the units that it was made for.
 #[derive(Debug, Clone)]
 pub(crate) struct Whitener {
-    outputs: usize,
-    states: usize,
+    pub(crate) outputs: usize,
+    pub(crate) states: usize,
     /// Phi, row by row.
-    transition: Vec<f64>,
-    /// C, row by row.
+    pub(crate) transition: Vec<f64>,
+    /// C, row by row, and less than nothing by as much.
     output: Vec<f64>,
+    pub(crate) minus_output: Vec<f64>,
     /// K, row by row.
-    gain: Vec<f64>,
+    pub(crate) gain: Vec<f64>,
     /// Phi and K, column by column.
     columns: [Vec<f64>; 2],
     /// Covariance of the remainder.
     pub(crate) covariance: DMatrix<f64>,
     /// Inverse of its lower root, row by row.
-    inverse_root: Vec<f64>,
+    pub(crate) inverse_root: Vec<f64>,
 }
 
 /// How noise enters the residual: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), w of unit variance.
@@ -89,6 +91,7 @@ impl Whitener {
             states: n,
             transition: rows(&noise.transition),
             output: rows(&noise.output),
+            minus_output: rows(&-&noise.output),
             gain: rows(&gain),
             columns: [noise.transition.as_slice().to_vec(), gain.as_slice().to_vec()],
             inverse_root: rows(&inverse_root),
@@ -107,91 +110,95 @@ impl Whitener {
         spectral_radius(closed)
     }
 
-    /// Nothing remembered yet, for rows of this many columns.
-    pub(crate) fn rest(&self, columns: usize) -> Filtered {
-        let values = vec![0.0; self.states * columns];
-        Filtered { columns, next: values.clone(), values }
+    /// Nothing remembered yet of one column.
+    pub(crate) fn rest(&self) -> Filtered {
+        let values = vec![0.0; self.states];
+        Filtered { next: values.clone(), values }
     }
 
-    /// One sample: turns `rows` (one per output, `width` columns) from residuals into what their past did not foretell, and
-    /// moves `state` on, of whose columns these are the ones from `skipped`. A missing output foretells nothing.
-    pub(crate) fn advance(&self, state: &mut Filtered, rows: &mut [f64], skipped: usize, present: &[bool]) {
-        self.subtract_foretold(state, rows, skipped, present);
-        self.follow(state, rows, skipped);
-    }
-
-    /// The first half of [`Whitener::advance`].
-    pub(crate) fn subtract_foretold(
-        &self,
-        state: &Filtered,
-        rows: &mut [f64],
-        skipped: usize,
-        present: &[bool],
-    ) {
-        let (n, whole) = (self.states, state.columns);
-        let width = whole - skipped;
-        if whole == 1 {
-            for (o, value) in rows.iter_mut().enumerate() {
-                let foretold = dot(&self.output[o * n..(o + 1) * n], &state.values);
-                *value = if present[o] { *value - foretold } else { 0.0 };
-            }
-            return;
-        }
-        for (o, row) in rows.chunks_exact_mut(width).enumerate() {
-            if !present[o] {
-                row.fill(0.0);
-                continue;
-            }
-            for i in 0..n {
-                add(row, -self.output[o * n + i], &state.values[i * whole + skipped..(i + 1) * whole]);
-            }
+    /// Turns `remainder` (one per output) from residuals into what their past did not foretell. A missing output foretells nothing.
+    pub(crate) fn subtract_foretold(&self, state: &Filtered, remainder: &mut [f64], present: &[bool]) {
+        let n = self.states;
+        for (o, value) in remainder.iter_mut().enumerate() {
+            let foretold = dot(&self.output[o * n..(o + 1) * n], &state.values);
+            *value = if present[o] { *value - foretold } else { 0.0 };
         }
     }
 
-    /// The second half.
-    pub(crate) fn follow(&self, state: &mut Filtered, rows: &[f64], skipped: usize) {
-        let (n, p, whole) = (self.states, self.outputs, state.columns);
-        if whole == 1 {
-            state.next.fill(0.0);
-            for (columns, factors) in self.columns.iter().zip([&*state.values, rows]) {
-                let each = columns.chunks_exact(n.max(1)).zip(factors);
-                each.for_each(|(column, factor)| add(&mut state.next, *factor, column));
-            }
-            std::mem::swap(&mut state.values, &mut state.next);
-            return;
-        }
-        let width = whole - skipped;
-        for i in 0..n {
-            let next = &mut state.next[i * whole + skipped..(i + 1) * whole];
-            next.fill(0.0);
-            for j in 0..n {
-                add(next, self.transition[i * n + j], &state.values[j * whole + skipped..(j + 1) * whole]);
-            }
-            for o in 0..p {
-                add(next, self.gain[i * p + o], &rows[o * width..(o + 1) * width]);
-            }
+    /// Moves `state` on.
+    pub(crate) fn follow(&self, state: &mut Filtered, remainder: &[f64]) {
+        state.next.fill(0.0);
+        for (columns, factors) in self.columns.iter().zip([&*state.values, remainder]) {
+            let each = columns.chunks_exact(self.states.max(1)).zip(factors);
+            each.for_each(|(column, factor)| add(&mut state.next, *factor, column));
         }
         std::mem::swap(&mut state.values, &mut state.next);
+    }
+
+    /// Nothing remembered yet of rows that are `stride` long.
+    pub(crate) fn rest_of_rows(&self, stride: usize) -> FilteredRows {
+        FilteredRows {
+            stride,
+            values: vec![0.0; self.states * stride],
+            next: vec![0.0; self.states * stride],
+            remainder: vec![0.0; self.outputs * stride],
+        }
+    }
+
+    /// One sample of many columns: turns `rows`, one per output, of which the first `width` entries count (a number of whole
+    /// vectors), into what their past did not foretell, divided by its covariance's root, and moves `state` on. A missing output
+    /// stays nothing.
+    pub(crate) fn whiten(&self, state: &mut FilteredRows, rows: &mut [f64], width: usize, present: &[bool]) {
+        for (o, row) in rows.chunks_exact_mut(state.stride).enumerate() {
+            if !present[o] {
+                row.fill(0.0);
+            }
+        }
+        pulp::Arch::new().dispatch(Whiten { filter: self, state, rows, width, present });
     }
 
     /// Inverse of the root of the remainder's covariance.
     pub(crate) fn inverse_root(&self) -> DMatrix<f64> {
         DMatrix::from_row_slice(self.outputs, self.outputs, &self.inverse_root)
     }
+}
 
-    /// Divides one sample's remainder by its root: `rows`, one per output. A missing output stays nothing.
-    pub(crate) fn normalise(&self, rows: &mut [f64], present: &[bool]) {
-        let p = self.outputs;
-        let width = rows.len() / p;
-        for o in (0..p).rev() {
-            let (before, own) = rows.split_at_mut(o * width);
-            let own = &mut own[..width];
-            let scale = if present[o] { self.inverse_root[o * p + o] } else { 0.0 };
-            own.iter_mut().for_each(|value| *value *= scale);
-            for q in (0..o).filter(|_| present[o]) {
-                add(own, self.inverse_root[o * p + q], &before[q * width..(q + 1) * width]);
+/// See [`Whitener::whiten`].
+struct Whiten<'a> {
+    filter: &'a Whitener,
+    state: &'a mut FilteredRows,
+    rows: &'a mut [f64],
+    width: usize,
+    present: &'a [bool],
+}
+
+impl WithSimd for Whiten<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { filter, state, rows, width, present } = self;
+        let (n, p, stride) = (filter.states, filter.outputs, state.stride);
+        let FilteredRows { values, next, remainder, .. } = state;
+        for o in 0..p {
+            let own = &mut remainder[o * stride..][..width];
+            if present[o] {
+                let foretold = (&filter.minus_output[o * n..][..n], &**values, stride);
+                combine::write(simd, [foretold, (&[1.0], &rows[o * stride..], stride)], 0, own);
+            } else {
+                own.fill(0.0);
             }
         }
+        for i in 0..n {
+            let past = (&filter.transition[i * n..][..n], &**values, stride);
+            let news = (&filter.gain[i * p..][..p], &**remainder, stride);
+            combine::write(simd, [past, news], 0, &mut next[i * stride..][..width]);
+        }
+        for o in (0..p).filter(|o| present[*o]) {
+            let root = (&filter.inverse_root[o * p..][..=o], &**remainder, stride);
+            combine::write(simd, [root], 0, &mut rows[o * stride..][..width]);
+        }
+        std::mem::swap(values, next);
     }
 }
 
@@ -211,12 +218,20 @@ pub(crate) fn spectral_radius(mut matrix: DMatrix<f64>) -> f64 {
     ((log_scale + matrix.norm().ln()) / 2.0_f64.powi(DOUBLINGS)).exp()
 }
 
-/// What the filter remembers of each column.
+/// What the filter remembers of one column.
 #[derive(Debug, Clone)]
 pub(crate) struct Filtered {
-    columns: usize,
     values: Vec<f64>,
     next: Vec<f64>,
+}
+
+/// Of many.
+#[derive(Debug, Clone)]
+pub(crate) struct FilteredRows {
+    stride: usize,
+    values: Vec<f64>,
+    next: Vec<f64>,
+    remainder: Vec<f64>,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -224,9 +239,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn add(target: &mut [f64], factor: f64, source: &[f64]) {
-    if factor != 0.0 {
-        target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
-    }
+    target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
 }
 
 impl NoiseModel {
