@@ -34,11 +34,6 @@ impl Candidate {
         self.effect.id == "coupling_slip"
     }
 
-    /// Whether it has a state that moves: its steps are short, and so would be those of all that share its pass.
-    pub(crate) fn is_slow(&self) -> bool {
-        matches!(self.effect.id, "coupling_slip" | "hysteresis")
-    }
-
     pub(crate) fn with(&self, name: &str, value: f64) -> Self {
         let mut changed = self.clone();
         changed.values.iter_mut().filter(|(known, _)| *known == name).for_each(|(_, old)| *old = value);
@@ -65,7 +60,8 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
     let prescribed = |name: &str| {
         model.inputs().any(|input| input.quantity == socam_model::Quantity::Speed && input.at == name)
     };
-    let mut all = model.places(effect).into_iter();
+    // What stands in for a mesh's teeth is no part that could be worn.
+    let mut all = model.places(effect).into_iter().filter(|place| !place.ends_with(".contact"));
     let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
     let kept: Vec<&str> = match effect.id {
         "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),

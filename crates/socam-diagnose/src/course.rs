@@ -14,17 +14,31 @@ use crate::{
     document::Validation,
     scales::Scales,
     screen::{self, Promising, carry_values},
+    shapes::{self, Unexplained},
     validation::Folds,
 };
 
 /// Candidates that are fitted in earnest.
 const TRIED: usize = 8;
-/// Iterations of such a fit, and of one that only follows another choice of recordings.
+/// Iterations of such a fit: so many to begin with, then so often so many more, unless these gained next to nothing.
 const ITERATIONS: usize = 25;
+const FIRST_LEG: usize = 4;
+const LEGS: usize = 4;
+const LEG: usize = 5;
+const NEXT_TO_NOTHING: f64 = 5.0;
+/// Share of what the best gained that the others must have gained to stay in the race, after the first leg and later.
+const IN_THE_RACE: [f64; 2] = [0.2, 0.5];
+/// Iterations of a fit that only follows another choice of recordings.
 const FOLLOWING: usize = 6;
 /// Least fall of the sum of squares, in training and on held-out recordings, that counts.
 const LEAST_GAIN: f64 = 25.0;
 const LEAST_HELD_GAIN: f64 = 10.0;
+/// Mean square of what is left on held-out recordings, in units of noise, from which on it is looked at by shape.
+const MISFIT: f64 = 1.05;
+/// A named effect that explains less than this share of what a curve at one place would is not believed.
+const NEARLY: f64 = 0.6;
+/// Least share of the misfit, per cent, that a curve must carry.
+const LEAST_SHARE: f64 = 5.0;
 /// A simpler effect is preferred if it predicts held-out recordings worse by no more than this.
 const PREFERENCE: f64 = 8.0;
 
@@ -73,6 +87,8 @@ pub(crate) struct Course {
     pub(crate) screened: Vec<Promising>,
     /// Chance of the most conspicuous one in the first screening, all of them counted.
     pub(crate) p_value: f64,
+    /// What remains without a name.
+    pub(crate) unexplained: Option<Unexplained>,
 }
 
 /// Recordings and assumptions that all fits share.
@@ -83,6 +99,15 @@ pub(crate) struct Bench<'a> {
     pub(crate) options: &'a Options,
     /// Values that are cut off: limit and how many readings stand at it, by output.
     pub(crate) extremes: Vec<(f64, u64)>,
+}
+
+/// A candidate's fit on its way.
+struct Runner {
+    /// Among those that are tried.
+    index: usize,
+    model: Model,
+    at: Measured,
+    done: bool,
 }
 
 impl Bench<'_> {
@@ -109,7 +134,7 @@ impl Bench<'_> {
     }
 
     /// Fits a model, beginning at `values`, to all recordings and, where these are held out in turn, to each choice of them.
-    pub(crate) fn fitted(
+    fn fitted(
         &self,
         model: &Model,
         values: &[f64],
@@ -117,16 +142,24 @@ impl Bench<'_> {
         yardstick: &Yardstick,
     ) -> Result<Option<Fitted>, IdentifyError> {
         let before = from.map(|from| (&from.model, &from.at));
-        let problem = self.problem(model)?;
-        let Some(at) = compare::descend(&problem, yardstick, values, before, ITERATIONS)? else {
-            return Ok(None);
-        };
+        let at =
+            compare::descend(&self.problem(model)?, yardstick, values, before, (compare::FINE, ITERATIONS))?;
+        at.map_or(Ok(None), |at| self.held(model, at, yardstick))
+    }
+
+    /// How a model that was fitted predicts what it was not fitted to.
+    pub(crate) fn held(
+        &self,
+        model: &Model,
+        at: Measured,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
         let held = self.folds.folds.par_iter().map(|fold| {
             let values = if self.folds.kind == Validation::Holdout {
                 at.values.clone()
             } else {
                 let own = Problem::new(model, &fold.fitted, self.fit.clone())?;
-                match compare::descend(&own, yardstick, &at.values, None, FOLLOWING)? {
+                match compare::descend(&own, yardstick, &at.values, None, (compare::COARSE, FOLLOWING))? {
                     Some(own) => own.values,
                     None => return Ok(None),
                 }
@@ -139,17 +172,51 @@ impl Bench<'_> {
         Ok(held.map(|held| Fitted { model: model.clone(), at, held }))
     }
 
-    fn with(
+    /// Fits what is tried, all for some iterations, then those that are still in the race.
+    fn race(
         &self,
         before: &Fitted,
-        candidate: &Candidate,
+        tried: &[(Candidate, f64)],
         yardstick: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
-        let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
-        let Ok(grown) = grown else { return Ok(None) };
-        let mut values = grown.values();
-        carry_values((&before.model, &before.at.values), (&grown, &mut values));
-        self.fitted(&grown, &values, Some(before), yardstick)
+    ) -> Result<Vec<(usize, Fitted)>, IdentifyError> {
+        let begun = tried.par_iter().enumerate().map(|(index, (candidate, _))| {
+            let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
+            let Ok(grown) = grown else { return Ok(None) };
+            let mut values = grown.values();
+            carry_values((&before.model, &before.at.values), (&grown, &mut values));
+            // From start states of its own: where physics is missing, those of the fit before make up for it.
+            let leg = (compare::COARSE, FIRST_LEG);
+            let at = compare::descend(&self.problem(&grown)?, yardstick, &values, None, leg)?;
+            Ok(at.map(|at| Runner { index, model: grown, done: at.converged, at }))
+        });
+        let begun: Result<Vec<_>, IdentifyError> = begun.collect();
+        let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
+        for leg in 0..LEGS {
+            let least = runners.iter().map(|runner| runner.at.total()).fold(before.at.total(), f64::min);
+            let share = IN_THE_RACE[leg.min(1)];
+            let line = (before.at.total() - share * (before.at.total() - least)).max(least + LEAST_GAIN);
+            runners.retain(|runner| runner.at.total() < line);
+            let next = runners.into_par_iter().map(|runner| self.further(runner, yardstick));
+            runners = next.collect::<Result<_, IdentifyError>>()?;
+        }
+        let each = runners.into_par_iter().map(|Runner { index, model, at, .. }| {
+            Ok(self.held(&model, at, yardstick)?.map(|fitted| (index, fitted)))
+        });
+        let all: Result<Vec<_>, IdentifyError> = each.collect();
+        Ok(all?.into_iter().flatten().collect())
+    }
+
+    fn further(&self, runner: Runner, yardstick: &Yardstick) -> Result<Runner, IdentifyError> {
+        let Runner { index, model, at, done } = runner;
+        if done {
+            return Ok(Runner { index, model, at, done });
+        }
+        let leg = (compare::COARSE, LEG);
+        let next = compare::descend(&self.problem(&model)?, yardstick, &at.values, Some((&model, &at)), leg)?;
+        let next = next.unwrap_or_else(|| at.clone());
+        let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
+        let done = next.converged || at.total() - next.total() < NEXT_TO_NOTHING * unit;
+        Ok(Runner { index, model, at: next, done })
     }
 }
 
@@ -162,8 +229,15 @@ pub(crate) fn run(
 ) -> Result<Option<Course>, IdentifyError> {
     let yardstick = bench.yardstick(model, values, levels)?;
     let Some(base) = bench.fitted(model, values, None, &yardstick)? else { return Ok(None) };
-    let mut course =
-        Course { last: base.clone(), base, steps: Vec::new(), yardstick, screened: Vec::new(), p_value: 1.0 };
+    let mut course = Course {
+        last: base.clone(),
+        base,
+        steps: Vec::new(),
+        yardstick,
+        screened: Vec::new(),
+        p_value: 1.0,
+        unexplained: None,
+    };
     for round in 0..=bench.options.most_effects {
         let problem = bench.problem(&course.last.model)?;
         let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
@@ -188,7 +262,10 @@ pub(crate) fn run(
             break;
         }
         let tried = worth_trying(&course, threshold, bench);
-        let Some((step, fitted)) = best(bench, &course, tried)? else { break };
+        let suspicious = !tried.is_empty();
+        let named = best(bench, &course, tried)?;
+        course.unexplained = unnamed(bench, &course, &scales, named.as_ref(), suspicious)?;
+        let Some((step, fitted)) = named.filter(|_| course.unexplained.is_none()) else { break };
         course.steps.push(step);
         course.last = fitted;
         let problem = bench.problem(&course.last.model)?;
@@ -202,6 +279,33 @@ pub(crate) fn run(
         }
     }
     Ok(Some(course))
+}
+
+/// What has structure but no name: looked for where nothing named was kept although something stands out, or where what was kept
+/// leaves much and explains far less than a curve at some place would.
+fn unnamed(
+    bench: &Bench<'_>,
+    course: &Course,
+    scales: &Scales,
+    named: Option<&(Step, Fitted)>,
+    suspicious: bool,
+) -> Result<Option<Unexplained>, IdentifyError> {
+    let left = named.map_or(course.last.scale(), |(_, fitted)| fitted.scale());
+    if left < MISFIT && (named.is_some() || !suspicious) {
+        return Ok(None);
+    }
+    let shapes = shapes::all(bench, &course.last, &course.yardstick, scales)?;
+    let Some(first) = shapes.first() else { return Ok(None) };
+    let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
+    let by_name = named.map_or(0.0, |(step, _)| step.gain);
+    if first.p_value > threshold
+        || first.gain < LEAST_GAIN * course.last.scale()
+        || by_name > NEARLY * first.gain
+    {
+        return Ok(None);
+    }
+    let found = shapes::confirmed(bench, &course.last, &course.yardstick, first)?;
+    Ok(found.filter(|found| by_name < NEARLY * found.gain && found.misfit_percent > LEAST_SHARE))
 }
 
 fn is_same(a: &Candidate, b: &Candidate) -> bool {
@@ -235,10 +339,7 @@ fn best(
     tried: Vec<(Candidate, f64)>,
 ) -> Result<Option<(Step, Fitted)>, IdentifyError> {
     let before = &course.last;
-    let fits: Result<Vec<_>, IdentifyError> =
-        tried.par_iter().map(|(candidate, _)| bench.with(before, candidate, &course.yardstick)).collect();
-    let mut fits: Vec<(usize, Fitted)> =
-        fits?.into_iter().enumerate().filter_map(|(index, fit)| Some((index, fit?))).collect();
+    let mut fits = bench.race(before, &tried, &course.yardstick)?;
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
     let Some((_, first)) = fits.first() else { return Ok(None) };
     let (least, scale) = (first.held_chi2(), first.scale());

@@ -1,7 +1,7 @@
 //! The whole diagnosis, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, NoiseLevels, Options as FitOptions, Problem, Watch, output_error,
+    Identification, IdentifyError, Noise, NoiseLevels, Options as FitOptions, Problem, Watch, output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
@@ -116,7 +116,8 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     for (parameter, value) in model.parameters.iter_mut().zip(&course.last.at.values) {
         parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
     }
-    let fit = FitOptions { starts: 1, ..bench.fit.clone() };
+    let noise = Noise::Given(course.yardstick.levels().clone());
+    let fit = FitOptions { starts: 1, noise, ..bench.fit.clone() };
     output_error(&Problem::new(&model, bench.training, fit)?)
 }
 

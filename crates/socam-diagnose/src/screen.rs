@@ -33,13 +33,13 @@ pub(crate) fn screen(
     all: &[Candidate],
 ) -> Result<Vec<Promising>, IdentifyError> {
     let linear: Vec<&Candidate> = all.iter().filter(|candidate| !candidate.strength.is_empty()).collect();
-    // What moves a state of its own takes short steps, alone.
-    let (slow, linear): (Vec<&Candidate>, Vec<&Candidate>) =
-        linear.into_iter().partition(|candidate| candidate.is_slow());
+    // What is of some strength already would change what the others see.
+    let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
+        linear.into_iter().partition(|candidate| candidate.is_full());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         linear.into_iter().partition(|candidate| candidates::is_structural(candidate.effect));
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
-    batches.extend(slow.into_iter().map(|candidate| vec![candidate]));
+    batches.extend(full.into_iter().map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
     let each = batches.par_iter().map(|batch| together(model, datasets, options, yardstick, at, batch));
     let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
@@ -139,22 +139,25 @@ pub(crate) fn carry_values(old: (&Model, &[f64]), new: (&Model, &mut [f64])) {
     }
 }
 
+/// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.
+const A_LITTLE: f64 = 0.02;
+
 fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
     let mut start = candidate.clone();
     let mut possible = true;
     if candidate.is_wave() {
         let (sin, cos) = (promise.step[0], promise.step.get(1).copied().unwrap_or(0.0));
-        let size = sin.hypot(cos);
         let name = candidate.strength[0];
-        start = start.with(name, size).with("phase", cos.atan2(sin));
+        start = start.with(name, A_LITTLE * sin.hypot(cos)).with("phase", cos.atan2(sin));
     } else {
         for (name, step) in candidate.strength.iter().zip(&promise.step) {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
             let (least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
-            let value = moved(candidate, name, before, *step);
-            possible &= (least..=most).contains(&value);
-            start = start.with(name, value.clamp(least, most));
+            let moved = |share: f64| moved(candidate, name, before, share * step);
+            possible &= (least..=most).contains(&moved(1.0));
+            let share = if candidate.is_full() { 0.0 } else { A_LITTLE };
+            start = start.with(name, moved(share).clamp(least, most));
         }
     }
     Promising { start, promise, possible }

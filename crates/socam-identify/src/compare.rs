@@ -24,10 +24,17 @@ use crate::{
     whitener::NoiseLevels,
 };
 
-/// A descent ends when a step promises less than this of the sum of squares.
-const TOLERANCE: f64 = 0.05;
+/// A descent ends when a step promises less than this of the sum of squares, in units of noise as strong as what is left: where
+/// models are compared, and where values matter.
+pub const COARSE: f64 = 2.0;
+/// See [`COARSE`].
+pub const FINE: f64 = 0.05;
 /// How much stronger than the yardstick has it noise may be in the band where an effect acts, in power: coloured noise is.
 pub const INFLATION: f64 = 16.0;
+/// Parameters that stand for one effect; more are points of a curve, which may be next to dependent on one another and are kept
+/// small by a pull of [`RIDGE`] of what the data say of each.
+const FEW: usize = 4;
+const RIDGE: f64 = 1e-3;
 /// Columns of which so little is left beside others are nothing of their own.
 const LEAST_OWN: f64 = 1e-7;
 
@@ -109,12 +116,12 @@ pub fn descend(
     yardstick: &Yardstick,
     start: &[f64],
     from: Option<(&Model, &Measured)>,
-    max_iterations: usize,
+    (tolerance, max_iterations): (f64, usize),
 ) -> Result<Option<Measured>, IdentifyError> {
     let Some(point) = begin(problem, start, from)? else { return Ok(None) };
     let weights = yardstick.weights(problem, start);
     let stage = Stage::Descent { round: 1 };
-    match solver::descend(problem, point, weights, TOLERANCE, max_iterations, stage) {
+    match solver::descend(problem, point, weights, tolerance, max_iterations, stage) {
         Ok(descent) => {
             let converged = matches!(descent.end, End::Converged | End::AtBound);
             Ok(Some(measured(problem, &descent.point, &descent.passed, converged)))
@@ -133,10 +140,12 @@ pub fn measure(
     yardstick: &Yardstick,
     values: &[f64],
 ) -> Result<Option<Measured>, IdentifyError> {
-    let Some(point) = begin(problem, values, None)? else { return Ok(None) };
-    let weights = yardstick.weights(problem, values);
-    let Some(at) = solver::with_locals_fitted(problem, point, weights)? else { return Ok(None) };
-    Ok(Some(measured(problem, &at.point, &at.passed, true)))
+    let all: Vec<usize> = (0..problem.stretches.len()).collect();
+    let problem = levels::without_slopes(problem, &all, u64::MAX);
+    let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
+    let weights = yardstick.weights(&problem, values);
+    let Some(at) = solver::with_locals_fitted(&problem, point, weights)? else { return Ok(None) };
+    Ok(Some(measured(&problem, &at.point, &at.passed, true)))
 }
 
 /// How much freeing parameters would help, foretold from slopes.
@@ -150,8 +159,10 @@ pub struct Promise {
     /// residuals, or of such a gain from noise [`INFLATION`] times as strong as the yardstick has it, whichever is less. (What
     /// is missing may act in a few blocks only, and is then anything but consistent.)
     pub p_value: f64,
-    /// Step of each parameter, SI.
+    /// Step of each parameter, SI; none for one that moves nothing.
     pub step: Vec<f64>,
+    /// Standard error of each, SI, as far as noise goes; infinite for one that moves nothing.
+    pub std: Vec<f64>,
     /// Change of the first parameter alone that moves the sum of squares by one, SI; infinite where nothing does.
     pub resolution: f64,
 }
@@ -181,7 +192,9 @@ pub fn screen(
     let each = groups.iter().map(|group| {
         let own: Vec<usize> = group.iter().filter_map(column).collect();
         let mut promise = picture.promise(&own, &blocks);
-        promise.step.iter_mut().zip(&own).for_each(|(step, column)| *step *= weights.scales[*column]);
+        for values in [&mut promise.step, &mut promise.std] {
+            values.iter_mut().zip(&own).for_each(|(value, column)| *value *= weights.scales[*column]);
+        }
         promise.resolution *= own.first().map_or(1.0, |column| weights.scales[*column]);
         promise
     });
@@ -244,22 +257,25 @@ impl<'f> Picture<'f> {
             total: self.total,
             p_value: 1.0,
             step: vec![0.0; group.len()],
+            std: vec![f64::INFINITY; group.len()],
             resolution: f64::INFINITY,
         };
         let (residual, _) = self.own(self.factor.ncols() - 1);
         let own: Vec<(Vec<f64>, Vec<f64>)> = group.iter().map(|column| self.own(*column)).collect();
         let lengths: Vec<f64> = own.iter().map(|(rest, _)| length(rest)).collect();
-        let mut counts = group
-            .iter()
-            .zip(&lengths)
-            .map(|(column, own)| *own > LEAST_OWN * self.factor.col(*column).norm_l2() && own.is_normal());
-        if group.is_empty() || !counts.all(|one| one) {
+        let counts = |k: &usize| {
+            lengths[*k] > LEAST_OWN * self.factor.col(group[*k]).norm_l2() && lengths[*k].is_normal()
+        };
+        let kept: Vec<usize> = (0..group.len()).filter(counts).collect();
+        // Of a few that belong together each has to count; of many, those do that were excited.
+        if kept.is_empty() || (kept.len() < group.len() && group.len() <= FEW) {
             return nothing;
         }
-        let n = group.len();
-        let slopes = Mat::from_fn(residual.len(), n, |i, k| own[k].0[i] / lengths[k]);
+        let n = kept.len();
+        let slopes = Mat::from_fn(residual.len(), n, |i, k| own[kept[k]].0[i] / lengths[kept[k]]);
         let right = Mat::from_fn(residual.len(), 1, |i, _| -residual[i]);
-        let gram = slopes.transpose() * &slopes;
+        let ridge = if n > FEW { RIDGE } else { 0.0 };
+        let gram = slopes.transpose() * &slopes + Mat::<f64>::identity(n, n) * faer::Scale(ridge);
         let Some(step) = solved(&gram, &(slopes.transpose() * right)) else { return nothing };
         let rest = |i: usize| residual[i] + (0..n).map(|k| slopes[(i, k)] * step[k]).sum::<f64>();
         let after: f64 = (0..residual.len()).map(|i| rest(i).powi(2)).sum();
@@ -268,21 +284,27 @@ impl<'f> Picture<'f> {
         let scores: Vec<Vec<f64>> = blocks
             .iter()
             .map(|block| {
-                let each = group.iter().zip(&own).zip(&lengths).map(|((column, (_, taken)), length)| {
-                    let base: f64 = self.base.iter().zip(taken).map(|(j, share)| block[*j] * share).sum();
-                    (block[*column] - base) / length
+                let each = kept.iter().map(|k| {
+                    let base: f64 =
+                        self.base.iter().zip(&own[*k].1).map(|(j, share)| block[*j] * share).sum();
+                    (block[group[*k]] - base) / lengths[*k]
                 });
                 each.collect()
             })
             .collect();
-        let step = step.iter().zip(&lengths).map(|(step, length)| step / length).collect();
-        Promise {
+        let mut promise = Promise {
             gain,
-            total: self.total,
             p_value: consistency(&scores).min(chance(gain, n)),
-            step,
-            resolution: 1.0 / lengths[0],
+            resolution: 1.0 / lengths[kept[0]],
+            ..nothing
+        };
+        for (index, k) in kept.iter().enumerate() {
+            let unit = Mat::from_fn(n, 1, |i, _| f64::from(i == index));
+            let variance = solved(&gram, &unit).map_or(f64::INFINITY, |column| column[index]);
+            promise.step[*k] = step[index] / lengths[*k];
+            promise.std[*k] = variance.max(0.0).sqrt() / lengths[*k];
         }
+        promise
     }
 }
 

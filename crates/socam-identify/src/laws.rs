@@ -58,10 +58,9 @@ impl Law {
                 answer: port.law.answer,
                 transition,
                 least: transition.max(least),
-                leniency: if port.law.sights.get(port.sight) == Some(&Sight::Torque) {
-                    LENIENCY
-                } else {
-                    1.0
+                leniency: match port.law.sights.get(port.sight) {
+                    Some(Sight::Torque | Sight::State) => LENIENCY,
+                    _ => 1.0,
                 },
                 free: own.filter_map(|(i, p)| Some((i, column(p)?))).collect(),
                 sight: port.sight,

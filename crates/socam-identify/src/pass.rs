@@ -78,10 +78,10 @@ impl StretchResult {
     }
 }
 
-/// Whether a local unknown's remainder, of a column of this length, is more than rounding: moving it by a whole unit must
-/// change the residuals by something.
+/// Whether a local unknown's remainder, of a column of this length, shows: moving it by a whole unit must change the residuals by a
+/// tenth of the noise. What dies within a sample would else be moved anywhere, and a force law would see it there.
 fn shows(remainder: f64, length: f64) -> bool {
-    remainder > 1e-6 && remainder > 1e-8 * length
+    remainder > 0.1 && remainder > 1e-8 * length
 }
 
 /// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
@@ -280,7 +280,7 @@ impl<'w> Rows<'w> {
             weighted_squares: 0.0,
             samples: 0.0,
             unresolved: 0,
-            colour: colour.map(|colour| colour.start(locals + globals + 1)),
+            colour: colour.map(|colour| colour.start(locals, globals)),
             course: probe.map(|(_, probe)| probe.start()),
             gate: weights
                 .gate
@@ -349,7 +349,7 @@ impl<'w> Rows<'w> {
         }
         let skipped = if alive { 0 } else { self.locals };
         if let Some(colour) = &mut self.colour {
-            colour.apply(target.rb_mut(), rows, skipped, &self.present);
+            colour.apply(target.rb_mut(), rows, &self.present);
         }
         self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
         self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;

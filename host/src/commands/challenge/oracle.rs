@@ -74,7 +74,9 @@ fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Res
 /// Fitted to the training recordings, what a model leaves on the others.
 fn left(model: &Model, yardstick: &Yardstick, recordings: &Recordings) -> anyhow::Result<Option<Measured>> {
     let training = problem(model, &recordings.training)?;
-    let Some(fitted) = compare::descend(&training, yardstick, &model.values(), None, MAX_ITERATIONS)? else {
+    let Some(fitted) =
+        compare::descend(&training, yardstick, &model.values(), None, (compare::FINE, MAX_ITERATIONS))?
+    else {
         return Ok(None);
     };
     let holdout = problem(model, &recordings.holdout)?;
