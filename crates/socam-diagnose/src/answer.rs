@@ -9,9 +9,11 @@ use crate::{
     course::{Bench, Course, Fitted, Step},
     document::{
         ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
-        RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, Validation, Verdict,
+        RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,
     },
-    experiment, words,
+    experiment,
+    shapes::Unexplained,
+    words,
 };
 
 /// Fall of the sum of squares at which an effect would have been seen.
@@ -30,11 +32,18 @@ pub(crate) fn document(
 ) -> Diagnosis {
     let steps = course.steps.iter().enumerate();
     let mut findings: Vec<Finding> = steps.map(|(index, step)| finding(course, index, step, after)).collect();
+    findings.extend(course.unexplained.as_ref().map(|found| unexplained(course, found)));
     findings.sort_by(|a, b| {
         let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
         gain(b).total_cmp(&gain(a))
     });
-    let verdict = if findings.is_empty() { Verdict::Adequate } else { Verdict::MissingPhysics };
+    let verdict = if !course.steps.is_empty() {
+        Verdict::MissingPhysics
+    } else if course.unexplained.is_some() {
+        Verdict::Unexplained
+    } else {
+        Verdict::Adequate
+    };
     let mut warnings = after.warnings.clone();
     if bench.folds.kind == Validation::Blocks {
         warnings.push(
@@ -95,6 +104,29 @@ fn finding(course: &Course, index: usize, step: &Step, after: &Identification) -
             misfit_percent: None,
         },
         rivals: rivals(step),
+    }
+}
+
+/// What has a place and a shape but no name; what is next to that in the catalogue stands as its rivals' place would.
+fn unexplained(course: &Course, found: &Unexplained) -> Finding {
+    let is_channel = course.last.model.channels.iter().any(|channel| channel.name == found.place);
+    let over = found.curve.as_ref().map(|curve| curve.over);
+    Finding {
+        effect: UNEXPLAINED.into(),
+        location: found.place.clone(),
+        sentence: words::unexplained(&found.place, is_channel, over, found.misfit_percent),
+        equation: String::new(),
+        parameters: Vec::new(),
+        components: Vec::new(),
+        curve: found.curve.clone(),
+        region: Region { text: words::region_of_curve(found.curve.as_ref()), ..Region::default() },
+        evidence: Proof {
+            p_value: Some(found.p_value),
+            chi2_gain: Some(found.gain),
+            holdout_gain_percent: Some(found.held_gain_percent),
+            misfit_percent: Some(found.misfit_percent),
+        },
+        rivals: Vec::new(),
     }
 }
 

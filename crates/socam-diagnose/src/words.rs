@@ -2,7 +2,7 @@
 
 use socam_model::effects::Effect;
 
-use crate::document::EffectParameter;
+use crate::document::{Curve, EffectParameter, Over};
 
 /// For a mechanic: what it is, where, and how much.
 pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParameter]) -> String {
@@ -15,6 +15,36 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
     let size: Vec<String> = size.collect();
     let size = if size.is_empty() { String::new() } else { format!(" ({})", size.join(", ")) };
     format!("At {}: {}{size}", place.replace('_', " "), lower_first(effect.sentence.trim_end_matches('.')))
+}
+
+/// The same of what has no name.
+pub(crate) fn unexplained(place: &str, is_channel: bool, over: Option<Over>, percent: f64) -> String {
+    let place = place.replace('_', " ");
+    let what = if is_channel { "an error of that sensor" } else { "a torque" };
+    let over = match over {
+        Some(Over::Speed) => " that depends on speed",
+        Some(Over::Angle) => " that repeats with each turn",
+        Some(Over::Torque) => " that depends on the torque there",
+        Some(Over::Time) => " that changes as time goes by",
+        Some(Over::Frequency) | None => "",
+    };
+    format!(
+        "At {place}: {what}{over} is missing, and nothing that has a name here fits; it would carry {percent:.0} % of the misfit"
+    )
+}
+
+/// Where a measured curve is furthest from nothing.
+pub(crate) fn region_of_curve(curve: Option<&Curve>) -> String {
+    let largest = curve.and_then(|curve| {
+        let known = curve.x.iter().zip(&curve.torque).filter_map(|(x, torque)| Some((*x, (*torque)?, curve)));
+        known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    });
+    match largest {
+        Some((x, torque, curve)) => {
+            format!("most at {} {}: {} {}", short(x), curve.unit, short(torque), curve.torque_unit)
+        }
+        None => "everywhere".into(),
+    }
 }
 
 fn lower_first(text: &str) -> String {

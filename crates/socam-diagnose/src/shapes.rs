@@ -1,0 +1,298 @@
+//! Misfit without a name: which place's unknown torque, or which channel's error, would carry it, and its shape.
+//!
+//! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
+//! coupling's twist, or time. One pass of slopes says how much of the misfit each would carry and what it would look like.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError, Problem,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::{
+    Model, ModelError,
+    effects::{
+        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
+    },
+};
+
+use crate::{
+    course::{Bench, Fitted},
+    document::{Curve, Over},
+    scales::Scales,
+    screen::carry_values,
+};
+
+/// Points that a curve is made of.
+const POINTS: usize = 9;
+/// Orders of a curve over one turn.
+const ORDERS: usize = 4;
+/// Iterations of a shape's fit.
+const ITERATIONS: usize = 10;
+const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// A hump of a height about a centre, nothing beyond a width on either side: such humps side by side make any smooth curve.
+const HUMP: &[EffectParameter] = &[
+    EffectParameter { name: "height", kind: Kind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "centre", kind: Kind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "width", kind: Kind::Gain, default: None, bounds: ANY },
+];
+
+fn hump(sights: &[f64], p: &[f64]) -> Response {
+    let distance = (sights[0] - p[1]) / p[2];
+    let (mut slopes, mut slope_parameters) = ([0.0; MAX_SIGHTS], [0.0; MAX_PARAMETERS]);
+    if distance.abs() >= 1.0 {
+        return Response { torque: 0.0, slopes, slope_parameters };
+    }
+    let (sin, cos) = (std::f64::consts::PI * distance).sin_cos();
+    let value = 0.5 * (1.0 + cos);
+    slopes[0] = -0.5 * std::f64::consts::PI * sin / p[2] * p[0];
+    slope_parameters[0] = value;
+    Response { torque: p[0] * value, slopes, slope_parameters }
+}
+
+/// One wave per turn of a whole number, or its quarter.
+fn wave(sights: &[f64], p: &[f64]) -> Response {
+    let (sin, cos) = (p[1] * sights[0] + p[2]).sin_cos();
+    let (mut slopes, mut slope_parameters) = ([0.0; MAX_SIGHTS], [0.0; MAX_PARAMETERS]);
+    slopes[0] = p[0] * p[1] * cos;
+    slope_parameters[0] = sin;
+    Response { torque: p[0] * sin, slopes, slope_parameters }
+}
+
+fn against(sights: &[f64], p: &[f64]) -> Response {
+    turned(hump(sights, p))
+}
+
+fn wave_against(sights: &[f64], p: &[f64]) -> Response {
+    turned(wave(sights, p))
+}
+
+/// Of a bearing the torque that it takes is drawn, not the one that it gives.
+fn turned(response: Response) -> Response {
+    Response {
+        torque: -response.torque,
+        slopes: response.slopes.map(|slope| -slope),
+        slope_parameters: response.slope_parameters.map(|slope| -slope),
+    }
+}
+
+const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
+    Effect {
+        id: "shape",
+        acts_at,
+        parameters: HUMP,
+        borrows: None,
+        form: Form::Laws(laws),
+        equation: "",
+        sentence: "",
+    }
+}
+
+const fn law(sights: &'static [Sight], acts: Acts, answer: fn(&[f64], &[f64]) -> Response) -> Law {
+    Law { sights, acts, answer, bend: |_| 0.0 }
+}
+
+static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Speed], Acts::Torque, against)]);
+static BEARING_ANGLE: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Angle], Acts::Torque, wave_against)]);
+static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Time], Acts::Torque, against)]);
+static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[Sight::Twist], Acts::Torque, hump)]);
+static CHANNEL_READING: Effect = shape(ActsAt::Channel, &[law(&[Sight::Reading], Acts::Reading, hump)]);
+static CHANNEL_TIME: Effect = shape(ActsAt::Channel, &[law(&[Sight::Time], Acts::Reading, hump)]);
+
+/// A place, what its unknown torque may depend on, and from where to where that goes.
+struct Free {
+    effect: &'static Effect,
+    place: String,
+    over: Over,
+    unit: &'static str,
+    range: (f64, f64),
+    /// What one unit of the range is in units of the curve's abscissa: a twist is drawn as the torque that it takes.
+    scale: f64,
+}
+
+/// What remains, as a shape at a place that would carry it.
+pub(crate) struct Shape {
+    free: Free,
+    /// The model with that torque, its points' indices, and their standard errors.
+    model: Model,
+    heights: Vec<usize>,
+    std: Vec<f64>,
+    pub(crate) gain: f64,
+    pub(crate) p_value: f64,
+}
+
+/// A shape that was fitted and tried on held-out recordings.
+#[derive(Debug, Clone)]
+pub(crate) struct Unexplained {
+    pub(crate) place: String,
+    pub(crate) curve: Option<Curve>,
+    pub(crate) p_value: f64,
+    pub(crate) gain: f64,
+    pub(crate) held_gain_percent: f64,
+    /// Share of what exceeds noise in the training recordings, per cent.
+    pub(crate) misfit_percent: f64,
+}
+
+/// All shapes at all places, the one that would carry most first.
+pub(crate) fn all(
+    bench: &Bench<'_>,
+    last: &Fitted,
+    yardstick: &Yardstick,
+    scales: &Scales,
+) -> Result<Vec<Shape>, IdentifyError> {
+    let free = places(bench, &last.model, scales);
+    let each = free.into_par_iter().map(|free| one(bench, last, yardstick, free));
+    let found: Result<Vec<Option<Shape>>, IdentifyError> = each.collect();
+    let mut found: Vec<Shape> = found?.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Ok(found)
+}
+
+fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
+    let mut all = Vec::new();
+    let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale| {
+        if range.1 > range.0 {
+            all.push(Free { effect, place: place.to_owned(), over, unit, range, scale });
+        }
+    };
+    let duration_s = bench.training.iter().map(|data| data.end_s() - data.start_s()).fold(0.0, f64::max);
+    for bearing in &model.bearings {
+        let speed = scales.speed(bearing.node);
+        add(&BEARING_SPEED, &bearing.name, Over::Speed, "rad/s", (-speed, speed), 1.0);
+        add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0);
+        add(&BEARING_TIME, &bearing.name, Over::Time, "s", (0.0, duration_s), 1.0);
+    }
+    for (index, spring) in model.springs.iter().enumerate().filter(|(_, s)| !s.name.ends_with(".contact")) {
+        let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
+        let twist = torque / stiffness;
+        add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness);
+    }
+    for (channel, (most, _)) in model.outputs().zip(&bench.extremes) {
+        let over = match channel.quantity {
+            socam_model::Quantity::Torque => Over::Torque,
+            socam_model::Quantity::Speed => Over::Speed,
+            _ => Over::Angle,
+        };
+        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, *most), 1.0);
+        add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
+    }
+    all
+}
+
+impl Free {
+    /// Heights' further parameters.
+    fn pieces(&self) -> Vec<[f64; 2]> {
+        if self.is_turn() {
+            let quarter = std::f64::consts::FRAC_PI_2;
+            return (1..=ORDERS).flat_map(|order| [[order as f64, 0.0], [order as f64, quarter]]).collect();
+        }
+        let width = (self.range.1 - self.range.0) / (POINTS - 1) as f64;
+        (0..POINTS).map(|point| [self.range.0 + width * point as f64, width]).collect()
+    }
+
+    fn is_turn(&self) -> bool {
+        std::ptr::eq(self.effect, &raw const BEARING_ANGLE)
+    }
+
+    fn curve(&self, model: &Model, heights: &[f64], std: &[f64]) -> Curve {
+        let pieces = self.pieces();
+        let known = |std: f64| Some(std).filter(|std| std.is_finite());
+        let (x, torque, torque_std): (Vec<f64>, Vec<Option<f64>>, Vec<Option<f64>>) = if self.is_turn() {
+            let x: Vec<f64> = (0..=36).map(|k| std::f64::consts::TAU * f64::from(k) / 36.0).collect();
+            let at = |x: &f64| pieces.iter().zip(heights).map(|(p, h)| h * (p[0] * x + p[1]).sin()).sum();
+            let std = std.iter().filter(|std| std.is_finite()).map(|std| std * std).sum::<f64>() / 2.0;
+            (x.clone(), x.iter().map(at).map(Some).collect(), vec![known(std.sqrt()); x.len()])
+        } else {
+            // What never was there has no height.
+            let heights = heights.iter().zip(std).map(|(height, std)| std.is_finite().then_some(*height));
+            let x = pieces.iter().map(|piece| piece[0] * self.scale).collect();
+            (x, heights.collect(), std.iter().map(|std| known(*std)).collect())
+        };
+        let channel = model.channels.iter().find(|channel| channel.name == self.place);
+        Curve {
+            over: self.over,
+            unit: self.unit.into(),
+            x,
+            torque,
+            torque_std,
+            torque_unit: channel.map_or("N m", |channel| channel.unit).into(),
+        }
+    }
+}
+
+/// The model with a shape's pieces at no height, and the indices of these.
+fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> {
+    let mut grown = model.clone();
+    let mut heights = Vec::new();
+    for [first, second] in free.pieces() {
+        grown = grown.with_law(free.effect, &free.place, &[0.0, first, second])?;
+        let height = grown.effects.last().map(|used| used.parameters[0]);
+        heights.extend(height);
+    }
+    for height in &heights {
+        grown.parameters[*height].fixed = false;
+        grown.parameters[*height].bounds = ANY;
+    }
+    Ok((grown, heights))
+}
+
+fn one(
+    bench: &Bench<'_>,
+    last: &Fitted,
+    yardstick: &Yardstick,
+    free: Free,
+) -> Result<Option<Shape>, IdentifyError> {
+    let Ok((grown, heights)) = grown(&last.model, &free) else { return Ok(None) };
+    let mut values = grown.values();
+    carry_values((&last.model, &last.at.values), (&grown, &mut values));
+    let problem = Problem::new(&grown, bench.training, bench.fit.clone())?;
+    let own = (0..last.model.parameters.len()).filter(|index| !last.model.parameters[*index].fixed);
+    let base: Vec<usize> =
+        own.filter_map(|index| grown.parameter(&last.model.parameters[index].name)).collect();
+    let promises = compare::screen(
+        &problem,
+        yardstick,
+        &values,
+        (&last.model, &last.at),
+        &base,
+        std::slice::from_ref(&heights),
+    )?;
+    let Some(promise) = promises.and_then(|all| all.into_iter().next()) else { return Ok(None) };
+    let (gain, p_value, std) = (promise.gain, promise.p_value, promise.std);
+    Ok(Some(Shape { free, model: grown, heights, std, gain, p_value }))
+}
+
+/// Fits a shape and tries it on held-out recordings; `None` where it does not hold there.
+pub(crate) fn confirmed(
+    bench: &Bench<'_>,
+    last: &Fitted,
+    yardstick: &Yardstick,
+    shape: &Shape,
+) -> Result<Option<Unexplained>, IdentifyError> {
+    let mut model = shape.model.clone();
+    // A point where nothing ever was stays nothing.
+    for (height, std) in shape.heights.iter().zip(&shape.std) {
+        model.parameters[*height].fixed = !std.is_finite();
+    }
+    let mut values = model.values();
+    carry_values((&last.model, &last.at.values), (&model, &mut values));
+    let problem = Problem::new(&model, bench.training, bench.fit.clone())?;
+    let fitted = compare::descend(&problem, yardstick, &values, None, (compare::COARSE, ITERATIONS))?;
+    let Some(at) = fitted else { return Ok(None) };
+    let excess = (last.at.total() - last.at.count.iter().sum::<f64>()).max(1.0);
+    let gain = last.at.total() - at.total();
+    let heights: Vec<f64> = shape.heights.iter().map(|height| at.values[*height]).collect();
+    let Some(fitted) = bench.held(&model, at, yardstick)? else { return Ok(None) };
+    let held_gain = last.held_chi2() - fitted.held_chi2();
+    let held_count: f64 = last.held.iter().flat_map(|measured: &Measured| &measured.count).sum();
+    let held_excess = (last.held_chi2() - held_count).max(held_gain).max(1.0);
+    let found = Unexplained {
+        place: shape.free.place.clone(),
+        curve: Some(shape.free.curve(&last.model, &heights, &shape.std)),
+        p_value: shape.p_value,
+        gain,
+        held_gain_percent: 100.0 * held_gain / held_excess,
+        misfit_percent: (100.0 * gain / excess).min(100.0),
+    };
+    Ok((held_gain > 0.0).then_some(found))
+}
