@@ -39,8 +39,10 @@ const MISFIT: f64 = 1.05;
 const NEARLY: f64 = 0.6;
 /// Least share of the misfit, per cent, that a curve must carry.
 const LEAST_SHARE: f64 = 5.0;
-/// A simpler effect is preferred if it predicts held-out recordings worse by no more than this.
+/// A simpler effect is preferred if it predicts held-out recordings worse by no more than this, or by no more than this share of what
+/// the better one gains: real friction never quite obeys the law that is fitted, and a law with more parameters bends nearer.
 const PREFERENCE: f64 = 8.0;
+const PREFERENCE_SHARE: f64 = 0.03;
 
 /// A model at its best fit, and how it predicts what it was not fitted to.
 #[derive(Debug, Clone)]
@@ -344,7 +346,8 @@ fn best(
     let Some((_, first)) = fits.first() else { return Ok(None) };
     let (least, scale) = (first.held_chi2(), first.scale());
     let size = |index: usize| tried[index].0.values.len();
-    let near = fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + PREFERENCE * scale);
+    let reach = (PREFERENCE * scale).max(PREFERENCE_SHARE * (before.held_chi2() - least));
+    let near = fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + reach);
     let Some((index, fitted)) = near.min_by_key(|(index, _)| size(*index)).cloned() else { return Ok(None) };
     let held_gain = before.held_chi2() - fitted.held_chi2();
     let gain = before.at.total() - fitted.at.total();
