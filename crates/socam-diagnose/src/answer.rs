@@ -18,8 +18,9 @@ use crate::{
 
 /// Fall of the sum of squares at which an effect would have been seen.
 const SEEN: f64 = 25.0;
-/// A rival worth naming.
-const LEAST_WEIGHT: f64 = 1e-3;
+/// Weight of a rival that is worth naming, and of one that is worth another recording.
+const LEAST_WEIGHT: f64 = 1e-2;
+const OPEN: f64 = 0.05;
 
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
@@ -165,11 +166,21 @@ fn rivals(step: &Step) -> Vec<Rival> {
     });
     let mut named: Vec<Rival> = named.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
     named.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    // A fit from another start is no rival of its own.
+    let mut seen = Vec::new();
+    named.retain(|rival| {
+        let key = (rival.effect.clone(), rival.location.clone());
+        !seen.contains(&key) && {
+            seen.push(key);
+            true
+        }
+    });
     named
 }
 
 fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
-    let rivals = findings.iter().find(|finding| !finding.rivals.is_empty())?;
+    let is_open = |finding: &&Finding| finding.rivals.first().is_some_and(|rival| rival.weight > OPEN);
+    let rivals = findings.iter().find(is_open)?;
     Some(experiment::suggestion(rivals))
 }
 

@@ -84,6 +84,8 @@ pub(crate) struct Course {
     pub(crate) base: Fitted,
     pub(crate) last: Fitted,
     pub(crate) steps: Vec<Step>,
+    /// Models before each of these.
+    before: Vec<Model>,
     pub(crate) yardstick: Yardstick,
     /// What the last screening saw, strongest first.
     pub(crate) screened: Vec<Promising>,
@@ -235,6 +237,7 @@ pub(crate) fn run(
         last: base.clone(),
         base,
         steps: Vec::new(),
+        before: Vec::new(),
         yardstick,
         screened: Vec::new(),
         p_value: 1.0,
@@ -269,6 +272,7 @@ pub(crate) fn run(
         course.unexplained = unnamed(bench, &course, &scales, named.as_ref(), suspicious)?;
         let Some((step, fitted)) = named.filter(|_| course.unexplained.is_none()) else { break };
         course.steps.push(step);
+        course.before.push(course.last.model.clone());
         course.last = fitted;
         let problem = bench.problem(&course.last.model)?;
         let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
@@ -281,6 +285,19 @@ pub(crate) fn run(
         }
     }
     Ok(Some(course))
+}
+
+impl Course {
+    /// Takes the last step back.
+    pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
+        let (Some(_), Some(model)) = (self.steps.pop(), self.before.pop()) else { return Ok(()) };
+        let mut values = model.values();
+        carry_values((&self.last.model, &self.last.at.values), (&model, &mut values));
+        if let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? {
+            self.last = fitted;
+        }
+        Ok(())
+    }
 }
 
 /// What has structure but no name: looked for where nothing named was kept although something stands out, or where what was kept

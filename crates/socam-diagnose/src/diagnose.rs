@@ -90,8 +90,18 @@ pub fn diagnose(
     let folds = Folds::new(training, holdout)?;
     let bench = Bench { training, folds: &folds, fit, options, extremes: extremes(model, training)? };
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
-    let course = course::run(&bench, model, &before.point, levels(model, &before))?.ok_or_else(diverged)?;
-    let after = if course.steps.is_empty() { before.clone() } else { refined(&bench, &course)? };
+    let mut course =
+        course::run(&bench, model, &before.point, levels(model, &before))?.ok_or_else(diverged)?;
+    let after = loop {
+        if course.steps.is_empty() {
+            break before.clone();
+        }
+        let after = refined(&bench, &course)?;
+        if is_determined(&course, &after) {
+            break after;
+        }
+        course.undo(&bench)?;
+    };
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
@@ -108,6 +118,17 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     let own =
         |name: &str| fit.input_noise_std.iter().find(|(known, _)| known == name).map_or(0.0, |(_, std)| *std);
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
+}
+
+/// Whether the recordings say how strong the effect is that was added last; what has no strength was not found.
+fn is_determined(course: &Course, after: &Identification) -> bool {
+    let (Some(step), Some(used)) = (course.steps.last(), course.last.model.effects.last()) else {
+        return true;
+    };
+    let own = used.effect.parameters.iter().zip(&used.parameters);
+    let mut strength =
+        own.filter(|(parameter, _)| step.candidate.strength.contains(&parameter.name)).peekable();
+    strength.peek().is_none() || strength.any(|(_, index)| after.parameters[*index].value.is_some())
 }
 
 /// The corrected model's fit with intervals.

@@ -1,24 +1,25 @@
 //! `demo`: the whole job on the virtual bench; no hardware.
 
+mod hidden;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use socam_identify::{Fit, Identification, Options, Problem};
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_sim::Override;
+use socam_sim::{Concealed, Override};
 
 use super::record::CourseArgs;
 use super::{Outcome, identify, simulate};
-use crate::device::run::Report;
 use crate::device::virtual_bench::BenchArgs;
 use crate::interrupt::Interrupt;
 use crate::{model_file, output, table, watch};
 
-/// Do the whole job on a virtual bench: record it, identify it, compare with the truth; no hardware needed
+/// Do the whole job on a virtual bench, no hardware needed: record and identify it, then conceal physics in it and find that
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Folder for recordings and the identified model
+    /// Folder for recordings, models and the report
     #[arg(long, value_name = "DIR", default_value = "socam-demo")]
     dir: PathBuf,
     /// Draws the sensors' noise
@@ -54,12 +55,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     output::print("Recording the virtual bench\n")?;
     for (index, (profile, duration_s)) in RUNS.into_iter().chain([HELD_OUT]).enumerate() {
         let seed = args.seed.wrapping_add(index as u64);
-        let (path, report) = record(&args.dir, profile, duration_s, seed)?;
-        let (written, seconds) = (report.summary.written, report.duration_s);
-        output::print(&format!("  {}: {written} samples over {seconds:.1} s\n", path.display()))?;
-        if report.summary.lost > 0 {
-            outcome = Outcome::LostSamples;
-        }
+        let path = args.dir.join(format!("{profile}.mcap"));
+        outcome = worse(outcome, record(&path, profile, duration_s, seed, Vec::new())?);
         paths.push(path);
     }
     let model = model_file::load(MODEL)?;
@@ -73,18 +70,30 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let identified = args.dir.join("identified.toml");
     identify::write_model(output::create(&identified)?, &model, &result)?;
     output::print(&report(&model, &result, &test, &held_out[0]))?;
+    let outcome = worse(outcome, hidden::run(&args.dir, &model, args.seed)?);
     output::print(&next_steps(&args.dir, &identified))?;
     Ok(outcome)
 }
 
-fn record(dir: &Path, profile: &str, duration_s: f64, seed: u64) -> anyhow::Result<(PathBuf, Report)> {
-    let path = dir.join(format!("{profile}.mcap"));
+fn worse(one: Outcome, other: Outcome) -> Outcome {
+    if matches!(one, Outcome::Done) { other } else { one }
+}
+
+fn record(
+    path: &Path,
+    profile: &str,
+    duration_s: f64,
+    seed: u64,
+    hide: Vec<Concealed>,
+) -> anyhow::Result<Outcome> {
     let course = CourseArgs { profile: Some(profile.into()), duration: Some(duration_s), rate: 1000.0 };
     let set = TRUTH.map(|(name, value)| Override { name: name.into(), value });
-    let bench = BenchArgs { model: MODEL.into(), set: set.to_vec(), hide: Vec::new(), seed, no_noise: false };
-    let report = simulate::simulate_into(&course, &bench, &path)?;
-    super::record::outcome(&path, &report)?;
-    Ok((path, report))
+    let bench = BenchArgs { model: MODEL.into(), set: set.to_vec(), hide, seed, no_noise: false };
+    let report = simulate::simulate_into(&course, &bench, path)?;
+    super::record::outcome(path, &report)?;
+    let (written, seconds) = (report.summary.written, report.duration_s);
+    output::print(&format!("  {}: {written} samples over {seconds:.1} s\n", path.display()))?;
+    Ok(if report.summary.lost > 0 { Outcome::LostSamples } else { Outcome::Done })
 }
 
 /// What was found, beside what is true.
@@ -184,7 +193,7 @@ fn with_head(rows: &[Row]) -> Vec<Vec<String>> {
 fn next_steps(dir: &Path, model: &Path) -> String {
     let dir = dir.display();
     format!(
-        "\nThe identified model is {}. Go on with:\n  \
+        "\nThe identified model is {}. Open {dir}/report/index.html in a browser, and go on with:\n  \
          socam-host info {dir}/multisine.mcap\n  \
          socam-host check {dir}/multisine.mcap\n  \
          socam-host identify {dir}/multisine.mcap {dir}/steps.mcap --validate {dir}/prbs.mcap\n",

@@ -1,0 +1,52 @@
+//! The second half of `demo`: the same bench once something rubs in it that the model does not know.
+
+use std::path::Path;
+
+use anyhow::Context;
+use socam_model::Model;
+use socam_sim::Concealed;
+
+use super::{Outcome, record, worse};
+use crate::commands::diagnose;
+use crate::interrupt::Interrupt;
+use crate::{output, watch};
+
+/// What is concealed: a pad that drags at the load with a torque that does not grow with speed.
+const HIDDEN: &str = "coulomb_friction@load_bearing:torque=0.25";
+const FITTED: [&str; 4] = ["multisine", "steps", "triangle", "reversals"];
+const HELD_OUT: &str = "prbs";
+const DURATION_S: f64 = 10.0;
+/// Other noise than in the first half.
+const SEEDS: u64 = 100;
+
+pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcome> {
+    let hidden: Concealed = HIDDEN.parse().context("what the demonstration conceals")?;
+    output::print("\nThe same bench again, now with physics concealed in it that the model lacks\n")?;
+    let (mut outcome, mut paths) = (Outcome::Done, Vec::new());
+    for (index, profile) in FITTED.into_iter().chain([HELD_OUT]).enumerate() {
+        let path = dir.join(format!("{profile}-hidden.mcap"));
+        let seed = seed.wrapping_add(SEEDS + index as u64);
+        outcome = worse(outcome, record(&path, profile, DURATION_S, seed, vec![hidden.clone()])?);
+        paths.push(path);
+    }
+    let data =
+        paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
+    let (training, holdout) = data.split_at(FITTED.len());
+    let mut fit = socam_identify::Options::default();
+    let answer = watch::fit(&Interrupt::listen(), false, &mut fit, |fit| {
+        let options =
+            socam_diagnose::Options { watch: fit.watch.clone(), ..socam_diagnose::Options::default() };
+        socam_diagnose::diagnose(model, training, holdout, &options)
+    })?;
+    let report = dir.join("report");
+    socam_diagnose::report::write(
+        &report,
+        &answer.diagnosis,
+        &answer.evidence,
+        model,
+        Some(&answer.model_toml),
+    )?;
+    output::print(&format!("\nDiagnosis: {}", diagnose::text(&answer.diagnosis)))?;
+    output::print(&format!("\nConcealed was {HIDDEN}.\n"))?;
+    Ok(outcome)
+}
