@@ -33,6 +33,10 @@ const FOLLOWING: usize = 6;
 /// Least fall of the sum of squares, in training and on held-out recordings, that counts.
 const LEAST_GAIN: f64 = 25.0;
 const LEAST_HELD_GAIN: f64 = 10.0;
+/// Differences of sums of squares between rivals count as if they were so many times smaller; or, if that is more, in units of so
+/// large a share of what was gained.
+const DOUBT: f64 = 4.0;
+const DOUBT_SHARE: f64 = 2e-3;
 /// Mean square of what is left on held-out recordings, in units of noise, from which on it is looked at by shape.
 const MISFIT: f64 = 1.05;
 /// A named effect that explains less than this share of what a curve at one place would is not believed.
@@ -373,10 +377,13 @@ fn best(
     }
     let is_other = |other: usize| !is_same(&tried[other].0, &tried[index].0);
     let rivals = fits.iter().filter(|(other, fit)| is_other(*other) && fit.held_chi2() < before.held_chi2());
+    // Neighbouring residuals are alike, and no law is obeyed to the last per mille: a likelihood would be far too sure of itself.
+    let doubt = DOUBT.max(DOUBT_SHARE * held_gain / scale);
     // As Akaike counts: each parameter more must earn two.
     let cost = |index: usize, fit: &Fitted| fit.held_chi2() / scale + 2.0 * size(index) as f64;
     let own = cost(index, &fitted);
-    let rivals = rivals.map(|(other, fit)| (tried[*other].0.clone(), cost(*other, fit) - own)).collect();
+    let rivals =
+        rivals.map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt)).collect();
     let excess = (before.held_chi2() - before.held_count()).max(held_gain);
     let step = Step {
         candidate: tried[index].0.clone(),
