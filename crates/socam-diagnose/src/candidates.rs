@@ -44,7 +44,9 @@ impl Candidate {
 /// All of them.
 pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
-    for effect in CATALOGUE {
+    // What comes back with every turn needs something that turns.
+    let turns = model.motion == socam_model::Motion::Rotation;
+    for effect in CATALOGUE.iter().filter(|effect| turns || !is_by_turn(effect)) {
         for place in places(model, effect) {
             for values in grid(model, effect, &place, scales) {
                 found.push(Candidate { effect, place: place.clone(), values, strength: strength(effect) });
@@ -164,6 +166,10 @@ fn gear_orders(model: &Model, place: &str) -> impl Iterator<Item = f64> {
     orders.sort_by(f64::total_cmp);
     orders.dedup();
     orders.into_iter()
+}
+
+fn is_by_turn(effect: &Effect) -> bool {
+    matches!(effect.id, "gravity_unbalance" | "torque_ripple" | "kinematic_error" | "sensor_ripple")
 }
 
 /// Whether an effect changes the network itself, so that it is tried in a model without others of its kind.

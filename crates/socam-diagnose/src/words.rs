@@ -22,6 +22,7 @@ pub(crate) fn unexplained(place: &str, is_channel: bool, over: Option<Over>, per
     let place = place.replace('_', " ");
     let what = if is_channel { "an error of that sensor" } else { "a torque" };
     let over = match over {
+        Some(Over::Speed | Over::Angle | Over::Torque) if is_channel => " that depends on what it reads",
         Some(Over::Speed) => " that depends on speed",
         Some(Over::Angle) => " that repeats with each turn",
         Some(Over::Torque) => " that depends on the torque there",
