@@ -131,7 +131,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
             let twist =
                 spring.map_or(0.0, |spring| torque / model.parameters[model.springs[spring].stiffness].value);
             let deflection = |part: f64| (part * twist).max(1e-6);
-            [0.12].map(|part| vec![("torque", 0.0), ("deflection", deflection(part))]).to_vec()
+            vec![vec![("torque", 0.0), ("deflection", deflection(0.3))]]
         }
         "missing_compliance" => vec![vec![("stiffness", RIGID.0), ("damping", RIGID.1)]],
         "coupling_slip" => [0.9, 0.7].map(|part| vec![("torque", part * torque)]).to_vec(),

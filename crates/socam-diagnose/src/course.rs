@@ -192,10 +192,17 @@ impl Bench<'_> {
             let Ok(grown) = grown else { return Ok(None) };
             let mut values = grown.values();
             carry_values((&before.model, &before.at.values), (&grown, &mut values));
+            // While an effect is weak, nothing says what its other parameters should be: they wait for its strength.
+            let mut begun = grown.clone();
+            if let Some(used) = grown.effects.last() {
+                let own = used.effect.parameters.iter().zip(&used.parameters);
+                let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
+                others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
+            }
             // From start states of its own: where physics is missing, those of the fit before make up for it.
             let leg = (compare::COARSE, FIRST_LEG);
-            let at = compare::descend(&self.problem(&grown)?, yardstick, &values, None, leg)?;
-            Ok(at.map(|at| Runner { index, model: grown, done: at.converged, at }))
+            let at = compare::descend(&self.problem(&begun)?, yardstick, &values, None, leg)?;
+            Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
         });
         let begun: Result<Vec<_>, IdentifyError> = begun.collect();
         let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
-use socam_model::Equations;
+use socam_model::{Equations, effects::Sight};
 
 use crate::{
     IdentifyError,
@@ -173,6 +173,8 @@ pub(crate) fn run(
             None => return Ok(None),
         },
     };
+    let free_start = problem.options.start_state == StartState::Free;
+    let still = if free_start { remembered(&equations) } else { Vec::new() };
     let linear = is_linear(&equations);
     let modal = if linear { Modal::new(problem, &equations, &slopes, point, weights) } else { None };
     // One for each sample time: to make it costs more than a short stretch takes.
@@ -188,6 +190,7 @@ pub(crate) fn run(
         let time_s = problem.stretches[index].sample_time_s;
         let colour = colours.iter().find(|colour| colour.sample_time_s == time_s);
         let mut rows = Rows::new(problem, time_s, weights, colour, point.locals[index].len());
+        rows.still.clone_from(&still);
         let stepper = || steppers.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
@@ -201,6 +204,15 @@ pub(crate) fn run(
     let stretches = (0..problem.stretches.len()).into_par_iter().with_max_len(1);
     let results: Result<Vec<_>, _> = stretches.map(one).collect();
     Ok(results?.into_iter().collect())
+}
+
+/// States of laws of their own: what a coupling remembers of the time before a recording is forgotten at the first reversal, and would
+/// else be made to explain what has nothing to do with it. It stays where it begins.
+fn remembered(equations: &Equations) -> Vec<usize> {
+    let own = equations.ports.iter().enumerate();
+    let own = own.filter(|(_, port)| port.law.sights.get(port.sight) == Some(&Sight::State));
+    let seen = own.filter_map(|(p, _)| (0..equations.port.ncols()).find(|i| equations.port[(p, *i)] != 0.0));
+    seen.collect()
 }
 
 /// No law depends on anything.
@@ -258,6 +270,8 @@ pub(crate) struct Rows<'w> {
     gate: Option<Gate<'w>>,
     scores: Option<Scores>,
     present: Vec<bool>,
+    /// Local columns that are not to be moved.
+    still: Vec<usize>,
 }
 
 impl<'w> Rows<'w> {
@@ -293,6 +307,7 @@ impl<'w> Rows<'w> {
                 width: locals + globals,
             }),
             present: Vec::new(),
+            still: Vec::new(),
         }
     }
 
@@ -368,7 +383,10 @@ impl<'w> Rows<'w> {
         });
         let early = self.with_locals.finish();
         let mut factor = triangle::join([early.as_ref(), shifted.as_ref()].into_iter(), columns);
-        let pivots = triangle::eliminate(&mut factor, self.locals, shows);
+        let moves = |column: usize| !self.still.contains(&column);
+        let pivots = triangle::eliminate(&mut factor, self.locals, |column, remainder, length| {
+            moves(column) && shows(remainder, length)
+        });
         let scores = self.scores.map(|scores| scores.sums).unwrap_or_default();
         let finite = factor.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
         let finite = finite && self.weighted_squares.is_finite();

@@ -64,7 +64,7 @@ impl Triangle {
 }
 
 /// Eliminates the first `count` columns of `rows` by reflections and returns the row that holds each one's pivot. A column
-/// whose remainder `shows` (remainder, whole length) calls nothing is skipped and uses up no row: what its row would have
+/// whose remainder `shows` (its index, remainder, whole length) calls nothing is skipped and uses up no row: what its row would have
 /// held stays with the columns to come. The rows after the last pivot are what is left for those.
 ///
 /// [`Triangle`] gives every column a row, a dependent one a row of rounding; so this walks over the finished factor once
@@ -72,14 +72,14 @@ impl Triangle {
 pub(crate) fn eliminate(
     rows: &mut Mat<f64>,
     count: usize,
-    shows: impl Fn(f64, f64) -> bool,
+    shows: impl Fn(usize, f64, f64) -> bool,
 ) -> Vec<Option<usize>> {
     let (height, width) = rows.shape();
     let mut row = 0;
     let mut pivots = Vec::with_capacity(count);
     for column in 0..count {
         let remainder = rows.col(column).subrows(row, height - row).norm_l2();
-        if !shows(remainder, rows.col(column).norm_l2()) {
+        if !shows(column, remainder, rows.col(column).norm_l2()) {
             (row..height).for_each(|i| rows[(i, column)] = 0.0);
             pivots.push(None);
             continue;
@@ -131,7 +131,7 @@ mod tests {
         // Column 1 is nothing, column 3 comes twice.
         let rows = Mat::from_fn(400, 7, |i, j| value(i, if j == 4 { 3 } else { j }));
         let mut factor = join([rows.as_ref()].into_iter(), 7);
-        let pivots = eliminate(&mut factor, 5, |remainder, length| remainder > 1e-8 * length);
+        let pivots = eliminate(&mut factor, 5, |_, remainder, length| remainder > 1e-8 * length);
         assert_eq!(pivots, [Some(0), None, Some(1), Some(2), None]);
         let kept = Mat::from_fn(400, 5, |i, j| rows[(i, [0, 2, 3, 5, 6][j])]);
         let expected = join([kept.as_ref()].into_iter(), 5);
