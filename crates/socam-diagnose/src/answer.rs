@@ -5,8 +5,9 @@ use socam_model::{EffectUse, Model};
 
 use crate::{
     Diagnosis,
+    bench::{Bench, Fitted},
     candidates::{self, Candidate},
-    course::{Bench, Course, Fitted, Step},
+    course::{Course, Step},
     document::{
         ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
         RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,

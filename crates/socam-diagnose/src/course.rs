@@ -1,35 +1,22 @@
 //! Step by step: which effect to add, and whether it is worth it.
 
-use rayon::prelude::*;
 use socam_identify::{
-    IdentifyError, NoiseLevels, Options as FitOptions, Problem,
-    compare::{self, Measured, Yardstick},
+    IdentifyError, NoiseLevels,
+    compare::{self, Yardstick},
 };
 use socam_model::Model;
-use socam_recording::Dataset;
 
 use crate::{
-    Options,
+    bench::{Bench, Fitted},
     candidates::{self, Candidate},
-    document::Validation,
+    race,
     scales::Scales,
     screen::{self, Promising, carry_values},
     shapes::{self, Unexplained},
-    validation::Folds,
 };
 
 /// Candidates that are fitted in earnest.
 const TRIED: usize = 8;
-/// Iterations of such a fit: so many to begin with, then so often so many more, unless these gained next to nothing.
-const ITERATIONS: usize = 25;
-const FIRST_LEG: usize = 4;
-const LEGS: usize = 4;
-const LEG: usize = 5;
-const NEXT_TO_NOTHING: f64 = 5.0;
-/// Share of what the best gained that the others must have gained to stay in the race, after the first leg and later.
-const IN_THE_RACE: [f64; 2] = [0.2, 0.5];
-/// Iterations of a fit that only follows another choice of recordings.
-const FOLLOWING: usize = 6;
 /// Least fall of the sum of squares, in training and on held-out recordings, that counts.
 const LEAST_GAIN: f64 = 25.0;
 const LEAST_HELD_GAIN: f64 = 10.0;
@@ -47,30 +34,6 @@ const LEAST_SHARE: f64 = 5.0;
 /// the better one gains: real friction never quite obeys the law that is fitted, and a law with more parameters bends nearer.
 const PREFERENCE: f64 = 8.0;
 const PREFERENCE_SHARE: f64 = 0.03;
-
-/// A model at its best fit, and how it predicts what it was not fitted to.
-#[derive(Debug, Clone)]
-pub(crate) struct Fitted {
-    pub(crate) model: Model,
-    pub(crate) at: Measured,
-    /// On held-out recordings, fold by fold.
-    pub(crate) held: Vec<Measured>,
-}
-
-impl Fitted {
-    pub(crate) fn held_chi2(&self) -> f64 {
-        self.held.iter().map(Measured::total).sum()
-    }
-
-    fn held_count(&self) -> f64 {
-        self.held.iter().flat_map(|measured| &measured.count).sum()
-    }
-
-    /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.
-    pub(crate) fn scale(&self) -> f64 {
-        (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
-    }
-}
 
 /// One effect that was added.
 #[derive(Debug, Clone)]
@@ -97,142 +60,6 @@ pub(crate) struct Course {
     pub(crate) p_value: f64,
     /// What remains without a name.
     pub(crate) unexplained: Option<Unexplained>,
-}
-
-/// Recordings and assumptions that all fits share.
-pub(crate) struct Bench<'a> {
-    pub(crate) training: &'a [Dataset],
-    pub(crate) folds: &'a Folds,
-    pub(crate) fit: FitOptions,
-    pub(crate) options: &'a Options,
-    /// Values that are cut off: limit and how many readings stand at it, by output.
-    pub(crate) extremes: Vec<(f64, u64)>,
-}
-
-/// A candidate's fit on its way.
-struct Runner {
-    /// Among those that are tried.
-    index: usize,
-    model: Model,
-    at: Measured,
-    done: bool,
-}
-
-impl Bench<'_> {
-    pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
-        Problem::new(model, self.training, self.fit.clone())
-    }
-
-    fn yardstick(
-        &self,
-        model: &Model,
-        values: &[f64],
-        levels: NoiseLevels,
-    ) -> Result<Yardstick, IdentifyError> {
-        let training = self.problem(model)?;
-        let held: Result<Vec<_>, _> = self
-            .folds
-            .folds
-            .iter()
-            .map(|fold| Problem::new(model, &fold.held_out, self.fit.clone()))
-            .collect();
-        let held = held?;
-        let problems: Vec<&Problem<'_>> = std::iter::once(&training).chain(&held).collect();
-        Yardstick::new(&problems, values, levels)
-    }
-
-    /// Fits a model, beginning at `values`, to all recordings and, where these are held out in turn, to each choice of them.
-    fn fitted(
-        &self,
-        model: &Model,
-        values: &[f64],
-        from: Option<&Fitted>,
-        yardstick: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
-        let before = from.map(|from| (&from.model, &from.at));
-        let at =
-            compare::descend(&self.problem(model)?, yardstick, values, before, (compare::FINE, ITERATIONS))?;
-        at.map_or(Ok(None), |at| self.held(model, at, yardstick))
-    }
-
-    /// How a model that was fitted predicts what it was not fitted to.
-    pub(crate) fn held(
-        &self,
-        model: &Model,
-        at: Measured,
-        yardstick: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
-        let held = self.folds.folds.par_iter().map(|fold| {
-            let values = if self.folds.kind == Validation::Holdout {
-                at.values.clone()
-            } else {
-                let own = Problem::new(model, &fold.fitted, self.fit.clone())?;
-                match compare::descend(&own, yardstick, &at.values, None, (compare::COARSE, FOLLOWING))? {
-                    Some(own) => own.values,
-                    None => return Ok(None),
-                }
-            };
-            let held_out = Problem::new(model, &fold.held_out, self.fit.clone())?;
-            compare::measure(&held_out, yardstick, &values)
-        });
-        let held: Result<Vec<Option<Measured>>, IdentifyError> = held.collect();
-        let held: Option<Vec<Measured>> = held?.into_iter().collect();
-        Ok(held.map(|held| Fitted { model: model.clone(), at, held }))
-    }
-
-    /// Fits what is tried, all for some iterations, then those that are still in the race.
-    fn race(
-        &self,
-        before: &Fitted,
-        tried: &[(Candidate, f64)],
-        yardstick: &Yardstick,
-    ) -> Result<Vec<(usize, Fitted)>, IdentifyError> {
-        let begun = tried.par_iter().enumerate().map(|(index, (candidate, _))| {
-            let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
-            let Ok(grown) = grown else { return Ok(None) };
-            let mut values = grown.values();
-            carry_values((&before.model, &before.at.values), (&grown, &mut values));
-            // While an effect is weak, nothing says what its other parameters should be: they wait for its strength.
-            let mut begun = grown.clone();
-            if let Some(used) = grown.effects.last() {
-                let own = used.effect.parameters.iter().zip(&used.parameters);
-                let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
-                others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
-            }
-            // From start states of its own: where physics is missing, those of the fit before make up for it.
-            let leg = (compare::COARSE, FIRST_LEG);
-            let at = compare::descend(&self.problem(&begun)?, yardstick, &values, None, leg)?;
-            Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
-        });
-        let begun: Result<Vec<_>, IdentifyError> = begun.collect();
-        let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
-        for leg in 0..LEGS {
-            let least = runners.iter().map(|runner| runner.at.total()).fold(before.at.total(), f64::min);
-            let share = IN_THE_RACE[leg.min(1)];
-            let line = (before.at.total() - share * (before.at.total() - least)).max(least + LEAST_GAIN);
-            runners.retain(|runner| runner.at.total() < line);
-            let next = runners.into_par_iter().map(|runner| self.further(runner, yardstick));
-            runners = next.collect::<Result<_, IdentifyError>>()?;
-        }
-        let each = runners.into_par_iter().map(|Runner { index, model, at, .. }| {
-            Ok(self.held(&model, at, yardstick)?.map(|fitted| (index, fitted)))
-        });
-        let all: Result<Vec<_>, IdentifyError> = each.collect();
-        Ok(all?.into_iter().flatten().collect())
-    }
-
-    fn further(&self, runner: Runner, yardstick: &Yardstick) -> Result<Runner, IdentifyError> {
-        let Runner { index, model, at, done } = runner;
-        if done {
-            return Ok(Runner { index, model, at, done });
-        }
-        let leg = (compare::COARSE, LEG);
-        let next = compare::descend(&self.problem(&model)?, yardstick, &at.values, Some((&model, &at)), leg)?;
-        let next = next.unwrap_or_else(|| at.clone());
-        let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
-        let done = next.converged || at.total() - next.total() < NEXT_TO_NOTHING * unit;
-        Ok(Runner { index, model, at: next, done })
-    }
 }
 
 /// From a base model at its fit (`values`, SI) and noise levels to what is missing.
@@ -369,7 +196,7 @@ fn best(
     tried: Vec<(Candidate, f64)>,
 ) -> Result<Option<(Step, Fitted)>, IdentifyError> {
     let before = &course.last;
-    let mut fits = bench.race(before, &tried, &course.yardstick)?;
+    let mut fits = race::race(bench, before, &tried, &course.yardstick)?;
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
     let Some((_, first)) = fits.first() else { return Ok(None) };
     let (least, scale) = (first.held_chi2(), first.scale());

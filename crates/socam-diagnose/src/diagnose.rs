@@ -9,7 +9,8 @@ use thiserror::Error;
 
 use crate::{
     Diagnosis, Evidence, answer,
-    course::{self, Bench, Course},
+    bench::Bench,
+    course::{self, Course},
     noise_floor, pictures,
     validation::Folds,
 };

@@ -8,6 +8,7 @@
 //! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 
 mod answer;
+mod bench;
 mod candidates;
 mod course;
 mod diagnose;
@@ -17,6 +18,7 @@ mod experiment;
 mod noise_floor;
 mod pictures;
 mod plot;
+mod race;
 pub mod report;
 mod scales;
 mod screen;

@@ -7,7 +7,8 @@ use socam_identify::{
 use socam_model::{Model, Quantity};
 
 use crate::{
-    course::{Bench, Course},
+    bench::Bench,
+    course::Course,
     document::Validation,
     evidence::{Binned, ChannelEvidence, Evidence, RecordingTraces, Spectrum, Trace},
     spectrum,

@@ -16,7 +16,7 @@ use socam_model::{
 };
 
 use crate::{
-    course::{Bench, Fitted},
+    bench::{Bench, Fitted},
     document::{Curve, Over},
     scales::Scales,
     screen::carry_values,

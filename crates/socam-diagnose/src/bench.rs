@@ -1,0 +1,112 @@
+//! What all fits share, and a model at its fit.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError, NoiseLevels, Options as FitOptions, Problem,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::Model;
+use socam_recording::Dataset;
+
+use crate::{Options, document::Validation, validation::Folds};
+
+/// Iterations of a fit in earnest, and of one that only follows another choice of recordings.
+const ITERATIONS: usize = 25;
+const FOLLOWING: usize = 6;
+
+/// A model at its best fit, and how it predicts what it was not fitted to.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    pub(crate) model: Model,
+    pub(crate) at: Measured,
+    /// On held-out recordings, fold by fold.
+    pub(crate) held: Vec<Measured>,
+}
+
+impl Fitted {
+    pub(crate) fn held_chi2(&self) -> f64 {
+        self.held.iter().map(Measured::total).sum()
+    }
+
+    pub(crate) fn held_count(&self) -> f64 {
+        self.held.iter().flat_map(|measured| &measured.count).sum()
+    }
+
+    /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.
+    pub(crate) fn scale(&self) -> f64 {
+        (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
+    }
+}
+
+/// Recordings and assumptions that all fits share.
+pub(crate) struct Bench<'a> {
+    pub(crate) training: &'a [Dataset],
+    pub(crate) folds: &'a Folds,
+    pub(crate) fit: FitOptions,
+    pub(crate) options: &'a Options,
+    /// Values that are cut off: limit and how many readings stand at it, by output.
+    pub(crate) extremes: Vec<(f64, u64)>,
+}
+
+impl Bench<'_> {
+    pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
+        Problem::new(model, self.training, self.fit.clone())
+    }
+
+    pub(crate) fn yardstick(
+        &self,
+        model: &Model,
+        values: &[f64],
+        levels: NoiseLevels,
+    ) -> Result<Yardstick, IdentifyError> {
+        let training = self.problem(model)?;
+        let held: Result<Vec<_>, _> = self
+            .folds
+            .folds
+            .iter()
+            .map(|fold| Problem::new(model, &fold.held_out, self.fit.clone()))
+            .collect();
+        let held = held?;
+        let problems: Vec<&Problem<'_>> = std::iter::once(&training).chain(&held).collect();
+        Yardstick::new(&problems, values, levels)
+    }
+
+    /// Fits a model, beginning at `values`, to all recordings and, where these are held out in turn, to each choice of them.
+    pub(crate) fn fitted(
+        &self,
+        model: &Model,
+        values: &[f64],
+        from: Option<&Fitted>,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let before = from.map(|from| (&from.model, &from.at));
+        let at =
+            compare::descend(&self.problem(model)?, yardstick, values, before, (compare::FINE, ITERATIONS))?;
+        at.map_or(Ok(None), |at| self.held(model, at, yardstick))
+    }
+
+    /// How a model that was fitted predicts what it was not fitted to.
+    pub(crate) fn held(
+        &self,
+        model: &Model,
+        at: Measured,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let held = self.folds.folds.par_iter().map(|fold| {
+            let values = if self.folds.kind == Validation::Holdout {
+                at.values.clone()
+            } else {
+                let own = Problem::new(model, &fold.fitted, self.fit.clone())?;
+                match compare::descend(&own, yardstick, &at.values, None, (compare::COARSE, FOLLOWING))? {
+                    Some(own) => own.values,
+                    None => return Ok(None),
+                }
+            };
+            let held_out = Problem::new(model, &fold.held_out, self.fit.clone())?;
+            compare::measure(&held_out, yardstick, &values)
+        });
+        let held: Result<Vec<Option<Measured>>, IdentifyError> = held.collect();
+        let held: Option<Vec<Measured>> = held?.into_iter().collect();
+        Ok(held.map(|held| Fitted { model: model.clone(), at, held }))
+    }
+}

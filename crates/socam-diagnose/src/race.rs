@@ -1,0 +1,87 @@
+//! Candidates fitted side by side, and given up when they fall behind.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::Model;
+
+use crate::{
+    bench::{Bench, Fitted},
+    candidates::Candidate,
+    screen::carry_values,
+};
+
+/// Iterations: so many to begin with, then so often so many more, unless these gained next to nothing.
+const FIRST_LEG: usize = 4;
+const LEGS: usize = 4;
+const LEG: usize = 5;
+const NEXT_TO_NOTHING: f64 = 5.0;
+/// Share of what the best gained that the others must have gained to stay in the race, after the first leg and later; or how near they
+/// must be to it.
+const IN_THE_RACE: [f64; 2] = [0.2, 0.5];
+const NEAR: f64 = 25.0;
+
+/// A candidate's fit on its way.
+struct Runner {
+    /// Among those that are tried.
+    index: usize,
+    model: Model,
+    at: Measured,
+    done: bool,
+}
+
+/// Fits what is tried, all for some iterations, then those that are still in the race.
+pub(crate) fn race(
+    bench: &Bench<'_>,
+    before: &Fitted,
+    tried: &[(Candidate, f64)],
+    yardstick: &Yardstick,
+) -> Result<Vec<(usize, Fitted)>, IdentifyError> {
+    let begun = tried.par_iter().enumerate().map(|(index, (candidate, _))| {
+        let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
+        let Ok(grown) = grown else { return Ok(None) };
+        let mut values = grown.values();
+        carry_values((&before.model, &before.at.values), (&grown, &mut values));
+        // While an effect is weak, nothing says what its other parameters should be: they wait for its strength.
+        let mut begun = grown.clone();
+        if let Some(used) = grown.effects.last() {
+            let own = used.effect.parameters.iter().zip(&used.parameters);
+            let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
+            others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
+        }
+        // From start states of its own: where physics is missing, those of the fit before make up for it.
+        let leg = (compare::COARSE, FIRST_LEG);
+        let at = compare::descend(&bench.problem(&begun)?, yardstick, &values, None, leg)?;
+        Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
+    });
+    let begun: Result<Vec<_>, IdentifyError> = begun.collect();
+    let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
+    for leg in 0..LEGS {
+        let least = runners.iter().map(|runner| runner.at.total()).fold(before.at.total(), f64::min);
+        let share = IN_THE_RACE[leg.min(1)];
+        let line = (before.at.total() - share * (before.at.total() - least)).max(least + NEAR);
+        runners.retain(|runner| runner.at.total() < line);
+        let next = runners.into_par_iter().map(|runner| further(bench, runner, yardstick));
+        runners = next.collect::<Result<_, IdentifyError>>()?;
+    }
+    let each = runners.into_par_iter().map(|Runner { index, model, at, .. }| {
+        Ok(bench.held(&model, at, yardstick)?.map(|fitted| (index, fitted)))
+    });
+    let all: Result<Vec<_>, IdentifyError> = each.collect();
+    Ok(all?.into_iter().flatten().collect())
+}
+
+fn further(bench: &Bench<'_>, runner: Runner, yardstick: &Yardstick) -> Result<Runner, IdentifyError> {
+    let Runner { index, model, at, done } = runner;
+    if done {
+        return Ok(Runner { index, model, at, done });
+    }
+    let leg = (compare::COARSE, LEG);
+    let next = compare::descend(&bench.problem(&model)?, yardstick, &at.values, Some((&model, &at)), leg)?;
+    let next = next.unwrap_or_else(|| at.clone());
+    let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
+    let done = next.converged || at.total() - next.total() < NEXT_TO_NOTHING * unit;
+    Ok(Runner { index, model, at: next, done })
+}
