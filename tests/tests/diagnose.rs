@@ -102,6 +102,18 @@ fn a_sensor_is_not_mistaken_for_the_plant() {
 }
 
 #[test]
+fn hum_in_a_sensor_is_found_with_its_frequency() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), &["sensor_hum@torque_in:amplitude=0.02,frequency=50"]);
+    let document = diagnosed(folder.path(), &[]);
+    assert_eq!(finding(&document, 0), ("sensor_hum", "torque_in"), "{}", document["findings"]);
+    assert_eq!(document["findings"].as_array().unwrap().len(), 1, "{}", document["findings"]);
+    let own = &document["findings"][0]["parameters"];
+    let [amplitude, frequency] = [0, 1].map(|k| own[k]["value"].as_f64().unwrap());
+    assert!((amplitude - 0.02).abs() < 1e-3 && (frequency - 50.0).abs() < 0.01, "{amplitude} {frequency}");
+}
+
+#[test]
 fn what_cannot_be_meant_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     record(folder.path(), &[]);

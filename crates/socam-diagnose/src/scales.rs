@@ -24,8 +24,9 @@ pub(crate) struct Scales {
 
 impl Scales {
     pub(crate) fn new(problem: &Problem<'_>, model: &Model, at: &Measured) -> Result<Self, IdentifyError> {
+        // Besides its own sensors: effects may sit in those.
         let mut probe = model.clone();
-        probe.channels.retain(|channel| channel.role == Role::Input);
+        let own = model.outputs().count();
         let mut seen = Vec::new();
         let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
         for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
@@ -39,7 +40,7 @@ impl Scales {
             seen.push(works);
         }
         let traces = compare::traces(problem, at, Some(&probe))?;
-        let sizes: Vec<f64> = (0..probe.outputs().count())
+        let sizes: Vec<f64> = (own..probe.outputs().count())
             .map(|output| {
                 let all = traces.iter().flat_map(|trace| &trace.predicted[output]);
                 all.fold(0.0, |most: f64, value| most.max(value.abs()))
@@ -48,8 +49,8 @@ impl Scales {
         let mut sizes = sizes.into_iter();
         let mut all = seen.into_iter().map(|works| if works { sizes.next().unwrap_or(0.0) } else { 0.0 });
         let speeds = all.by_ref().take(model.nodes.len()).collect();
-        let own = compare::traces(problem, at, None)?;
-        let peaks = (0..model.outputs().count()).map(|output| spectrum::peaks(&own, output, PEAKS)).collect();
+        let residuals = compare::traces(problem, at, None)?;
+        let peaks = (0..own).map(|output| spectrum::peaks(&residuals, output, PEAKS)).collect();
         Ok(Self { speeds, torques: all.collect(), peaks })
     }
 
