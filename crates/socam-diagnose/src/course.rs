@@ -33,7 +33,7 @@ const LEAST_SHARE: f64 = 5.0;
 /// A simpler effect is preferred if it predicts held-out recordings worse by no more than this, or by no more than this share of what
 /// the better one gains: real friction never quite obeys the law that is fitted, and a law with more parameters bends nearer.
 const PREFERENCE: f64 = 8.0;
-const PREFERENCE_SHARE: f64 = 0.03;
+const PREFERENCE_SHARE: f64 = 0.05;
 
 /// One effect that was added.
 #[derive(Debug, Clone)]
