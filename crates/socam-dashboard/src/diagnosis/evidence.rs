@@ -1,0 +1,334 @@
+//! What remains between model and recordings, before and after: over speed, angle, torque, frequency and time.
+
+use egui::{Color32, ComboBox, RichText, Ui, vec2};
+use socam_diagnose::document::Over as CurveOver;
+use socam_diagnose::evidence::{Binned, ChannelEvidence};
+use socam_diagnose::{Diagnosis, Evidence};
+
+use super::Sides;
+use crate::draw::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
+use crate::parameters::{heads, number};
+use crate::review::thinned;
+use crate::theme;
+
+/// Over what residuals are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(missing_docs, reason = "each is named by its tab")]
+pub enum Over {
+    Shape,
+    #[default]
+    Speed,
+    Angle,
+    Torque,
+    Frequency,
+    Time,
+    Fit,
+}
+
+impl Over {
+    pub(super) const ALL: [Self; 7] =
+        [Self::Speed, Self::Angle, Self::Torque, Self::Frequency, Self::Time, Self::Shape, Self::Fit];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Shape => "measured shape",
+            Self::Speed => "over speed",
+            Self::Angle => "over angle",
+            Self::Torque => "over torque",
+            Self::Frequency => "over frequency",
+            Self::Time => "over time",
+            Self::Fit => "fit",
+        }
+    }
+}
+
+/// What is chosen.
+pub(super) struct Choice<'a> {
+    pub(super) sides: Sides,
+    pub(super) over: Over,
+    pub(super) channel: &'a mut usize,
+    pub(super) recording: &'a mut usize,
+}
+
+pub(super) fn ui(
+    ui: &mut Ui,
+    diagnosis: &Diagnosis,
+    evidence: Option<&Evidence>,
+    choice: Choice<'_>,
+    seen: &mut Vec<Seen>,
+) {
+    match (choice.over, evidence) {
+        (Over::Fit, _) => fit(ui, diagnosis, choice.sides),
+        (Over::Shape, _) => shapes(ui, diagnosis, seen),
+        (_, None) => {
+            ui.label(RichText::new(
+                "The file of a diagnosis holds no residuals. Open its recordings and press Diagnose at the left to see them; the measured shape and the fit are in the file.",
+            ).color(theme::weak(ui)));
+        }
+        (Over::Time, Some(evidence)) => time(ui, evidence, choice, seen),
+        (_, Some(evidence)) => over(ui, evidence, choice, seen),
+    }
+}
+
+fn colours(ui: &Ui) -> [Color32; 2] {
+    [theme::alarm(ui), theme::good(ui)]
+}
+
+/// One chart per output channel, side by side.
+fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<Seen>) {
+    let count = evidence.channels.len().max(1) as f32;
+    let size =
+        vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, (ui.available_height() - 22.0).max(120.0));
+    legend(ui, choice.sides);
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        for channel in &evidence.channels {
+            if choice.over == Over::Frequency {
+                spectrum(ui, channel, choice.sides, size, seen);
+            } else {
+                binned(ui, channel, &choice, size, seen);
+            }
+        }
+    });
+}
+
+fn legend(ui: &mut Ui, sides: Sides) {
+    ui.horizontal(|ui| {
+        let [before, after] = colours(ui);
+        let texts = [
+            (sides != Sides::After, "before: the model as it was", before),
+            (sides != Sides::Before, "after: with the findings added", after),
+            (true, "grey: noise", theme::weak(ui)),
+        ];
+        for (_, text, colour) in texts.into_iter().filter(|(on, ..)| *on) {
+            ui.label(RichText::new(text).small().color(colour));
+        }
+    });
+}
+
+fn binned(
+    ui: &mut Ui,
+    channel: &ChannelEvidence,
+    choice: &Choice<'_>,
+    size: egui::Vec2,
+    seen: &mut Vec<Seen>,
+) {
+    let (binned, x_label) = match choice.over {
+        Over::Angle => (&channel.over_angle, "angle of the turn, rad"),
+        Over::Torque => (&channel.over_torque, "torque, N m"),
+        _ => (&channel.over_speed, "speed, rad/s"),
+    };
+    let title = format!("{}: mean residual, {}", channel.name, channel.unit);
+    let mut chart = Chart::new(("evidence", &channel.name), title, size);
+    chart.x_label = x_label.into();
+    chart.when_empty = "these recordings do not move along this axis";
+    if let Some(binned) = binned {
+        fill(ui, &mut chart, binned, channel.noise_std, choice.sides);
+    }
+    chart.show(ui, seen);
+}
+
+fn fill(ui: &Ui, chart: &mut Chart, binned: &Binned, noise_std: f64, sides: Sides) {
+    let [before, after] = colours(ui);
+    let lines = [
+        ("before", sides != Sides::After, before, &binned.before, &binned.before_std),
+        ("after", sides != Sides::Before, after, &binned.after, &binned.after_std),
+    ];
+    chart.x = range_of(binned.x.iter().copied()).map_or([0.0, 1.0], with_room);
+    for (name, _, colour, values, errors) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
+        let points: Vec<[f64; 2]> = binned.x.iter().zip(values).map(|(x, y)| [*x, *y]).collect();
+        let parts = thinned(&points, usize::MAX / 4);
+        chart.curves.push(Curve { name: name.into(), colour, parts, style: Style::Solid });
+        let band = points.iter().zip(errors).map(|([x, y], error)| [*x, y - 2.0 * error, y + 2.0 * error]);
+        chart.bands.push((band.collect(), colour.gamma_multiply(0.22)));
+    }
+    let drawn = chart.bands.iter().flat_map(|(band, _)| band.iter().flat_map(|[_, low, high]| [*low, *high]));
+    chart.y = chart.fitted(range_of(drawn.chain([0.0])));
+    // The noise of single samples; means of bins stay well inside.
+    let noise = [chart.x[0], chart.x[1]].map(|x| [x, -noise_std, noise_std]);
+    chart.bands.insert(0, (noise.to_vec(), theme::weak(ui).gamma_multiply(0.16)));
+}
+
+fn spectrum(ui: &mut Ui, channel: &ChannelEvidence, sides: Sides, size: egui::Vec2, seen: &mut Vec<Seen>) {
+    let title = format!("{}: residual, {} per sqrt(Hz)", channel.name, channel.unit);
+    let mut chart = Chart::new(("evidence", &channel.name), title, size);
+    chart.x_label = "frequency, Hz".into();
+    chart.scales = [Scale::Log; 2];
+    chart.when_empty = "too short for a spectrum";
+    if let Some(spectrum) = &channel.spectrum {
+        let [before, after] = colours(ui);
+        let lines = [
+            ("noise", true, theme::weak(ui), &spectrum.noise),
+            ("before", sides != Sides::After, before, &spectrum.before),
+            ("after", sides != Sides::Before, after, &spectrum.after),
+        ];
+        for (name, _, colour, values) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
+            let points = spectrum.frequency_hz.iter().zip(values).map(|(f, y)| [*f, *y]);
+            let points = points.filter(|[f, y]| *f > 0.0 && *y > 0.0).collect();
+            chart.curves.push(Curve { name: name.into(), colour, parts: vec![points], style: Style::Solid });
+        }
+        let all = || chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten());
+        let (x, y) = (range_of(all().map(|p| p[0])), range_of(all().map(|p| p[1])));
+        chart.x = x.unwrap_or([1.0, 10.0]);
+        chart.y = y.map_or([0.1, 1.0], |range| chart.fitted(Some(range)));
+    }
+    chart.show(ui, seen);
+}
+
+fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<Seen>) {
+    let Some(recording) = evidence.recordings.get(*choice.recording).or(evidence.recordings.first()) else {
+        return;
+    };
+    ui.horizontal(|ui| {
+        let label = ui.label("recording");
+        let name = |index: usize| {
+            let own = &evidence.recordings[index];
+            format!("{}{}", crate::recording::short(&own.name), if own.held_out { " (held out)" } else { "" })
+        };
+        let shown = ComboBox::from_id_salt("evidence of")
+            .width(260.0)
+            .selected_text(name((*choice.recording).min(evidence.recordings.len() - 1)));
+        let shown = shown.show_ui(ui, |ui| {
+            for index in 0..evidence.recordings.len() {
+                ui.selectable_value(choice.recording, index, name(index));
+            }
+        });
+        shown.response.labelled_by(label.id);
+        let label = ui.label("channel");
+        let name = recording.channels.get(*choice.channel).map_or("", |trace| trace.channel.as_str());
+        let shown = ComboBox::from_id_salt("channel of").selected_text(name).show_ui(ui, |ui| {
+            for (index, trace) in recording.channels.iter().enumerate() {
+                ui.selectable_value(choice.channel, index, &trace.channel);
+            }
+        });
+        shown.response.labelled_by(label.id);
+        legend(ui, choice.sides);
+    });
+    let Some(trace) = recording.channels.get(*choice.channel).or(recording.channels.first()) else { return };
+    let size = vec2(ui.available_width(), ui.available_height().max(120.0));
+    let known = evidence.channels.iter().find(|channel| channel.name == trace.channel);
+    let unit = known.map_or("", |channel| channel.unit.as_str());
+    let mut chart = Chart::new("evidence over time", format!("{}: residual, {unit}", trace.channel), size);
+    chart.x_label = "time from the start of the recording, s".into();
+    let [before, after] = colours(ui);
+    let lines = [
+        ("before", choice.sides != Sides::After, before, &trace.before),
+        ("after", choice.sides != Sides::Before, after, &trace.after),
+    ];
+    for (name, _, colour, values) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
+        let points: Vec<[f64; 2]> =
+            trace.time_s.iter().zip(values).map(|(time, value)| [*time, *value]).collect();
+        let parts = thinned(&points, size.x as usize);
+        chart.curves.push(Curve { name: name.into(), colour, parts, style: Style::Solid });
+    }
+    chart.x = range_of(trace.time_s.iter().copied()).unwrap_or([0.0, 1.0]);
+    chart.y =
+        chart.fitted(range_of(chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]))));
+    if let Some(channel) = known {
+        let noise = [chart.x[0], chart.x[1]].map(|x| [x, -channel.noise_std, channel.noise_std]);
+        chart.bands.push((noise.to_vec(), theme::weak(ui).gamma_multiply(0.16)));
+    }
+    chart.show(ui, seen);
+}
+
+/// The missing torque or channel error as it was measured.
+fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
+    let curves: Vec<_> = diagnosis
+        .findings
+        .iter()
+        .enumerate()
+        .filter_map(|(n, f)| Some((n + 1, f, f.curve.as_ref()?)))
+        .collect();
+    if curves.is_empty() {
+        ui.label(RichText::new("No finding of this diagnosis has a measured shape.").color(theme::weak(ui)));
+        return;
+    }
+    let count = curves.len() as f32;
+    let size = vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, ui.available_height().max(120.0));
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        for (number, finding, curve) in curves {
+            let title = format!(
+                "{number}. {} at {}: what is missing, {}",
+                finding.effect, finding.location, curve.torque_unit
+            );
+            let mut chart = Chart::new(("shape", number), title, size);
+            let over = match curve.over {
+                CurveOver::Speed => "speed",
+                CurveOver::Angle => "angle",
+                CurveOver::Torque => "torque",
+                CurveOver::Time => "time",
+                CurveOver::Frequency => "frequency",
+            };
+            chart.x_label = format!("{over}, {}", curve.unit);
+            let value = |value: &Option<f64>| value.unwrap_or(f64::NAN);
+            let points: Vec<[f64; 2]> =
+                curve.x.iter().zip(&curve.torque).map(|(x, y)| [*x, value(y)]).collect();
+            let band = points
+                .iter()
+                .zip(&curve.torque_std)
+                .map(|([x, y], std)| [*x, y - 2.0 * value(std), y + 2.0 * value(std)]);
+            let colour = theme::alarm(ui);
+            chart.bands.push((band.collect(), colour.gamma_multiply(0.22)));
+            chart.x = range_of(curve.x.iter().copied()).map_or([0.0, 1.0], with_room);
+            chart.y = chart.fitted(range_of(points.iter().map(|point| point[1]).chain([0.0])));
+            let parts = thinned(&points, usize::MAX / 4);
+            chart.curves.push(Curve { name: finding.effect.clone(), colour, parts, style: Style::Dotted });
+            chart.show(ui, seen);
+        }
+    });
+}
+
+fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
+    ui.label(
+        RichText::new(
+            "Root mean square residual in units of the noise floor: 1 is all that a perfect model could do",
+        )
+        .small()
+        .color(theme::weak(ui)),
+    );
+    egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]).show(ui, |ui| {
+        heads(ui, &["channel", "data", "", "before", "after", "noise floor", "unit"]);
+        for (name, fit) in &diagnosis.fit.channels {
+            let rows = [
+                ("fitted", fit.rms_before, fit.rms_after),
+                ("held out", fit.holdout_rms_before, fit.holdout_rms_after),
+            ];
+            for (data, before, after) in rows {
+                ui.strong(if data == "fitted" { name.as_str() } else { "" });
+                ui.label(data);
+                bars(ui, [before, after], fit.noise_std, sides);
+                for value in [before, after, fit.noise_std] {
+                    ui.label(RichText::new(value.map_or("-".into(), number)).monospace());
+                }
+                ui.label(&fit.unit);
+                ui.end_row();
+            }
+        }
+    });
+}
+
+/// Both residuals on a logarithmic scale from half the noise to thirty times it.
+fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Sides) {
+    let (rect, response) = ui.allocate_exact_size(vec2(300.0, 20.0), egui::Sense::hover());
+    let Some(noise) = noise_std.filter(|noise| *noise > 0.0) else { return };
+    let painter = ui.painter_at(rect);
+    let at = |ratio: f64| {
+        rect.left() + rect.width() * ((ratio / 0.5).log10() / 60_f64.log10()).clamp(0.0, 1.0) as f32
+    };
+    painter.vline(at(1.0), rect.y_range(), egui::Stroke::new(1.0, theme::weak(ui)));
+    let on = [sides != Sides::After, sides != Sides::Before];
+    for (index, colour) in colours(ui).into_iter().enumerate() {
+        let Some(value) = values[index].filter(|_| on[index]) else { continue };
+        let top = rect.top() + 2.0 + 9.0 * index as f32;
+        let bar =
+            egui::Rect::from_min_max(egui::pos2(rect.left(), top), egui::pos2(at(value / noise), top + 7.0));
+        painter.rect_filled(bar, 2.0, colour);
+    }
+    let ratio = |value: Option<f64>| value.map_or("-".into(), |value| number(value / noise));
+    response.on_hover_text(format!(
+        "before {} x noise, after {} x noise",
+        ratio(values[0]),
+        ratio(values[1])
+    ));
+}

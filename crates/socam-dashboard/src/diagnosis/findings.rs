@@ -1,0 +1,173 @@
+//! What was found, in words and numbers.
+
+use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
+use socam_diagnose::Diagnosis;
+use socam_diagnose::document::{EffectParameter, Finding, ParameterChange};
+use socam_recording::ProfileFile;
+
+use crate::parameters::{heads, interval, number};
+use crate::theme;
+
+/// Draws the list. Returns the profile that is to be recorded next, where that was pressed.
+pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<String>) -> Option<ProfileFile> {
+    let mut wanted = None;
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        one(ui, index + 1, finding, selected);
+    }
+    if let Some(next) = &diagnosis.suggested_experiment {
+        card(ui, false, |ui| {
+            ui.label(RichText::new("What to record next").strong());
+            ui.label(&next.sentence);
+            if !next.tells_apart.is_empty() {
+                ui.label(
+                    RichText::new(format!("tells apart {}", next.tells_apart.join(" and ")))
+                        .small()
+                        .color(theme::weak(ui)),
+                );
+            }
+            let profile = ProfileFile::parse(&next.profile).or_else(|_| ProfileFile::open(&next.profile));
+            match profile {
+                Ok(profile) => {
+                    if ui.button("Make it the input signal").clicked() {
+                        wanted = Some(profile);
+                    }
+                }
+                Err(error) => {
+                    ui.label(RichText::new(error.to_string()).small().color(theme::alarm(ui)));
+                }
+            }
+        });
+    }
+    for warning in &diagnosis.warnings {
+        ui.label(RichText::new(warning).small().color(theme::alarm(ui)));
+    }
+    egui::CollapsingHeader::new("Parameters before and after")
+        .default_open(diagnosis.findings.is_empty())
+        .show(ui, |ui| {
+            parameters(ui, diagnosis);
+        });
+    egui::CollapsingHeader::new(format!("Looked for and not found ({})", diagnosis.not_found.len())).show(
+        ui,
+        |ui| {
+            not_found(ui, diagnosis);
+        },
+    );
+    wanted
+}
+
+fn card(ui: &mut Ui, lit: bool, contents: impl FnOnce(&mut Ui)) {
+    let stroke = if lit { Stroke::new(1.5, theme::alarm(ui)) } else { Stroke::NONE };
+    Frame::new().fill(theme::card(ui)).stroke(stroke).corner_radius(6).inner_margin(Margin::same(9)).show(
+        ui,
+        |ui| {
+            contents(ui);
+            ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
+        },
+    );
+    ui.add_space(5.0);
+}
+
+fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Option<String>) {
+    let lit = selected.as_ref() == Some(&finding.location);
+    card(ui, lit, |ui| {
+        let title = format!("{number_of_it}. {} at {}", finding.effect, finding.location);
+        let text = RichText::new(title).strong().size(15.0).color(theme::alarm(ui));
+        if ui.add(egui::Label::new(text).wrap().sense(egui::Sense::click())).clicked() {
+            *selected = Some(finding.location.clone());
+        }
+        ui.label(&finding.sentence);
+        ui.label(RichText::new(&finding.equation).monospace());
+        if finding.components.is_empty() {
+            parameter_lines(ui, &finding.parameters);
+        }
+        for component in &finding.components {
+            parameter_lines(ui, &component.parameters);
+            ui.add_space(2.0);
+        }
+        if !finding.region.text.is_empty() {
+            ui.label(RichText::new(format!("lives {}", finding.region.text)).color(theme::weak(ui)));
+        }
+        let proof = &finding.evidence;
+        if let Some(gain) = proof.holdout_gain_percent {
+            ui.label(format!(
+                "On data that were never fitted it removes {gain:.1} % of what exceeded the noise"
+            ));
+        }
+        let chance = proof
+            .p_value
+            .map(|p| if p < 1e-12 { "chance below 1e-12".to_owned() } else { format!("chance {p:.1e}") });
+        let gain = proof.chi2_gain.map(|gain| format!("chi-square falls by {}", number(gain)));
+        let text: Vec<String> = [chance, gain].into_iter().flatten().collect();
+        if !text.is_empty() {
+            ui.label(RichText::new(text.join(", ")).small().color(theme::weak(ui)));
+        }
+        if !finding.rivals.is_empty() {
+            ui.add_space(3.0);
+            ui.label(RichText::new("Rivals: these data cannot rule out").strong().small());
+            for rival in &finding.rivals {
+                ui.label(format!("{} at {} ({:.0} %)", rival.effect, rival.location, 100.0 * rival.weight));
+            }
+        }
+    });
+}
+
+fn parameter_lines(ui: &mut Ui, parameters: &[EffectParameter]) {
+    for parameter in parameters {
+        let value = parameter.value.map_or("not determined".into(), number);
+        let text = format!("{} = {value} {}  {}", parameter.name, parameter.unit, interval(parameter.ci95));
+        ui.label(RichText::new(text).monospace());
+    }
+}
+
+fn parameters(ui: &mut Ui, diagnosis: &Diagnosis) {
+    Grid::new("changes").striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
+        heads(ui, &["", "before", "after", "unit", "95 % interval"]);
+        let row = |ui: &mut Ui,
+                   name: &str,
+                   unit: &str,
+                   before: Option<f64>,
+                   after: Option<f64>,
+                   ci95: [Option<f64>; 2]| {
+            ui.strong(name);
+            for value in [before, after] {
+                ui.label(RichText::new(value.map_or("-".into(), number)).monospace());
+            }
+            ui.label(unit);
+            ui.label(RichText::new(interval(ci95)).monospace());
+            ui.end_row();
+        };
+        for ParameterChange { name, unit, before, after, ci95, fixed, .. } in &diagnosis.parameters {
+            if !fixed {
+                row(ui, name, unit, *before, *after, *ci95);
+            }
+        }
+        for own in &diagnosis.combinations {
+            row(ui, &own.name, &own.unit, own.before, own.after, own.ci95);
+        }
+    });
+    let open: Vec<&str> = diagnosis
+        .parameters
+        .iter()
+        .filter(|p| !p.identifiable && !p.fixed)
+        .map(|p| p.name.as_str())
+        .collect();
+    if !open.is_empty() {
+        let text = format!("not determined by these recordings: {}", open.join(", "));
+        ui.label(RichText::new(text).small().color(theme::alarm(ui)));
+    }
+}
+
+fn not_found(ui: &mut Ui, diagnosis: &Diagnosis) {
+    Grid::new("not found").striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
+        heads(ui, &["effect", "place", "would have been seen from"]);
+        for entry in &diagnosis.not_found {
+            ui.label(&entry.effect);
+            ui.label(&entry.location);
+            let size = entry
+                .smallest_detectable
+                .map(|size| format!("{} {} {}", entry.parameter, number(size), entry.unit));
+            ui.label(size.unwrap_or_else(|| "not by these recordings".into()));
+            ui.end_row();
+        }
+    });
+}

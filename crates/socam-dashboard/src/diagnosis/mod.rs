@@ -1,0 +1,236 @@
+//! The diagnosis: the bench as a drawing with what is missing lit, the evidence, the rivals, and what to record next.
+
+mod drawing;
+mod evidence;
+mod findings;
+mod work;
+
+use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
+use socam_diagnose::document::{Validation, Verdict};
+use socam_diagnose::{Diagnosis, Evidence};
+use socam_model::Model;
+use socam_recording::ProfileFile;
+
+use crate::draw::chart::{self, Seen};
+use crate::job::{CANCELLED, Job};
+use crate::recording::{Recording, short};
+use crate::theme;
+pub use evidence::Over;
+
+/// Which residuals are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// Of the model as it was.
+    Before,
+    /// With the findings added.
+    After,
+    /// Both.
+    #[default]
+    Both,
+}
+
+/// What the view remembers.
+#[derive(Debug, Default)]
+pub struct DiagnosisView {
+    shown: Option<Shown>,
+    /// Which residuals are drawn.
+    pub sides: Sides,
+    /// Over what they are drawn.
+    pub over: Over,
+    channel: usize,
+    recording: usize,
+    /// The place that was clicked in the drawing.
+    selected: Option<String>,
+    /// Recordings that are kept for the proof.
+    held_out: Vec<String>,
+    job: Option<Job<work::Outcome>>,
+    problem: Option<String>,
+}
+
+/// A diagnosis and what belongs to it.
+#[derive(Debug)]
+struct Shown {
+    diagnosis: Diagnosis,
+    evidence: Option<Evidence>,
+    model: Model,
+}
+
+impl DiagnosisView {
+    /// Whether a diagnosis is being made.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Begins a diagnosis of recordings; those that are held out are the proof.
+    pub(crate) fn start(
+        &mut self,
+        ctx: &egui::Context,
+        model: Model,
+        names: Vec<String>,
+        held_out: Vec<String>,
+    ) {
+        self.problem = None;
+        let (kept, fitted) = names.into_iter().partition(|name| held_out.contains(name));
+        self.held_out = held_out;
+        self.job = Some(work::start(ctx, model, fitted, kept));
+    }
+
+    /// Shows a diagnosis of a model.
+    pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
+        self.selected = None;
+        (self.channel, self.recording, self.problem) = (0, 0, None);
+        // The evidence that shows the strongest finding best comes first.
+        if let Some(finding) = diagnosis.findings.first() {
+            let region = &finding.region;
+            self.over = match () {
+                () if finding.curve.is_some() && evidence.is_none() => Over::Shape,
+                () if region.frequency_hz.is_some() => Over::Frequency,
+                () if region.torque_nm.is_some() => Over::Torque,
+                () => Over::Speed,
+            };
+        }
+        self.shown = Some(Shown { diagnosis, evidence, model });
+    }
+
+    /// Adds residuals to the diagnosis that is shown.
+    pub(crate) fn evidence(&mut self, evidence: Evidence) {
+        if let Some(shown) = &mut self.shown {
+            shown.evidence = Some(evidence);
+        }
+    }
+
+    /// Draws it. Returns the profile that is to become the input signal.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        recordings: &[&Recording],
+        model: &Model,
+        seen: &mut Vec<Seen>,
+    ) -> Option<ProfileFile> {
+        if let Some(outcome) = self.job.as_ref().and_then(Job::poll) {
+            self.job = None;
+            match outcome.and_then(|outcome| outcome) {
+                Ok(answer) => self.show(answer.diagnosis, Some(answer.evidence), answer.model),
+                Err(sentence) if sentence == CANCELLED => {}
+                Err(sentence) => self.problem = Some(sentence),
+            }
+        }
+        let mut wanted = None;
+        egui::Panel::left("findings").default_size(372.0).size_range(250.0..=640.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                self.begin(ui, recordings, model);
+                if let Some(shown) = &self.shown {
+                    wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
+                }
+            });
+        });
+        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen));
+        wanted
+    }
+
+    /// What a new diagnosis would be made of.
+    fn begin(&mut self, ui: &mut Ui, recordings: &[&Recording], model: &Model) {
+        if let Some(job) = &self.job {
+            if job.ui(ui) {
+                self.job = None;
+            }
+            return;
+        }
+        if let Some(problem) = &self.problem {
+            ui.label(RichText::new(problem).color(theme::alarm(ui)));
+        }
+        let usable: Vec<&&Recording> =
+            recordings.iter().filter(|recording| recording.path.is_some()).collect();
+        if usable.is_empty() {
+            return;
+        }
+        egui::CollapsingHeader::new("Diagnose the open recordings").default_open(self.shown.is_none()).show(
+            ui,
+            |ui| {
+                for recording in &usable {
+                    let name = &recording.about.name;
+                    let mut out = self.held_out.contains(name);
+                    let text = format!("hold out {}", short(name));
+                    if ui
+                        .checkbox(&mut out, text)
+                        .on_hover_text("never fitted, only predicted: the proof")
+                        .changed()
+                    {
+                        if out {
+                            self.held_out.push(name.clone())
+                        } else {
+                            self.held_out.retain(|own| own != name)
+                        }
+                    }
+                }
+                let names: Vec<String> =
+                    usable.iter().map(|recording| recording.about.name.clone()).collect();
+                let any = names.iter().any(|name| !self.held_out.contains(name));
+                if ui.add_enabled(any, egui::Button::new("Diagnose")).clicked() {
+                    self.start(ui.ctx(), model.clone(), names, self.held_out.clone());
+                }
+            },
+        );
+    }
+
+    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {
+        let Some(shown) = &self.shown else {
+            chart::empty_state(
+                ui,
+                "No diagnosis yet",
+                "Open recordings of the bench and press Diagnose at the left, or open the folder that `socam-host diagnose RUN... --report DIR` wrote. The drawing then shows where model and recordings part.",
+            );
+            return;
+        };
+        verdict(ui, &shown.diagnosis);
+        drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
+        ui.add_space(2.0);
+        ui.horizontal_wrapped(|ui| {
+            for over in Over::ALL {
+                if ui.selectable_label(self.over == over, over.name()).clicked() {
+                    self.over = over;
+                }
+            }
+            ui.separator();
+            for (sides, name) in [(Sides::Before, "before"), (Sides::After, "after"), (Sides::Both, "both")] {
+                ui.selectable_value(&mut self.sides, sides, name);
+            }
+        });
+        let view = evidence::Choice {
+            sides: self.sides,
+            over: self.over,
+            channel: &mut self.channel,
+            recording: &mut self.recording,
+        };
+        evidence::ui(ui, &shown.diagnosis, shown.evidence.as_ref(), view, seen);
+    }
+}
+
+fn verdict(ui: &mut Ui, diagnosis: &Diagnosis) {
+    let (text, colour) = match diagnosis.verdict {
+        Verdict::Adequate => {
+            ("The model explains these recordings: nothing is missing that they could show", theme::good(ui))
+        }
+        Verdict::MissingPhysics => ("The model leaves physics out", theme::alarm(ui)),
+        Verdict::Unexplained => {
+            ("The model leaves something out that has no name in the catalogue", theme::alarm(ui))
+        }
+    };
+    let proof = match diagnosis.validation {
+        Validation::Holdout => "proven on recordings that were held out",
+        Validation::LeaveOneOut => "proven on each recording in turn, fitted to the others",
+        Validation::Blocks => "tried on each part of the recording in turn",
+    };
+    let ground =
+        if diagnosis.verdict == Verdict::Adequate { theme::card(ui) } else { theme::alarm_ground(ui) };
+    Frame::new().fill(ground).corner_radius(6).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(text).strong().size(15.0).color(colour));
+            let rest = format!("{proof}; false alarms: {} %", 100.0 * diagnosis.false_alarm_rate);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.label(RichText::new(rest).small().color(theme::weak(ui)));
+            });
+        });
+    });
+}

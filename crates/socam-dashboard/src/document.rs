@@ -1,0 +1,95 @@
+//! Whatever can be opened: recordings, models, identifications, diagnoses, input signals, each known by its content.
+
+use std::path::Path;
+
+use socam_diagnose::Diagnosis;
+use socam_model::Model;
+use socam_recording::ProfileFile;
+
+use crate::job::Handle;
+use crate::parameters::Identification;
+use crate::recording::Recording;
+
+/// Something that was opened.
+#[derive(Debug)]
+pub enum Document {
+    /// A recording.
+    Recording(Recording),
+    /// A model and its text.
+    Model(Box<Model>),
+    /// An identification (`identify --json`).
+    Identification(Box<Identification>),
+    /// A diagnosis (`diagnose --json`), with the model beside it where its folder has one.
+    Diagnosis(Box<Diagnosis>, Option<Box<Model>>),
+    /// An input signal.
+    Signal(ProfileFile),
+}
+
+/// Opens what is at a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
+///
+/// # Errors
+/// When it is none of these or cannot be read; one sentence.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
+    let place = Path::new(path);
+    if place.is_dir() {
+        let answer = place.join("diagnosis.json");
+        if !answer.is_file() {
+            return Err(format!(
+                "{path} is a folder without diagnosis.json; open a file, or the folder that `diagnose --report` wrote"
+            ));
+        }
+        return open(&answer.display().to_string(), handle);
+    }
+    let extension = place.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if extension != "toml" && extension != "json" {
+        return Recording::open(path, handle).map(Document::Recording);
+    }
+    let text = std::fs::read_to_string(place).map_err(|error| format!("cannot read {path}: {error}"))?;
+    let mut document = parse(path, &text)?;
+    if let Document::Diagnosis(diagnosis, model) = &mut document {
+        let builtin = || Model::builtin(&diagnosis.model);
+        *model = beside(place).or_else(builtin).map(Box::new);
+    }
+    Ok(document)
+}
+
+/// The model that a diagnosis' report keeps beside it.
+#[cfg(not(target_arch = "wasm32"))]
+fn beside(diagnosis: &Path) -> Option<Model> {
+    Model::parse(&std::fs::read_to_string(diagnosis.with_file_name("model.toml")).ok()?).ok()
+}
+
+/// A document of a text: JSON or TOML, known by its `schema`.
+///
+/// # Errors
+/// When it is none of ours, or not whole; one sentence.
+pub fn parse(name: &str, text: &str) -> Result<Document, String> {
+    let foreign = |problem: &str| {
+        format!("{name}: {problem}; expected a socam recording, model, profile, identification or diagnosis")
+    };
+    if text.trim_start().starts_with('{') {
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| foreign(&format!("it is no whole JSON ({error})")))?;
+        let schema = value["schema"].as_str().unwrap_or_default().to_owned();
+        let broken = |error: serde_json::Error| format!("{name} says {schema}, but {error}");
+        return match schema.as_str() {
+            socam_diagnose::document::SCHEMA => {
+                let diagnosis: Diagnosis = serde_json::from_value(value).map_err(broken)?;
+                let model = Model::builtin(&diagnosis.model).map(Box::new);
+                Ok(Document::Diagnosis(Box::new(diagnosis), model))
+            }
+            crate::parameters::SCHEMA => {
+                Ok(Document::Identification(Box::new(serde_json::from_value(value).map_err(broken)?)))
+            }
+            "" => Err(foreign("its JSON has no `schema`")),
+            other => Err(foreign(&format!("its schema is `{other}`"))),
+        };
+    }
+    if text.contains("socam.profile/") {
+        return ProfileFile::parse(text).map(Document::Signal).map_err(|error| format!("{name}: {error}"));
+    }
+    Model::parse(text)
+        .map(|model| Document::Model(Box::new(model)))
+        .map_err(|error| format!("{name}: {error}"))
+}

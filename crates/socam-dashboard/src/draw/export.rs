@@ -1,0 +1,29 @@
+//! What is seen, as a table.
+
+use std::fmt::Write;
+
+use super::chart::Seen;
+
+/// All lines that are seen, one point per row: `chart,line,x,y`. Where a chart draws least and greatest of many samples, the table
+/// has these.
+#[must_use]
+pub fn csv(seen: &[Seen]) -> String {
+    let mut out = String::from("chart,line,x_axis,x,y\n");
+    for chart in seen {
+        for curve in &chart.curves {
+            let head = [&chart.title, &curve.name, &chart.x_label].map(|text| quoted(text)).join(",");
+            for [x, y] in curve.parts.iter().flatten() {
+                let _ = writeln!(out, "{head},{x},{y}");
+            }
+        }
+    }
+    out
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

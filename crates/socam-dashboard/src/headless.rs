@@ -1,0 +1,64 @@
+//! The dashboard without a display.
+
+use std::time::{Duration, Instant};
+
+use egui::{ColorImage, RawInput, Rect, pos2, vec2};
+
+use crate::Dashboard;
+use crate::draw::raster::Raster;
+
+/// What to draw it on.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight {
+    /// Size in points.
+    pub size: [f32; 2],
+    /// Pixels per point.
+    pub scale: f32,
+}
+
+/// Passes until the layout has settled.
+const PASSES: usize = 5;
+
+/// Draws it once everything that was being opened is there; the same state gives the same bytes.
+///
+/// # Errors
+/// When files are still being opened after `patience`; one sentence.
+pub fn picture(dashboard: &mut Dashboard, sight: Sight, patience: Duration) -> Result<ColorImage, String> {
+    let ctx = egui::Context::default();
+    dashboard.set_up(&ctx);
+    let mut raster = Raster::default();
+    let begin = Instant::now();
+    let mut passes = 0;
+    loop {
+        let waits = dashboard.is_busy();
+        if waits && begin.elapsed() > patience {
+            return Err(format!("files were still being opened after {} s", patience.as_secs()));
+        }
+        if waits {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let mut output = ctx.run_ui(input(sight, passes), |ui| dashboard.ui(ui));
+        raster.take(&mut output.textures_delta);
+        passes = if waits || dashboard.is_busy() { 0 } else { passes + 1 };
+        if passes >= PASSES {
+            let size = sight.size.map(|points| (points * sight.scale).round() as usize);
+            let ground = ctx.global_style().visuals.panel_fill;
+            return Ok(raster.draw(&ctx, output.shapes, output.pixels_per_point, size, ground));
+        }
+    }
+}
+
+fn input(sight: Sight, pass: usize) -> RawInput {
+    let size = vec2(sight.size[0], sight.size[1]);
+    let mut input = RawInput {
+        screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), size)),
+        // A clock that stands nearly still: nothing blinks and nothing is animated.
+        time: Some(pass as f64 * 0.016),
+        focused: true,
+        ..RawInput::default()
+    };
+    if let Some(viewport) = input.viewports.get_mut(&input.viewport_id) {
+        viewport.native_pixels_per_point = Some(sight.scale);
+    }
+    input
+}

@@ -1,0 +1,113 @@
+//! Work that takes longer than a frame: on a thread of its own, with progress, and a way to cancel it.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{ProgressBar, Ui};
+
+/// What an abandoned job answers.
+pub const CANCELLED: &str = "cancelled";
+
+#[derive(Debug, Default)]
+struct State {
+    cancelled: AtomicBool,
+    /// In thousandths; above a thousand: not known.
+    reached: AtomicU32,
+    doing: Mutex<String>,
+}
+
+/// The worker's end of a job.
+#[derive(Debug, Clone, Default)]
+pub struct Handle(Arc<State>);
+
+impl Handle {
+    /// Says how far it is, 0 to 1.
+    ///
+    /// # Errors
+    /// When the job was cancelled: the worker passes this on and ends.
+    pub fn reached(&self, fraction: f32) -> Result<(), String> {
+        self.0.reached.store((1000.0 * fraction) as u32, Ordering::Relaxed);
+        if self.is_cancelled() { Err(CANCELLED.into()) } else { Ok(()) }
+    }
+
+    /// Says what it does now.
+    pub fn doing(&self, text: String) {
+        *self.0.doing.lock().unwrap_or_else(PoisonError::into_inner) = text;
+    }
+
+    /// Whether nobody waits any more.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+/// A job that runs.
+#[derive(Debug)]
+pub struct Job<T> {
+    handle: Handle,
+    result: Receiver<T>,
+}
+
+impl<T: Send + 'static> Job<T> {
+    /// Starts it; the window is drawn again when it ends. Where there are no threads (in a browser) it runs at once.
+    pub fn start(title: &str, ctx: &egui::Context, work: impl FnOnce(&Handle) -> T + Send + 'static) -> Self {
+        let handle = Handle::default();
+        handle.doing(title.to_owned());
+        let (sender, result) = channel();
+        let (theirs, ctx) = (handle.clone(), ctx.clone());
+        let run = move || {
+            // Whoever cancelled it does not listen any more.
+            let _ = sender.send(work(&theirs));
+            ctx.request_repaint();
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        std::thread::spawn(run);
+        #[cfg(target_arch = "wasm32")]
+        run();
+        Self { handle, result }
+    }
+
+    /// Its result, once. A worker that died gives none: `Err`.
+    pub fn poll(&self) -> Option<Result<T, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(Ok(result)),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err("the work ended without a result; please report this".into()))
+            }
+        }
+    }
+
+    /// Asks it to end.
+    pub fn cancel(&self) {
+        self.handle.0.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Draws how far it is and a button to cancel it; true when that was pressed.
+    pub fn ui(&self, ui: &mut Ui) -> bool {
+        ui.ctx().request_repaint_after_secs(0.1);
+        let text = self.handle.0.doing.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let reached = self.handle.0.reached.load(Ordering::Relaxed) as f32 / 1000.0;
+        let mut cancelled = false;
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(&text);
+            if reached > 0.0 {
+                ui.add(ProgressBar::new(reached).desired_width(160.0).show_percentage());
+            }
+            cancelled = ui.button("Cancel").clicked();
+        });
+        if cancelled {
+            self.cancel();
+        }
+        cancelled
+    }
+}
+
+impl<T> Drop for Job<T> {
+    fn drop(&mut self) {
+        self.handle.0.cancelled.store(true, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,27 @@
+//! The dashboard: panels over plain state.
+//!
+//! [`Dashboard`] is everything that is shown; [`Dashboard::ui`] draws it into whatever window there is: the host's, a browser's, or none
+//! ([`picture`] and [`headless`] draw without a display, which is how reports and tests see it). Opening files and diagnosing run on
+//! threads ([`job`]); a running bench is at the other end of two channels ([`live`]), so that no picture ever holds up a sample.
+//!
+//! SI inside, unit in the name.
+
+mod dashboard;
+pub mod diagnosis;
+pub mod document;
+pub mod draw;
+pub mod files;
+mod headless;
+mod help;
+pub mod job;
+pub mod live;
+mod menu;
+pub mod parameters;
+pub mod recording;
+pub mod review;
+pub mod samples;
+pub mod spectra;
+pub mod theme;
+
+pub use dashboard::{Dashboard, Layout, Simulate, View};
+pub use headless::{Sight, picture};

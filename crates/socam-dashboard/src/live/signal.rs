@@ -1,0 +1,310 @@
+//! The input signal: that of the thesis' program within its limits, or any other profile.
+
+use std::path::Path;
+
+use socam_core::Command;
+use socam_recording::{Course, ProfileFile};
+
+/// Amplitudes of the sine, V.
+pub const AMPLITUDE_V: [f64; 2] = [0.2, 2.3];
+/// Frequencies of the sine, Hz.
+pub const FREQUENCY_HZ: [f64; 2] = [0.05, 5.0];
+/// What the command never exceeds, V: offset and amplitude together.
+pub const LIMIT_V: f64 = 2.5;
+/// Durations, s.
+pub const DURATION_S: [f64; 2] = [1.0, 600.0];
+
+/// What kind of signal it is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// A sine around an offset.
+    Sine,
+    /// A constant voltage.
+    Constant,
+    /// Another profile: a built-in one by name, or one that was opened.
+    Other(String, ProfileFile),
+}
+
+/// What the panel shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// What kind.
+    pub kind: Kind,
+    /// Of the sine, V.
+    pub amplitude_v: f64,
+    /// Of the sine, Hz.
+    pub frequency_hz: f64,
+    /// Of the sine, V.
+    pub offset_v: f64,
+    /// Of the constant, V.
+    pub level_v: f64,
+    /// Until it ends, s.
+    pub duration_s: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            kind: Kind::Sine,
+            amplitude_v: 0.4,
+            frequency_hz: 1.0,
+            offset_v: 1.2,
+            level_v: 1.0,
+            duration_s: 10.0,
+        }
+    }
+}
+
+impl Settings {
+    /// Within all limits: how the settings differ from what was asked, in words; nothing where they do not.
+    pub fn limit(&mut self) -> Option<String> {
+        let before = self.clone();
+        let clamp =
+            |value: f64, [low, high]: [f64; 2]| if value.is_finite() { value.clamp(low, high) } else { low };
+        self.amplitude_v = clamp(self.amplitude_v, AMPLITUDE_V);
+        self.frequency_hz = clamp(self.frequency_hz, FREQUENCY_HZ);
+        self.level_v = clamp(self.level_v, [-LIMIT_V, LIMIT_V]);
+        let room = LIMIT_V - self.amplitude_v;
+        self.offset_v = clamp(self.offset_v, [-room, room]);
+        self.duration_s = clamp(self.duration_s, DURATION_S);
+        let said = [
+            ("amplitude", before.amplitude_v, self.amplitude_v, "V"),
+            ("frequency", before.frequency_hz, self.frequency_hz, "Hz"),
+            ("offset", before.offset_v, self.offset_v, "V"),
+            ("level", before.level_v, self.level_v, "V"),
+            ("duration", before.duration_s, self.duration_s, "s"),
+        ];
+        let changed = said.iter().find(|(_, asked, given, _)| asked != given);
+        changed.map(|(name, asked, given, unit)| {
+            format!("{name} {asked} {unit} is outside the limits; it is {given:.3} {unit} now")
+        })
+    }
+
+    /// The profile for a board.
+    #[must_use]
+    pub fn file(&self) -> ProfileFile {
+        let course = match &self.kind {
+            Kind::Sine => Course::Sine {
+                offset: self.offset_v,
+                amplitude: self.amplitude_v,
+                frequency_hz: self.frequency_hz,
+                periods: None,
+            },
+            Kind::Constant => Course::Constant { level: self.level_v },
+            Kind::Other(_, file) => return file.clone(),
+        };
+        ProfileFile {
+            purpose: None,
+            command: Command::Voltage,
+            course,
+            ramp_s: 0.25,
+            limit: LIMIT_V,
+            slew: 20.0,
+            duration_s: self.duration_s,
+        }
+    }
+
+    /// What a recording calls it.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match &self.kind {
+            Kind::Sine => "sine".into(),
+            Kind::Constant => "constant".into(),
+            Kind::Other(name, _) => name.clone(),
+        }
+    }
+}
+
+/// The settings, and how they came to be.
+#[derive(Debug, Clone, Default)]
+pub struct Signal {
+    /// What the panel shows.
+    pub settings: Settings,
+    undone: Vec<Settings>,
+    done: Vec<Settings>,
+    /// What was limited last.
+    pub note: Option<String>,
+}
+
+/// Steps that can be undone.
+const REMEMBERED: usize = 100;
+
+impl Signal {
+    /// Takes changed settings: limits them, and remembers what was there.
+    pub fn change(&mut self, mut settings: Settings) {
+        let note = settings.limit();
+        if settings != self.settings {
+            self.done.push(std::mem::replace(&mut self.settings, settings));
+            if self.done.len() > REMEMBERED {
+                self.done.remove(0);
+            }
+            self.undone.clear();
+            self.note = note;
+        } else if note.is_some() {
+            self.note = note;
+        }
+    }
+
+    /// Takes a profile: into the panel's own fields where it is a sine or a constant within the limits.
+    ///
+    /// # Errors
+    /// When no board would run it; one sentence.
+    pub fn take(&mut self, file: &ProfileFile) -> Result<(), String> {
+        file.profile(1000).map_err(|error| error.to_string())?;
+        let mut settings = Settings { duration_s: file.duration_s, ..self.settings.clone() };
+        settings.kind = match file.course {
+            Course::Sine { offset, amplitude, frequency_hz, periods: None }
+                if file.command == Command::Voltage =>
+            {
+                (settings.offset_v, settings.amplitude_v, settings.frequency_hz) =
+                    (offset, amplitude, frequency_hz);
+                Kind::Sine
+            }
+            Course::Constant { level } if file.command == Command::Voltage => {
+                settings.level_v = level;
+                Kind::Constant
+            }
+            _ => Kind::Other("opened profile".into(), file.clone()),
+        };
+        let mut limited = settings.clone();
+        if limited.limit().is_some() {
+            settings = Settings {
+                kind: Kind::Other("opened profile".into(), file.clone()),
+                ..self.settings.clone()
+            };
+        }
+        self.change(settings);
+        Ok(())
+    }
+
+    /// Takes a built-in profile.
+    ///
+    /// # Errors
+    /// When there is none of that name.
+    pub fn take_built_in(&mut self, name: &str) -> Result<(), String> {
+        let file = ProfileFile::open(name).map_err(|error| error.to_string())?;
+        self.change(Settings { kind: Kind::Other(name.into(), file), ..self.settings.clone() });
+        Ok(())
+    }
+
+    /// One step back.
+    pub fn undo(&mut self) {
+        if let Some(before) = self.done.pop() {
+            self.undone.push(std::mem::replace(&mut self.settings, before));
+            self.note = None;
+        }
+    }
+
+    /// One step forth again.
+    pub fn redo(&mut self) {
+        if let Some(after) = self.undone.pop() {
+            self.done.push(std::mem::replace(&mut self.settings, after));
+        }
+    }
+
+    /// Whether there is something to undo, and to do again.
+    #[must_use]
+    pub fn history(&self) -> [bool; 2] {
+        [!self.done.is_empty(), !self.undone.is_empty()]
+    }
+
+    /// As text, for the clipboard and for files.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.settings.file().to_toml()
+    }
+
+    /// From text.
+    ///
+    /// # Errors
+    /// When it is no profile; one sentence.
+    pub fn paste(&mut self, text: &str) -> Result<(), String> {
+        let file = ProfileFile::parse(text)
+            .map_err(|error| format!("what was pasted is no input signal: {error}"))?;
+        self.take(&file)
+    }
+
+    /// Writes it to a file.
+    ///
+    /// # Errors
+    /// When the file cannot be written; one sentence.
+    pub fn save(&self, path: &Path) -> Result<(), String> {
+        std::fs::write(path, self.text()).map_err(|error| format!("cannot write {}: {error}", path.display()))
+    }
+}
+
+/// A line of seconds and V (rad/s), or why there is none.
+pub type Preview = Result<Vec<[f64; 2]>, String>;
+
+/// The command over time as the board will put it out: points of seconds and V (rad/s), about twice as many as asked for.
+///
+/// # Errors
+/// When no board would run it; one sentence.
+pub fn preview(file: &ProfileFile, points: usize) -> Preview {
+    const PERIOD_US: u32 = 1000;
+    let profile = file.profile(PERIOD_US).map_err(|error| error.to_string())?;
+    let mut generator = socam_core::Generator::new(&profile, PERIOD_US).map_err(|error| error.to_string())?;
+    let ticks = ((file.duration_s + file.ramp_s) * 1e6 / f64::from(PERIOD_US)) as usize;
+    let block = ticks.div_ceil(points.max(1)).max(1);
+    let mut line = Vec::new();
+    let mut extremes: Option<[f64; 2]> = None;
+    for tick in 0..=ticks {
+        let setpoint = generator.step();
+        let value = f64::from(setpoint.value_micro) * 1e-6;
+        extremes = Some(extremes.map_or([value; 2], |[low, high]| [value.min(low), value.max(high)]));
+        if tick % block == 0 || setpoint.finished {
+            let time_s = tick as f64 * f64::from(PERIOD_US) * 1e-6;
+            line.extend(extremes.take().into_iter().flatten().map(|value| [time_s, value]));
+        }
+        if setpoint.finished {
+            break;
+        }
+    }
+    Ok(line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_enforced_and_said() {
+        let mut signal = Signal::default();
+        signal.change(Settings { amplitude_v: 9.0, ..Settings::default() });
+        assert_eq!(signal.settings.amplitude_v, 2.3);
+        assert!(signal.settings.offset_v.abs() + signal.settings.amplitude_v <= LIMIT_V);
+        assert!(signal.note.as_ref().unwrap().contains("amplitude 9 V"), "{:?}", signal.note);
+        signal.change(Settings { frequency_hz: f64::NAN, ..Settings::default() });
+        assert_eq!(signal.settings.frequency_hz, 0.05);
+        for kind in [Kind::Sine, Kind::Constant] {
+            let file = Settings { kind, ..signal.settings.clone() }.file();
+            file.profile(1000).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_signal_goes_through_the_clipboard_and_back_and_forth() {
+        let mut signal = Signal::default();
+        signal.change(Settings { frequency_hz: 2.5, ..Settings::default() });
+        let text = signal.text();
+        signal.undo();
+        assert_eq!(signal.settings.frequency_hz, 1.0);
+        signal.redo();
+        assert_eq!(signal.settings.frequency_hz, 2.5);
+        signal.take_built_in("multisine").unwrap();
+        assert!(matches!(&signal.settings.kind, Kind::Other(name, _) if name == "multisine"));
+        signal.paste(&text).unwrap();
+        assert_eq!((signal.settings.kind.clone(), signal.settings.frequency_hz), (Kind::Sine, 2.5));
+        assert!(signal.paste("nonsense").unwrap_err().contains("no input signal"));
+    }
+
+    #[test]
+    fn every_built_in_profile_has_a_preview_within_its_limit() {
+        for name in ProfileFile::built_in_names() {
+            let file = ProfileFile::open(name).unwrap();
+            let line = preview(&file, 400).unwrap();
+            assert!(line.len() > 100, "{name}");
+            assert!(line.iter().all(|[_, value]| value.abs() <= file.limit + 1e-9), "{name}");
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! File, Edit, View, Input Signal, Help; and the keys of the same.
+
+use std::path::Path;
+
+use egui::{Button, Key, KeyboardShortcut, LayerId, Modifiers, Ui};
+
+use crate::draw::{export, raster, svg};
+use crate::files::{Dialog, Purpose};
+use crate::live::signal::{Kind, Settings};
+use crate::theme::{self, Look};
+use crate::{Dashboard, View};
+
+const fn with_ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const OPEN: KeyboardShortcut = with_ctrl(Key::O);
+const SAVE: KeyboardShortcut = with_ctrl(Key::S);
+const EXPORT: KeyboardShortcut = with_ctrl(Key::E);
+const UNDO: KeyboardShortcut = with_ctrl(Key::Z);
+const REDO: KeyboardShortcut = with_ctrl(Key::Y);
+const VIEWS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+
+fn item(ui: &mut Ui, text: &str, keys: Option<KeyboardShortcut>) -> bool {
+    enabled_item(ui, true, text, keys)
+}
+
+fn enabled_item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<KeyboardShortcut>) -> bool {
+    let mut button = Button::new(text);
+    if let Some(keys) = keys {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+    }
+    ui.add_enabled(enabled, button).clicked()
+}
+
+impl Dashboard {
+    pub(crate) fn menus(&mut self, ui: &mut Ui) {
+        ui.menu_button("File", |ui| self.file_menu(ui));
+        ui.menu_button("Edit", |ui| self.edit_menu(ui));
+        ui.menu_button("View", |ui| self.view_menu(ui));
+        ui.menu_button("Input Signal", |ui| self.signal_menu(ui));
+        ui.menu_button("Help", |ui| {
+            if item(ui, "What each control does", None) {
+                self.help = true;
+            }
+        });
+    }
+
+    fn file_menu(&mut self, ui: &mut Ui) {
+        if item(ui, "New input signal", None) {
+            self.live.signal.change(Settings::default());
+            self.layout.view = View::Live;
+        }
+        if item(ui, "Open...", Some(OPEN)) {
+            self.ask(Purpose::Open, "");
+        }
+        if item(ui, "Save input signal...", Some(SAVE)) {
+            self.ask(Purpose::SaveSignal, "signal.toml");
+        }
+        let any = self.entries.iter().any(|entry| entry.shown);
+        if enabled_item(ui, any, "Save recording as .m, .csv...", None) {
+            self.ask(Purpose::SaveRecording, "recording.m");
+        }
+        if enabled_item(ui, any, "Simulate the shown recordings", None) {
+            self.simulate(ui.ctx());
+        }
+        ui.separator();
+        if item(ui, "Export what is seen...", Some(EXPORT)) {
+            self.ask(Purpose::Export, "view.png");
+        }
+        if enabled_item(ui, !self.entries.is_empty(), "Close all recordings", None) {
+            self.entries.clear();
+            self.review.fit();
+        }
+    }
+
+    fn edit_menu(&mut self, ui: &mut Ui) {
+        let [undo, redo] = self.live.signal.history();
+        if enabled_item(ui, undo, "Undo", Some(UNDO)) {
+            self.live.signal.undo();
+        }
+        if enabled_item(ui, redo, "Redo", Some(REDO)) {
+            self.live.signal.redo();
+        }
+        ui.separator();
+        if item(ui, "Cut input signal", None) {
+            ui.ctx().copy_text(self.live.signal.text());
+            self.live.signal.change(Settings::default());
+        }
+        if item(ui, "Copy input signal", None) {
+            ui.ctx().copy_text(self.live.signal.text());
+        }
+        if item(ui, "Paste input signal", None) {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+        }
+    }
+
+    fn view_menu(&mut self, ui: &mut Ui) {
+        for (view, key) in View::ALL.into_iter().zip(VIEWS) {
+            if item(ui, view.name(), Some(with_ctrl(key))) {
+                self.layout.view = view;
+            }
+        }
+        ui.separator();
+        for (look, name) in [(Look::Light, "Light"), (Look::Dark, "Dark")] {
+            if ui.selectable_label(self.layout.look == look, name).clicked() {
+                self.layout.look = look;
+                theme::apply(ui.ctx(), look);
+            }
+        }
+        ui.separator();
+        for (text, factor) in [("Larger", 1.1), ("Smaller", 1.0 / 1.1)] {
+            if item(ui, text, None) {
+                self.zoom(ui.ctx(), self.layout.zoom * factor);
+            }
+        }
+        if item(ui, "Normal size", None) {
+            self.zoom(ui.ctx(), 1.0);
+        }
+    }
+
+    fn signal_menu(&mut self, ui: &mut Ui) {
+        for (kind, name) in [(Kind::Sine, "Sine"), (Kind::Constant, "Constant")] {
+            if item(ui, name, None) {
+                self.live.signal.change(Settings { kind, ..self.live.signal.settings.clone() });
+                self.layout.view = View::Live;
+            }
+        }
+        for name in socam_recording::ProfileFile::built_in_names().filter(|name| *name != "sine") {
+            if item(ui, name, None) {
+                if let Err(sentence) = self.live.signal.take_built_in(name) {
+                    self.warn(sentence);
+                }
+                self.layout.view = View::Live;
+            }
+        }
+    }
+
+    fn zoom(&mut self, ctx: &egui::Context, zoom: f32) {
+        self.layout.zoom = zoom.clamp(0.6, 2.5);
+        ctx.set_zoom_factor(self.layout.zoom);
+    }
+
+    fn ask(&mut self, purpose: Purpose, name: &str) {
+        let folder = self.layout.folder.canonicalize().unwrap_or_else(|_| self.layout.folder.clone());
+        self.dialog = Some(Dialog::new(purpose, &folder, name));
+    }
+
+    pub(crate) fn shortcuts(&mut self, ctx: &egui::Context) {
+        self.layout.zoom = ctx.zoom_factor();
+        let pressed = |keys: KeyboardShortcut| ctx.input_mut(|input| input.consume_shortcut(&keys));
+        if pressed(OPEN) {
+            self.ask(Purpose::Open, "");
+        }
+        if pressed(SAVE) {
+            self.ask(Purpose::SaveSignal, "signal.toml");
+        }
+        if pressed(EXPORT) {
+            self.ask(Purpose::Export, "view.png");
+        }
+        for (view, key) in View::ALL.into_iter().zip(VIEWS) {
+            if pressed(with_ctrl(key)) {
+                self.layout.view = view;
+            }
+        }
+        // What is typed into a field is undone and pasted there.
+        if ctx.egui_wants_keyboard_input() {
+            return;
+        }
+        if pressed(UNDO) {
+            self.live.signal.undo();
+        }
+        if pressed(REDO) {
+            self.live.signal.redo();
+        }
+        if self.layout.view == View::Live {
+            self.clipboard(ctx);
+        }
+    }
+
+    fn clipboard(&mut self, ctx: &egui::Context) {
+        for event in ctx.input(|input| input.events.clone()) {
+            match event {
+                egui::Event::Copy => ctx.copy_text(self.live.signal.text()),
+                egui::Event::Cut => {
+                    ctx.copy_text(self.live.signal.text());
+                    self.live.signal.change(Settings::default());
+                }
+                egui::Event::Paste(text) => {
+                    if let Err(sentence) = self.live.signal.paste(&text) {
+                        self.warn(sentence);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Writes this pass' picture, or what it is made of, where that was asked for.
+    pub(crate) fn export(&mut self, ctx: &egui::Context) {
+        let Some(path) = self.exporting.take() else { return };
+        let written = content(self, ctx, &path).and_then(|bytes| {
+            std::fs::write(&path, bytes).map_err(|error| format!("cannot write {}: {error}", path.display()))
+        });
+        match written {
+            Ok(()) => self.say(format!("{} is written", path.display())),
+            Err(sentence) => self.warn(sentence),
+        }
+    }
+}
+
+/// What a file of that name is to hold. Menus and dialogs are in layers of their own and are left out.
+fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Vec<u8>, String> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let part = ctx.content_rect();
+    let ground = ctx.global_style().visuals.panel_fill;
+    let shapes = || {
+        ctx.graphics(|layers| {
+            layers.get(LayerId::background()).map(|list| list.all_entries().cloned().collect::<Vec<_>>())
+        })
+        .unwrap_or_default()
+    };
+    match extension.as_str() {
+        "csv" => Ok(export::csv(&dashboard.seen).into_bytes()),
+        "svg" => Ok(svg::svg(&shapes(), part, ground).into_bytes()),
+        "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),
+        _ => Err(format!("{}: what is seen is exported as .png, .svg or .csv", path.display())),
+    }
+}

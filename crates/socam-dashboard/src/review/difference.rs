@@ -1,0 +1,133 @@
+//! One run minus another: sample by sample at the run's own times, the other interpolated between its samples.
+
+use egui::Ui;
+use socam_recording::Channel;
+
+use super::Entry;
+use crate::draw::chart::{Curve, Style};
+use crate::recording::Recording;
+use crate::samples::Samples;
+use crate::theme;
+
+/// Differences are formed while the picture holds no more rows than this.
+const MOST_ROWS: usize = 500_000;
+
+/// What the chart says where there is no difference to draw.
+pub(super) const WHY_NONE: &str = "no difference here: the other recordings lack this channel, or more than 500 000 rows are shown (zoom in)";
+
+/// The differences of all recordings shown to a reference, in a channel.
+pub(super) fn curves(
+    ui: &Ui,
+    entries: &[Entry],
+    reference: usize,
+    channel: &Channel,
+    x: [f64; 2],
+    pixels: usize,
+) -> Vec<Curve> {
+    let index = |recording: &Recording| recording.about.channels.iter().position(|own| own == channel);
+    let other = &entries[reference];
+    let Some(other_index) = index(&other.recording) else { return Vec::new() };
+    let mut curves = Vec::new();
+    for (number, entry) in
+        entries.iter().enumerate().filter(|(number, entry)| entry.shown && *number != reference)
+    {
+        let samples = &entry.recording.samples;
+        let rows = samples.row_at(x[0] - entry.shift_s)..samples.row_at(x[1] - entry.shift_s);
+        let Some(own) = index(&entry.recording).filter(|_| rows.len() <= MOST_ROWS) else { continue };
+        let later = entry.shift_s - other.shift_s;
+        let times = samples.times(rows.clone());
+        let reference =
+            at_times(&other.recording.samples, other_index, times.iter().map(|time| time + later));
+        let values = samples.values(own, rows);
+        let differences = values.iter().zip(reference).map(|(value, other)| value - other);
+        let points: Vec<[f64; 2]> =
+            times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
+        let parts = thinned(&points, pixels);
+        let name = entry.recording.about.name.clone();
+        curves.push(Curve { name, colour: theme::line(ui, number), parts, style: Style::Solid });
+    }
+    curves
+}
+
+/// Values between samples; NaN in gaps and outside.
+pub(crate) fn at_times(samples: &Samples, channel: usize, times: impl Iterator<Item = f64>) -> Vec<f64> {
+    let wanted: Vec<f64> = times.collect();
+    let (Some(first), Some(last)) = (wanted.first(), wanted.last()) else { return Vec::new() };
+    let rows = samples.row_at(*first).saturating_sub(1)..(samples.row_at(*last) + 2).min(samples.rows());
+    let (times, values) = (samples.times(rows.clone()), samples.values(channel, rows.clone()));
+    let mut ends = samples.segments().iter().map(|segment| segment.end_row() as usize).peekable();
+    let mut next = 0;
+    wanted
+        .iter()
+        .map(|time| {
+            while next + 1 < times.len() && times[next + 1] <= *time {
+                next += 1;
+            }
+            let row = rows.start + next;
+            while ends.peek().is_some_and(|end| *end <= row) {
+                ends.next();
+            }
+            let exact = times.get(next).is_some_and(|own| own == time);
+            let crosses_gap = ends.peek().is_none_or(|end| row + 1 >= *end);
+            match (times.get(next), times.get(next + 1)) {
+                _ if exact => values[next],
+                (Some(before), Some(after)) if before <= time && !crosses_gap => {
+                    let share = (time - before) / (after - before);
+                    values[next] + share * (values[next + 1] - values[next])
+                }
+                _ => f64::NAN,
+            }
+        })
+        .collect()
+}
+
+/// Least and greatest of each pixel's points, in parts without missing values.
+pub(crate) fn thinned(points: &[[f64; 2]], pixels: usize) -> Vec<Vec<[f64; 2]>> {
+    let block = points.len().div_ceil(2 * pixels.max(1)).max(1);
+    let mut parts = Vec::new();
+    for run in points.split(|point| !point[1].is_finite()).filter(|run| !run.is_empty()) {
+        let thin = |block: &[[f64; 2]]| {
+            let by = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+            let ends = [block.iter().min_by(by), block.iter().max_by(by)];
+            let mut ends: Vec<[f64; 2]> = ends.into_iter().flatten().copied().collect();
+            ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            ends.dedup();
+            ends
+        };
+        parts.push(if block == 1 { run.to_vec() } else { run.chunks(2 * block).flat_map(thin).collect() });
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use socam_recording::{Dataset, Unit};
+
+    #[test]
+    fn values_are_interpolated_within_segments_only() {
+        let time_s = vec![0.0, 1.0, 2.0, 10.0, 11.0];
+        let values = vec![0.0, 10.0, 20.0, 100.0, 110.0];
+        let channels = vec![Channel::new("x", Unit::V)];
+        let data = Dataset::from_columns("r", channels, time_s.clone(), vec![values.clone()]).unwrap();
+        let samples = Samples::in_memory(time_s, &[values], data.segments().to_vec());
+        let found = at_times(&samples, 0, [-1.0, 0.0, 0.5, 2.0, 5.0, 10.0, 10.5, 11.0, 12.0].into_iter());
+        let expected = [f64::NAN, 0.0, 5.0, 20.0, f64::NAN, 100.0, 105.0, 110.0, f64::NAN];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 1e-4 || found.is_nan() && expected.is_nan(),
+                "{found} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_spike_stays() {
+        let mut points: Vec<[f64; 2]> = (0..100_000).map(|n| [f64::from(n), 0.0]).collect();
+        points[54_321][1] = 7.0;
+        points[70_000][1] = f64::NAN;
+        let parts = thinned(&points, 500);
+        assert_eq!(parts.len(), 2);
+        assert!(parts[0].contains(&[54_321.0, 7.0]) && parts.iter().flatten().count() < 2100);
+    }
+}

@@ -1,0 +1,347 @@
+//! The index of a long recording: its samples decoded, and the lowest level of their pyramids, in one file beside others in the
+//! user's cache. It is built once; opening it again reads some bytes per block of samples, not the samples.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use socam_recording::Segment;
+
+use super::pyramid::{self, BASE, Extremes, Pyramid};
+use super::{Samples, Store};
+use crate::recording::About;
+
+/// Rows that stand together in the file: their times, then each column's values.
+const GROUP: usize = 1 << 16;
+/// At the end of every index; another number, another form.
+const MAGIC: [u8; 8] = *b"socamix1";
+/// Indexes that are kept; the least recently used go first.
+const KEPT: usize = 8;
+
+/// The groups of rows in an index file.
+#[derive(Debug)]
+pub(super) struct Groups {
+    file: File,
+    columns: usize,
+}
+
+/// What stands in the file besides numbers.
+#[derive(Serialize, Deserialize)]
+struct Tail {
+    about: About,
+    rows: usize,
+    middles: Vec<f64>,
+    /// First row, rows, start, end, sample time and jitter.
+    segments: Vec<(u64, u64, f64, f64, f64, f64)>,
+}
+
+const fn group_bytes(columns: usize) -> u64 {
+    (GROUP * (8 + 4 * columns)) as u64
+}
+
+impl Groups {
+    /// NaN where the file cannot be read any more: there is no time then, and nothing is drawn.
+    pub(super) fn times(&self, rows: Range<usize>) -> Vec<f64> {
+        let mut times = Vec::with_capacity(rows.len());
+        self.read(0, 8, rows.clone(), |bytes| {
+            times.extend(bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)));
+        });
+        times.resize(rows.len(), f64::NAN);
+        times
+    }
+
+    pub(super) fn values(&self, column: usize, rows: Range<usize>) -> Vec<f32> {
+        let mut values = Vec::with_capacity(rows.len());
+        self.read(GROUP * (8 + 4 * column), 4, rows.clone(), |bytes| {
+            values.extend(bytes.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)));
+        });
+        values.resize(rows.len(), f32::NAN);
+        values
+    }
+
+    /// The parts of a column, which begins `at` bytes after its group.
+    fn read(&self, at: usize, size: usize, rows: Range<usize>, mut take: impl FnMut(&[u8])) {
+        let mut bytes = Vec::new();
+        let mut next = rows.start;
+        while next < rows.end {
+            let (group, first) = (next / GROUP, next % GROUP);
+            let count = (rows.end - next).min(GROUP - first);
+            bytes.resize(size * count, 0);
+            let offset = group as u64 * group_bytes(self.columns) + (at + size * first) as u64;
+            if read_at(&self.file, &mut bytes, offset).is_err() {
+                return;
+            }
+            take(&bytes);
+            next += count;
+        }
+    }
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn read_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match std::os::windows::fs::FileExt::seek_read(file, bytes, offset)? {
+            0 => return Err(io::ErrorKind::UnexpectedEof.into()),
+            count => (bytes, offset) = (&mut bytes[count..], offset + count as u64),
+        }
+    }
+    Ok(())
+}
+
+/// An index while it is built. Dropped before [`Writer::finish`], it leaves nothing behind.
+pub struct Writer {
+    file: BufWriter<tempfile::NamedTempFile>,
+    path: PathBuf,
+    middles: Vec<f64>,
+    rows: usize,
+    time_s: Vec<f64>,
+    columns: Vec<Vec<f32>>,
+    blocks: Vec<Vec<Extremes>>,
+    knots: Vec<f64>,
+}
+
+impl Writer {
+    /// Begins an index at `path`, whose folder is made if need be; `middles` are the middles of the channels' ranges.
+    ///
+    /// # Errors
+    /// When the file cannot be written there.
+    pub fn create(path: &Path, middles: Vec<f64>) -> io::Result<Self> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder)?;
+        let file = BufWriter::with_capacity(1 << 20, tempfile::NamedTempFile::new_in(folder)?);
+        let columns = middles.len();
+        Ok(Self {
+            file,
+            path: path.into(),
+            rows: 0,
+            time_s: Vec::with_capacity(GROUP),
+            columns: vec![Vec::with_capacity(GROUP); columns],
+            blocks: vec![Vec::new(); columns],
+            knots: Vec::new(),
+            middles,
+        })
+    }
+
+    /// Takes further rows: times, and a value for each in every column (NaN where it is missing).
+    ///
+    /// # Errors
+    /// When the disk is full.
+    pub fn push(&mut self, time_s: &[f64], columns: &[&[f64]]) -> io::Result<()> {
+        let mut next = 0;
+        while next < time_s.len() {
+            let to = time_s.len().min(next + GROUP - self.time_s.len());
+            self.time_s.extend_from_slice(&time_s[next..to]);
+            for ((own, theirs), middle) in self.columns.iter_mut().zip(columns).zip(&self.middles) {
+                own.extend(theirs[next..to].iter().map(|value| (value - middle) as f32));
+            }
+            if self.time_s.len() == GROUP {
+                self.write_group()?;
+            }
+            next = to;
+        }
+        Ok(())
+    }
+
+    fn write_group(&mut self) -> io::Result<()> {
+        self.rows += self.time_s.len();
+        self.knots.extend(self.time_s.iter().step_by(BASE));
+        for (column, blocks) in self.columns.iter().zip(&mut self.blocks) {
+            blocks.extend(column.chunks(BASE).map(pyramid::of));
+        }
+        self.time_s.resize(GROUP, f64::NAN);
+        write_f64(&mut self.file, &self.time_s)?;
+        self.time_s.clear();
+        for column in &mut self.columns {
+            column.resize(GROUP, f32::NAN);
+            write_f32(&mut self.file, column)?;
+            column.clear();
+        }
+        Ok(())
+    }
+
+    /// Writes what is left and puts the file in its place.
+    ///
+    /// # Errors
+    /// When the disk is full.
+    pub fn finish(mut self, about: &About, segments: &[Segment]) -> io::Result<Samples> {
+        if !self.time_s.is_empty() {
+            self.write_group()?;
+        }
+        let numbers_at = self.file.seek(SeekFrom::End(0))?;
+        write_f64(&mut self.file, &self.knots)?;
+        for blocks in &self.blocks {
+            write_f32(&mut self.file, blocks.as_flattened())?;
+        }
+        let tail = Tail {
+            about: about.clone(),
+            rows: self.rows,
+            middles: self.middles.clone(),
+            segments: segments.iter().map(plain).collect(),
+        };
+        let text = serde_json::to_vec(&tail)?;
+        self.file.write_all(&text)?;
+        self.file.write_all(&(text.len() as u64).to_le_bytes())?;
+        self.file.write_all(&numbers_at.to_le_bytes())?;
+        self.file.write_all(&MAGIC)?;
+        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let file = file.persist(&self.path)?;
+        Ok(Samples {
+            rows: self.rows,
+            store: Store::File(Groups { file, columns: self.middles.len() }),
+            middles: self.middles,
+            pyramids: self.blocks.into_iter().map(Pyramid::new).collect(),
+            knots: self.knots,
+            segments: segments.to_vec(),
+        })
+    }
+}
+
+/// Opens an index that was built before.
+///
+/// # Errors
+/// When the file is not there or is no whole index.
+pub fn open(path: &Path) -> io::Result<(About, Samples)> {
+    let mut file = File::open(path)?;
+    let length = file.seek(SeekFrom::End(-24))?;
+    let mut ends = [[0; 8]; 3];
+    file.read_exact(ends.as_flattened_mut())?;
+    let foreign = || io::Error::from(io::ErrorKind::InvalidData);
+    let [text_bytes, numbers_at] = [u64::from_le_bytes(ends[0]), u64::from_le_bytes(ends[1])];
+    let text_at = length.checked_sub(text_bytes).filter(|at| ends[2] == MAGIC && *at >= numbers_at);
+    let text_at = text_at.ok_or_else(foreign)?;
+    file.seek(SeekFrom::Start(numbers_at))?;
+    let mut numbers = vec![0; (text_at - numbers_at) as usize];
+    file.read_exact(&mut numbers)?;
+    let mut text = vec![0; text_bytes as usize];
+    file.read_exact(&mut text)?;
+    let tail: Tail = serde_json::from_slice(&text)?;
+    let blocks = tail.rows.div_ceil(BASE);
+    let columns = tail.middles.len();
+    if numbers.len() != 8 * blocks * (1 + columns) {
+        return Err(foreign());
+    }
+    let (knots, rest) = numbers.split_at(8 * blocks);
+    let knots = knots.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect();
+    let pyramids = rest.chunks_exact((8 * blocks).max(1)).map(|column| {
+        let pairs = column.as_chunks::<8>().0.iter();
+        Pyramid::new(
+            pairs
+                .map(|[a, b, c, d, e, f, g, h]| {
+                    [f32::from_le_bytes([*a, *b, *c, *d]), f32::from_le_bytes([*e, *f, *g, *h])]
+                })
+                .collect(),
+        )
+    });
+    let samples = Samples {
+        rows: tail.rows,
+        pyramids: pyramids.collect(),
+        knots,
+        middles: tail.middles,
+        segments: tail.segments.into_iter().map(segment).collect(),
+        store: Store::File(Groups { file, columns }),
+    };
+    Ok((tail.about, samples))
+}
+
+/// Where the index of a recording is kept: it changes with the file's place, length and time.
+#[must_use]
+pub fn path_of(recording: &Path) -> Option<PathBuf> {
+    use std::hash::{DefaultHasher, Hash, Hasher};
+    let metadata = recording.metadata().ok()?;
+    let mut hasher = DefaultHasher::new();
+    (recording.canonicalize().ok()?, metadata.len(), metadata.modified().ok()?, MAGIC).hash(&mut hasher);
+    Some(folder()?.join(format!("{:016x}.index", hasher.finish())))
+}
+
+fn folder() -> Option<PathBuf> {
+    let given = |name: &str| std::env::var_os(name).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    let cache = given("XDG_CACHE_HOME")
+        .or_else(|| given("LOCALAPPDATA"))
+        .or_else(|| Some(given("HOME")?.join(".cache")))?;
+    Some(cache.join("socam"))
+}
+
+/// Removes all but the newest few indexes.
+pub fn prune() {
+    let Some(entries) = folder().and_then(|folder| std::fs::read_dir(folder).ok()) else { return };
+    let mut indexes: Vec<_> = entries
+        .filter_map(|entry| {
+            let entry = entry.ok()?;
+            let is_index = entry.path().extension().is_some_and(|extension| extension == "index");
+            is_index.then_some((entry.metadata().ok()?.modified().ok()?, entry.path()))
+        })
+        .collect();
+    indexes.sort();
+    for (_, path) in indexes.iter().rev().skip(KEPT) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+fn plain(segment: &Segment) -> (u64, u64, f64, f64, f64, f64) {
+    let Segment { first_row, rows, start_s, end_s, sample_time_s, jitter_s } = *segment;
+    (first_row, rows, start_s, end_s, sample_time_s, jitter_s)
+}
+
+fn segment(plain: (u64, u64, f64, f64, f64, f64)) -> Segment {
+    let (first_row, rows, start_s, end_s, sample_time_s, jitter_s) = plain;
+    Segment { first_row, rows, start_s, end_s, sample_time_s, jitter_s }
+}
+
+fn write_f64(out: &mut impl Write, values: &[f64]) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(8 * values.len());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    out.write_all(&bytes)
+}
+
+fn write_f32(out: &mut impl Write, values: &[f32]) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(4 * values.len());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    out.write_all(&bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use socam_recording::{Channel, Dataset, Unit};
+
+    #[test]
+    fn an_index_opens_again_and_draws_what_memory_draws() {
+        let rows = 3 * GROUP + 1234;
+        let time_s: Vec<f64> =
+            (0..rows).map(|row| row as f64 * 1e-4 + if row > GROUP { 1.0 } else { 0.0 }).collect();
+        let column: Vec<f64> =
+            (0..rows).map(|row| if row % 1000 == 7 { f64::NAN } else { (row as f64).sin() }).collect();
+        let channels = vec![Channel::new("x", Unit::V)];
+        let data =
+            Dataset::from_columns("r", channels.clone(), time_s.clone(), vec![column.clone()]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/r.index");
+        let about = About { name: "r".into(), channels, ..About::default() };
+        let memory =
+            Samples::in_memory(time_s.clone(), std::slice::from_ref(&column), data.segments().to_vec());
+        let mut writer = Writer::create(&path, memory.middles.clone()).unwrap();
+        for from in (0..rows).step_by(10_007) {
+            let to = (from + 10_007).min(rows);
+            writer.push(&time_s[from..to], &[&column[from..to]]).unwrap();
+        }
+        let built = writer.finish(&about, data.segments()).unwrap();
+        let (again, opened) = open(&path).unwrap();
+        assert_eq!(again, about);
+        for samples in [&built, &opened] {
+            assert_eq!(samples.rows(), rows);
+            for (from_s, to_s) in [(0.0, 30.0), (6.0, 9.0), (2.0, 2.1), (20.6, 20.7)] {
+                let line = super::super::envelope(samples, 0, from_s, to_s, 800);
+                assert_eq!(line, super::super::envelope(&memory, 0, from_s, to_s, 800), "{from_s}..{to_s}");
+            }
+        }
+        std::fs::write(&path, b"something else, which is no index at all").unwrap();
+        assert!(open(&path).is_err());
+    }
+}

@@ -1,0 +1,131 @@
+//! Whether recordings can carry a fit: what `check` finds, in place.
+
+use std::path::PathBuf;
+
+use egui::{Frame, Margin, RichText, ScrollArea, Ui};
+use socam_model::Model;
+use socam_recording::check::{Check, CheckOptions, Severity, Verdict, check};
+use socam_recording::{Dataset, Selection};
+
+use crate::draw::chart;
+use crate::job::Job;
+use crate::recording::short;
+use crate::review::Entry;
+use crate::theme;
+
+/// What a model expects of a recording.
+pub type Expect = fn(&Model) -> CheckOptions;
+
+/// What is known of the recordings that are open.
+#[derive(Debug, Default)]
+pub struct Checks {
+    expect: Option<Expect>,
+    known: Vec<(String, Result<Check, String>)>,
+    job: Option<(String, Job<Result<Check, String>>)>,
+}
+
+impl Checks {
+    /// Says what a model expects; without it all channels are looked at by themselves.
+    pub fn expect_by(&mut self, expect: Expect) {
+        self.expect = Some(expect);
+    }
+
+    /// Whether something is being checked.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Forgets all results: they were of another model.
+    pub(crate) fn forget(&mut self) {
+        self.known.clear();
+        self.job = None;
+    }
+
+    pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
+        let paths: Vec<(String, Option<PathBuf>)> =
+            entries.iter().map(|e| (e.recording.about.name.clone(), e.recording.path.clone())).collect();
+        if paths.is_empty() {
+            chart::empty_state(
+                ui,
+                "No recording is open",
+                "Open one with Ctrl+O: this view says whether it can carry a fit of the model, what stands in the way, and what to record instead.",
+            );
+            return;
+        }
+        self.work(ui, &paths, model);
+        ui.label(RichText::new(format!("Fit for use with the model {}?", model.name)).color(theme::weak(ui)));
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (name, _) in &paths {
+                match self.known.iter().find(|(known, _)| known == name) {
+                    Some((_, Ok(check))) => one(ui, name, check),
+                    Some((_, Err(sentence))) => {
+                        ui.label(RichText::new(sentence).color(theme::alarm(ui)));
+                    }
+                    None => {
+                        ui.label(
+                            RichText::new(format!("{}: not checked yet", short(name))).color(theme::weak(ui)),
+                        );
+                    }
+                }
+            }
+        });
+    }
+
+    fn work(&mut self, ui: &mut Ui, paths: &[(String, Option<PathBuf>)], model: &Model) {
+        if let Some((name, job)) = &self.job
+            && let Some(result) = job.poll()
+        {
+            self.known.push((name.clone(), result.and_then(|result| result)));
+            self.job = None;
+        }
+        let next = paths.iter().find(|(name, _)| self.known.iter().all(|(known, _)| known != name));
+        if let (None, Some((name, path))) = (&self.job, next) {
+            if path.is_none() {
+                let sentence = format!("{}: only recordings in files can be checked", short(name));
+                self.known.push((name.clone(), Err(sentence)));
+                return;
+            }
+            let options = self.expect.map_or_else(CheckOptions::default, |expect| expect(model));
+            let run = name.clone();
+            let work = move |_: &crate::job::Handle| {
+                let selection = Selection::parse(&run).map_err(|error| error.to_string())?;
+                let data = Dataset::open_selection(&selection).map_err(|error| error.to_string())?;
+                check(&data, &options).map_err(|error| error.to_string())
+            };
+            self.job = Some((name.clone(), Job::start(&format!("Checking {}", short(name)), ui.ctx(), work)));
+        }
+        if let Some((name, job)) = &self.job
+            && job.ui(ui)
+        {
+            self.known.push((name.clone(), Err(format!("{}: the check was cancelled", short(name)))));
+            self.job = None;
+        }
+    }
+}
+
+fn one(ui: &mut Ui, name: &str, check: &Check) {
+    Frame::new().fill(theme::card(ui)).corner_radius(6).inner_margin(Margin::same(10)).show(ui, |ui| {
+        let (verdict, colour) = match check.verdict {
+            Verdict::Fit => ("fit for use", theme::good(ui)),
+            Verdict::FitWithReservations => ("fit for use, with reservations", theme::good(ui)),
+            Verdict::Unfit => ("not fit for use", theme::alarm(ui)),
+        };
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(short(name)).strong());
+            ui.label(RichText::new(verdict).strong().color(colour));
+        });
+        for finding in &check.findings {
+            let (word, colour) = match finding.severity() {
+                Severity::Prevents => ("prevents a fit", theme::alarm(ui)),
+                Severity::Weakens => ("weakens a fit", theme::alarm(ui)),
+                Severity::Note => ("note", theme::weak(ui)),
+            };
+            ui.add_space(3.0);
+            ui.label(RichText::new(format!("{word}: {}", finding.sentence())).color(colour));
+            ui.label(RichText::new(format!("instead: {}", finding.remedy())).small());
+        }
+        ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
+    });
+    ui.add_space(6.0);
+}

@@ -1,0 +1,315 @@
+//! Recordings and the model over frequency: spectra, responses with coherence, poles.
+
+pub mod check;
+mod poles;
+mod welch;
+
+use std::sync::Arc;
+
+use egui::{ComboBox, RichText, Ui, vec2};
+use nalgebra::Complex;
+use socam_model::Model;
+
+use crate::draw::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
+use crate::job::Job;
+use crate::recording::Recording;
+use crate::review::Entry;
+use crate::samples::Samples;
+use crate::theme;
+use welch::Welch;
+
+/// What is drawn over frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// Amplitude spectral densities.
+    #[default]
+    Spectrum,
+    /// Output over input, with coherence.
+    Response,
+    /// The model's poles.
+    Poles,
+}
+
+/// A spectrum and what it was made of.
+struct Known {
+    samples: Arc<Samples>,
+    input: usize,
+    welch: Result<Welch, String>,
+}
+
+/// What the view remembers.
+#[derive(Default)]
+pub struct Spectra {
+    /// What is drawn.
+    pub kind: Kind,
+    input: Option<String>,
+    output: Option<String>,
+    known: Vec<Known>,
+    job: Option<Job<Known>>,
+}
+
+impl std::fmt::Debug for Spectra {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Spectra").field("kind", &self.kind).finish_non_exhaustive()
+    }
+}
+
+impl Spectra {
+    /// Whether something is being computed.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.job.is_some()
+    }
+
+    pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model, seen: &mut Vec<Seen>) {
+        ui.horizontal(|ui| {
+            for (kind, name) in
+                [(Kind::Spectrum, "Spectrum"), (Kind::Response, "Response"), (Kind::Poles, "Poles")]
+            {
+                ui.selectable_value(&mut self.kind, kind, name);
+            }
+            if self.kind == Kind::Response {
+                self.choose(ui, entries, model);
+            }
+        });
+        if self.kind == Kind::Poles {
+            poles::ui(ui, model, seen);
+            return;
+        }
+        let shown: Vec<(usize, &Recording)> =
+            entries.iter().enumerate().filter(|(_, e)| e.shown).map(|(n, e)| (n, &e.recording)).collect();
+        if shown.is_empty() {
+            chart::empty_state(
+                ui,
+                "No recording is shown",
+                "Open one with Ctrl+O, or tick one in the list of the Time view.",
+            );
+            return;
+        }
+        self.compute(ui, &shown, model);
+        match self.kind {
+            Kind::Response => self.response(ui, &shown, model, seen),
+            _ => self.spectrum(ui, &shown, model, seen),
+        }
+    }
+
+    /// The channel over which responses are formed: the chosen one, else what drives the model, else the first.
+    fn input_of(&self, recording: &Recording, model: &Model) -> usize {
+        let named =
+            |name: &str| recording.about.channels.iter().position(|channel| channel.column_name() == name);
+        self.input
+            .as_deref()
+            .and_then(named)
+            .or_else(|| model.inputs().find_map(|channel| named(&channel.column)))
+            .unwrap_or(0)
+    }
+
+    fn find(&self, recording: &Recording, model: &Model) -> Option<&Known> {
+        let input = self.input_of(recording, model);
+        self.known
+            .iter()
+            .find(|known| Arc::ptr_eq(&known.samples, &recording.samples) && known.input == input)
+    }
+
+    fn compute(&mut self, ui: &mut Ui, shown: &[(usize, &Recording)], model: &Model) {
+        if let Some(result) = self.job.as_ref().and_then(Job::poll) {
+            self.job = None;
+            self.known.extend(result);
+        }
+        self.known.retain(|known| shown.iter().any(|(_, r)| Arc::ptr_eq(&r.samples, &known.samples)));
+        if self.job.is_none()
+            && let Some((_, recording)) =
+                shown.iter().find(|(_, recording)| self.find(recording, model).is_none())
+        {
+            let (samples, input) = (recording.samples.clone(), self.input_of(recording, model));
+            let title = format!("Spectra of {}", crate::recording::short(&recording.about.name));
+            self.job = Some(Job::start(&title, ui.ctx(), move |handle| {
+                let welch = welch::welch(&samples, input, handle);
+                Known { samples, input, welch }
+            }));
+        }
+        if let Some(job) = &self.job {
+            job.ui(ui);
+        }
+    }
+
+    fn choose(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
+        let mut columns: Vec<String> = Vec::new();
+        for channel in entries.iter().filter(|e| e.shown).flat_map(|e| &e.recording.about.channels) {
+            let column = channel.column_name();
+            if !columns.contains(&column) {
+                columns.push(column);
+            }
+        }
+        let driving =
+            model.inputs().map(|channel| channel.column.clone()).find(|column| columns.contains(column));
+        let judged =
+            model.outputs().map(|channel| channel.column.clone()).find(|column| columns.contains(column));
+        let defaults =
+            [driving.or_else(|| columns.first().cloned()), judged.or_else(|| columns.last().cloned())];
+        let choices =
+            [(&mut self.output, "output", &defaults[1]), (&mut self.input, "over input", &defaults[0])];
+        for (chosen, name, default) in choices {
+            if chosen.as_ref().is_none_or(|own| !columns.contains(own)) {
+                chosen.clone_from(default);
+            }
+            let label = ui.label(name);
+            let text = chosen.clone().unwrap_or_default();
+            let shown = ComboBox::from_id_salt(name).selected_text(text).width(180.0).show_ui(ui, |ui| {
+                for column in &columns {
+                    ui.selectable_value(chosen, Some(column.clone()), column);
+                }
+            });
+            shown.response.labelled_by(label.id);
+        }
+    }
+
+    fn spectrum(&self, ui: &mut Ui, shown: &[(usize, &Recording)], model: &Model, seen: &mut Vec<Seen>) {
+        let mut channels: Vec<&socam_recording::Channel> = Vec::new();
+        for channel in shown.iter().flat_map(|(_, recording)| &recording.about.channels) {
+            if !channels.contains(&channel) {
+                channels.push(channel);
+            }
+        }
+        let x = self.range(shown, model);
+        let height = heights(ui, channels.len());
+        ui.spacing_mut().item_spacing.y = 3.0;
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (place, channel) in channels.iter().enumerate() {
+                let is_last = place + 1 == channels.len();
+                let title = format!("{}, {} per sqrt(Hz)", channel.name, channel.unit);
+                let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
+                let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
+                for (number, recording) in shown {
+                    let own = recording.about.channels.iter().position(|other| other == *channel);
+                    let Some((index, welch)) =
+                        own.zip(self.find(recording, model).and_then(|k| k.welch.as_ref().ok()))
+                    else {
+                        continue;
+                    };
+                    let line = welch.density(index);
+                    chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
+                }
+                finish(&mut chart, x, is_last);
+                chart.scales = [Scale::Log; 2];
+                let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
+                chart.y = range_of(values.filter(|value| *value > 0.0))
+                    .map_or([0.1, 10.0], |[low, high]| [low.max(1e-7 * high) * 0.7, high * 2.0]);
+                chart.when_empty = self.why_empty(shown, model);
+                chart.show(ui, seen);
+            }
+        });
+    }
+
+    fn why_empty(&self, shown: &[(usize, &Recording)], model: &Model) -> &'static str {
+        let failed = shown.iter().any(|(_, r)| self.find(r, model).is_some_and(|known| known.welch.is_err()));
+        if failed { welch::TOO_SHORT } else { "no spectrum yet" }
+    }
+
+    fn response(&self, ui: &mut Ui, shown: &[(usize, &Recording)], model: &Model, seen: &mut Vec<Seen>) {
+        let Some(column) = &self.output else { return };
+        let x = self.range(shown, model);
+        let mut charts = [
+            ("magnitude", format!("|{column} / input|")),
+            ("phase", "phase, degrees".to_owned()),
+            ("coherence", "coherence, 1".to_owned()),
+        ]
+        .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
+        for (number, recording) in shown {
+            let index = recording.about.channels.iter().position(|channel| channel.column_name() == *column);
+            let Some((index, welch)) =
+                index.zip(self.find(recording, model).and_then(|k| k.welch.as_ref().ok()))
+            else {
+                continue;
+            };
+            for (chart, line) in charts.iter_mut().zip(welch.response(index, COHERENT)) {
+                chart.curves.push(curve(ui, *number, &recording.about.name, line));
+            }
+        }
+        for (chart, line) in charts.iter_mut().zip(model_response(model, column, self.input.as_deref(), x)) {
+            let colour = ui.visuals().strong_text_color();
+            chart.curves.push(Curve {
+                name: format!("model {}", model.name),
+                colour,
+                parts: line,
+                style: Style::Dashed,
+            });
+        }
+        let height = heights(ui, 3);
+        ui.label(
+            RichText::new(
+                "solid: recordings, where the coherence is above 0.5; dashed: the model at its file's values",
+            )
+            .small()
+            .color(theme::weak(ui)),
+        );
+        ui.spacing_mut().item_spacing.y = 3.0;
+        for (place, mut chart) in charts.into_iter().enumerate() {
+            chart.size = vec2(ui.available_width(), if place == 2 { height + AXIS - 22.0 } else { height });
+            finish(&mut chart, x, place == 2);
+            chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
+            let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
+            chart.y = match place {
+                0 => range_of(values.filter(|v| *v > 0.0))
+                    .map_or([0.1, 10.0], |[a, b]| [a.max(1e-6 * b) * 0.7, b * 2.0]),
+                1 => [-190.0, 190.0],
+                _ => [-0.05, 1.08],
+            };
+            chart.when_empty = self.why_empty(shown, model);
+            chart.show(ui, seen);
+        }
+    }
+
+    /// Frequencies of all spectra.
+    fn range(&self, shown: &[(usize, &Recording)], model: &Model) -> [f64; 2] {
+        let spectra = shown.iter().filter_map(|(_, r)| self.find(r, model)?.welch.as_ref().ok());
+        let ends = spectra.flat_map(|welch| [welch.frequency_hz(1), welch.highest_hz()]);
+        range_of(ends).unwrap_or([0.1, 500.0])
+    }
+}
+
+const AXIS: f32 = 34.0;
+/// Responses are drawn where at least this share of the output is the input's doing.
+const COHERENT: f64 = 0.5;
+
+fn heights(ui: &Ui, count: usize) -> f32 {
+    let count = count.max(1) as f32;
+    ((ui.available_height() - AXIS - 4.0 * count) / count).max(96.0)
+}
+
+fn finish(chart: &mut Chart, x: [f64; 2], is_last: bool) {
+    chart.x = x;
+    chart.x_label = if is_last { "frequency, Hz".into() } else { String::new() };
+}
+
+fn curve(ui: &Ui, number: usize, name: &str, parts: Vec<Vec<[f64; 2]>>) -> Curve {
+    Curve { name: name.to_owned(), colour: theme::line(ui, number), parts, style: Style::Solid }
+}
+
+/// Magnitude, phase in degrees, and nothing for coherence, of the model at its file's values.
+fn model_response(
+    model: &Model,
+    output: &str,
+    input: Option<&str>,
+    [from, to]: [f64; 2],
+) -> [Vec<Vec<[f64; 2]>>; 2] {
+    let position = |mut channels: Box<dyn Iterator<Item = &socam_model::Channel> + '_>, column: &str| {
+        channels.position(|channel| channel.column == column)
+    };
+    let row = position(Box::new(model.outputs()), output);
+    let column = input.and_then(|input| position(Box::new(model.inputs()), input));
+    let (Some(row), Some(column), Ok(equations)) = (row, column, model.equations(&model.values())) else {
+        return [Vec::new(), Vec::new()];
+    };
+    let points = 400;
+    let at = |n: i32| from * (to / from).powf(f64::from(n) / f64::from(points));
+    let values: Vec<(f64, Complex<f64>)> = (0..=points)
+        .filter_map(|n| {
+            let s = Complex::new(0.0, std::f64::consts::TAU * at(n));
+            equations.transfer(row, column, s).map(|value| (at(n), value))
+        })
+        .collect();
+    let magnitude = values.iter().map(|(f, value)| [*f, value.norm()]).collect();
+    let phase: Vec<[f64; 2]> = values.iter().map(|(f, value)| [*f, value.arg().to_degrees()]).collect();
+    [vec![magnitude], welch::unjoined(&phase)]
+}

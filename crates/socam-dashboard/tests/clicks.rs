@@ -1,0 +1,259 @@
+//! What people do with it, by the names that a screen reader would say.
+
+mod sample;
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use socam_dashboard::document::{Document, parse};
+use socam_dashboard::{Dashboard, View};
+
+fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
+    let harness =
+        Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02).with_context_setup(|ctx| {
+            socam_dashboard::theme::apply(ctx, socam_dashboard::theme::Look::Dark);
+        });
+    let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
+    window.run_steps(3);
+    window
+}
+
+fn with(view: View, runs: u32) -> Harness<'static, Dashboard> {
+    let mut dashboard = Dashboard::default();
+    (0..runs).for_each(|number| dashboard.add_recording(sample::run(number, 4000)));
+    dashboard.layout.view = view;
+    window(dashboard)
+}
+
+/// Passes until something is true; what it waits for runs on other threads.
+fn until(
+    window: &mut Harness<'static, Dashboard>,
+    what: &str,
+    is: impl Fn(&Harness<'static, Dashboard>) -> bool,
+) {
+    let begin = Instant::now();
+    while !is(window) {
+        assert!(begin.elapsed() < Duration::from_secs(30), "waited for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+        window.run_steps(1);
+    }
+}
+
+fn click(window: &mut Harness<'static, Dashboard>, label: &str) {
+    let is_no_text = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() != egui::Role::Label;
+    let found = window.get_all_by_label(label).find(is_no_text);
+    found.unwrap_or_else(|| panic!("nothing to click is called {label}")).click();
+    window.run_steps(3);
+}
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    let mut window = window(Dashboard::default());
+    window.get_by_label("No recording is open");
+    for (tab, title) in [
+        ("Live", "No board is connected"),
+        ("Frequency", "No recording is shown"),
+        ("Check", "No recording is open"),
+        ("Parameters", "No identification is open"),
+        ("Diagnosis", "No diagnosis yet"),
+    ] {
+        click(&mut window, tab);
+        window.get_by_label(title);
+    }
+    window.get_by_label("EMERGENCY STOP");
+}
+
+#[test]
+fn files_open_by_dialog_and_what_is_foreign_says_so_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv: String = (0..500).map(|row| format!("{},{}\n", f64::from(row) * 1e-3, row % 7)).collect();
+    std::fs::write(folder.path().join("good.csv"), format!("t_s,motor_speed_rad_s\n{csv}")).unwrap();
+    std::fs::write(folder.path().join("foreign.json"), "{\"hello\": 1}").unwrap();
+    std::fs::write(folder.path().join("broken.mcap"), "not a log at all").unwrap();
+    let mut dashboard = Dashboard::default();
+    dashboard.layout.folder = folder.path().into();
+    let mut window = window(dashboard);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+    window.run_steps(3);
+    for name in ["good.csv", "foreign.json", "broken.mcap"] {
+        click(&mut window, name);
+    }
+    click(&mut window, "Open selected");
+    until(&mut window, "files", |window| !window.state().is_busy());
+    window.run_steps(2);
+    window.get_by_label("good.csv");
+    window.get_by_label("Chart motor_speed, rad/s");
+    let problems: Vec<String> = window.state().problems().map(str::to_owned).collect();
+    assert!(problems.len() == 2, "{problems:?}");
+    assert!(
+        problems.iter().any(|text| text.contains("foreign.json") && text.contains("schema")),
+        "{problems:?}"
+    );
+    assert!(problems.iter().any(|text| text.contains("broken.mcap")), "{problems:?}");
+    window.get_all_by_label("Dismiss").next().unwrap().click();
+    window.run_steps(2);
+    assert_eq!(window.state().problems().count(), 1);
+}
+
+#[test]
+fn recordings_lie_over_each_other_and_differ() {
+    let mut window = with(View::Time, 2);
+    assert!(window.state().review.reference.is_none());
+    window.get_by_label("Chart torque_out, N m");
+    window.state_mut().review.reference = Some(0);
+    window.run_steps(2);
+    window.get_by_label("Chart torque_out minus multisine-0.mcap, N m");
+    window.state_mut().review.reference = None;
+    window.run_steps(2);
+    click(&mut window, "torque_out, N m");
+    assert!(window.query_by_label("Chart torque_out, N m").is_none());
+    click(&mut window, "Close multisine-0.mcap");
+    assert!(window.query_by_label("multisine-0.mcap").is_none());
+    window.get_by_label("multisine-1.mcap");
+}
+
+#[test]
+fn cursors_are_set_by_clicks_and_measure_differences() {
+    let mut window = with(View::Time, 1);
+    click(&mut window, "Cursors A, B");
+    window.get_by_label("at A");
+    let chart = window.get_by_label("Chart motor_speed, rad/s").rect();
+    for share in [0.3, 0.7] {
+        let at = chart.left() + share * chart.width();
+        let pos = egui::pos2(at, chart.center().y);
+        window.hover_at(pos);
+        for pressed in [true, false] {
+            let event = egui::Event::PointerButton {
+                pos,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            };
+            window.event(event);
+        }
+        window.run_steps(2);
+    }
+    let [a, b] = window.state().review.cursors.unwrap();
+    assert!((a - 1.2).abs() < 0.05 && (b - 2.8).abs() < 0.05, "{a} {b}");
+    click(&mut window, "Zoom to A..B");
+    let span = window.state().review.span(&[]);
+    assert!((span[0] - a).abs() < 1e-6 && (span[1] - b).abs() < 1e-6, "{span:?}");
+    click(&mut window, "Fit all");
+}
+
+#[test]
+fn dragging_pans_and_the_wheel_zooms_all_charts_alike() {
+    let mut window = with(View::Time, 1);
+    let chart = window.get_by_label("Chart torque_in, N m").rect();
+    window.hover_at(chart.center());
+    window.run_steps(1);
+    let wheel = egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 200.0),
+        modifiers: egui::Modifiers::NONE,
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+    };
+    window.event(wheel);
+    window.run_steps(20);
+    let span = window.state().review.span(&[]);
+    assert!(span[1] - span[0] < 3.0 && span[0] > 0.2 && span[1] < 3.8, "{span:?}");
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(2);
+    assert!(window.state().review.span(&[])[0] > span[0]);
+}
+
+#[test]
+fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
+    let mut dashboard = Dashboard::default();
+    dashboard.show(parse("diagnosis.json", sample::DIAGNOSIS).unwrap());
+    let mut window = window(dashboard);
+    window.get_by_label("load_bearing: bearing; finding 1, coulomb_friction").click();
+    window.run_steps(2);
+    window.get_by_label("coupling_3: spring; a rival acts here");
+    window.get_by_label("1. coulomb_friction at load_bearing");
+    for tab in ["over frequency", "over time", "measured shape", "fit", "after", "before"] {
+        click(&mut window, tab);
+    }
+    click(&mut window, "Make it the input signal");
+    assert_eq!(window.state().layout.view, View::Live);
+    assert!(
+        window.state().live.signal.text().contains("triangle")
+            || window.state().live.signal.settings.name().contains("profile")
+    );
+}
+
+#[test]
+fn what_is_not_determined_is_said() {
+    let mut dashboard = Dashboard::default();
+    let Ok(document @ Document::Identification(_)) = parse("fit.json", sample::IDENTIFICATION) else {
+        panic!("no identification")
+    };
+    dashboard.show(document);
+    let window = window(dashboard);
+    window.get_by_label("its 95 % interval is +-368 %; it cannot be told apart from k2, c2, c3");
+    window.get_by_label("[133.35, 135.29]");
+}
+
+#[test]
+fn spectra_and_poles_are_drawn() {
+    let mut window = with(View::Frequency, 1);
+    until(&mut window, "spectra", |window| !window.state().is_busy());
+    window.get_by_label("Chart motor_speed, rad/s per sqrt(Hz)");
+    click(&mut window, "Response");
+    window.get_by_label("Chart coherence, 1");
+    click(&mut window, "Poles");
+    window.get_by_label("damping ratio");
+}
+
+#[test]
+fn what_is_seen_is_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut dashboard = Dashboard::default();
+    dashboard.add_recording(sample::run(0, 4000));
+    dashboard.layout.folder = folder.path().into();
+    let mut window = window(dashboard);
+    for name in ["view.png", "view.svg", "view.csv", "view.txt"] {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+        window.run_steps(3);
+        let field = window.get_by_label("Name");
+        field.focus();
+        window.run_steps(1);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+        window.get_by_label("Name").type_text(name);
+        window.run_steps(2);
+        click(&mut window, "Save");
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("view.png").starts_with(b"\x89PNG") && read("view.png").len() > 20_000);
+    let svg = String::from_utf8(read("view.svg")).unwrap();
+    assert!(svg.contains(">motor_speed, rad/s</text>") && svg.ends_with("</svg>\n"));
+    let csv = String::from_utf8(read("view.csv")).unwrap();
+    assert!(
+        csv.lines().count() > 5000 && csv.contains("\"motor_speed, rad/s\",runs/multisine-0.mcap,,"),
+        "{}",
+        &csv[..300]
+    );
+    assert!(window.state().problems().any(|text| text.contains("view.txt")));
+}
+
+#[test]
+fn help_explains_each_control() {
+    let mut window = with(View::Live, 0);
+    click(&mut window, "Help");
+    click(&mut window, "What each control does");
+    window.get_by_label("EMERGENCY STOP, Esc");
+}
+
+#[test]
+fn the_menus_choose_a_signal_and_undo() {
+    let mut window = with(View::Live, 0);
+    let before = window.state().live.signal.settings.clone();
+    click(&mut window, "Input Signal");
+    click(&mut window, "Constant");
+    assert_ne!(window.state().live.signal.settings, before);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(2);
+    assert_eq!(window.state().live.signal.settings, before);
+}

@@ -1,0 +1,158 @@
+//! Things to show, made up: recordings with gaps, spikes and missing values, and a diagnosis.
+#![allow(dead_code, missing_docs, unreachable_pub)]
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use socam_dashboard::recording::{About, Happening, Recording};
+use socam_dashboard::samples::Samples;
+use socam_diagnose::Evidence;
+use socam_diagnose::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
+use socam_recording::{Channel, Dataset, Unit};
+
+/// Numbers without pattern, the same on every machine.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+    }
+}
+
+pub fn channels() -> Vec<Channel> {
+    vec![
+        Channel::new("command", Unit::V),
+        Channel::new("motor_speed", Unit::RadPerS),
+        Channel::new("output_speed", Unit::RadPerS),
+        Channel::new("torque_in", Unit::Nm),
+        Channel::new("torque_out", Unit::Nm),
+    ]
+}
+
+/// A run of the default bench as one might imagine it; `number` makes it differ from others.
+pub fn run(number: u32, rows: usize) -> Recording {
+    let mut noise = Noise(u64::from(number) + 1);
+    let slow = 0.5 + 0.07 * f64::from(number);
+    let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
+    let mut columns = vec![Vec::new(); 5];
+    for t in &time_s {
+        let speed = 60.0 * (TAU * slow * t).sin() + 12.0 * (TAU * 4.0 * t).sin();
+        let torque = 0.4 * speed.signum() + 0.02 * speed;
+        let values = [speed / 75.0, speed, speed / 8.0, torque / 8.0, torque];
+        let stds = [0.0, 0.1, 0.02, 0.004, 0.02];
+        for ((column, value), std) in columns.iter_mut().zip(values).zip(stds) {
+            column.push(value + std * noise.next());
+        }
+    }
+    of(&format!("runs/multisine-{number}.mcap"), time_s, columns)
+}
+
+pub fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
+    let channels: Vec<Channel> = channels().into_iter().take(columns.len()).collect();
+    let data = Dataset::from_columns(name, channels.clone(), time_s.clone(), columns.clone()).unwrap();
+    let about =
+        About { name: name.into(), channels, sample_time_s: data.sample_time_s(), ..About::default() };
+    Recording {
+        about,
+        samples: Arc::new(Samples::in_memory(time_s, &columns, data.segments().to_vec())),
+        path: None,
+    }
+}
+
+/// With a gap, missing values, a spike, events, notes and warnings.
+pub fn troubled(rows: usize) -> Recording {
+    let whole = run(3, rows);
+    let all = 0..rows;
+    let keep = |row: &usize| !(rows / 3..rows * 2 / 5).contains(row);
+    let time_s: Vec<f64> = whole.samples.times(all.clone());
+    let time_s: Vec<f64> = all.clone().filter(keep).map(|row| time_s[row]).collect();
+    let mut columns: Vec<Vec<f64>> = (0..5)
+        .map(|channel| {
+            let values = whole.samples.values(channel, all.clone());
+            all.clone().filter(keep).map(|row| values[row]).collect()
+        })
+        .collect();
+    let last = columns[0].len();
+    columns[3][last / 2..last * 3 / 5].fill(f64::NAN);
+    columns[4][last * 4 / 5] = 30.0;
+    let mut recording = of(
+        "measurements/2026-11/a-rather-long-name-of-a-recording-that-nobody-would-type_bench-2.mcap",
+        time_s,
+        columns,
+    );
+    let event = |time_s, kind: &str, text: &str| Happening { time_s, kind: kind.into(), text: text.into() };
+    recording.about.events = vec![
+        event(0.0, "phase", "part 0 of the profile"),
+        event(1.0, "phase", "part 1 of the profile"),
+        event(4.4, "note", "coupling 2 squeaks"),
+        event(5.2, "fault", "motor_speed is above its limit of 120 rad/s"),
+    ];
+    recording.about.facts = vec![("note".into(), "after the new coupling was fitted, cold".into())];
+    recording.about.warnings = vec!["the recording is cut off: missing is about 0.4 s".into()];
+    recording
+}
+
+/// A diagnosis as its file has it.
+pub const DIAGNOSIS: &str = include_str!("diagnosis.json");
+/// An identification as its file has it.
+pub const IDENTIFICATION: &str = include_str!("identification.json");
+
+/// Residuals that tell of dry friction at the load's bearing.
+pub fn evidence() -> Evidence {
+    let mut noise = Noise(5);
+    let stds = [("output_speed", "rad/s", 0.02), ("torque_in", "N m", 0.01), ("torque_out", "N m", 0.05)];
+    let mut channels = Vec::new();
+    let mut traces = Vec::new();
+    for (name, unit, std) in stds {
+        let mut binned = |from: f64, to: f64, shape: fn(f64) -> f64| {
+            let x: Vec<f64> = (0..30).map(|n| from + (to - from) * (f64::from(n) + 0.5) / 30.0).collect();
+            let before = x.iter().map(|x| 3.0 * std * shape(*x) + 0.2 * std * noise.next()).collect();
+            let after = x.iter().map(|_| 0.2 * std * noise.next()).collect();
+            Some(Binned {
+                x,
+                before,
+                before_std: vec![0.1 * std; 30],
+                after,
+                after_std: vec![0.08 * std; 30],
+            })
+        };
+        let frequency_hz: Vec<f64> = (1..400).map(|n| 0.1 * 1.02_f64.powi(n)).collect();
+        let over = [
+            binned(-9.0, 9.0, |x| (3.0 * x).tanh()),
+            binned(0.0, TAU, |x| 0.2 * x.sin()),
+            binned(-2.0, 2.0, |x| 0.7 * x),
+        ];
+        let floor = std * 0.045;
+        let spectrum = Spectrum {
+            before: frequency_hz
+                .iter()
+                .map(|f| floor * (1.0 + 60.0 / (1.0 + f * f)) * (1.0 + 0.4 * noise.next()))
+                .collect(),
+            after: frequency_hz.iter().map(|_| floor * (1.0 + 0.4 * noise.next())).collect(),
+            noise: vec![floor; frequency_hz.len()],
+            frequency_hz,
+        };
+        let [over_speed, over_angle, over_torque] = over;
+        channels.push(ChannelEvidence {
+            name: name.into(),
+            unit: unit.into(),
+            noise_std: std,
+            over_speed,
+            over_angle,
+            over_torque,
+            spectrum: Some(spectrum),
+        });
+        let time_s: Vec<f64> = (0..8000).map(|n| f64::from(n) * 1e-3).collect();
+        let after: Vec<f64> = time_s.iter().map(|_| 2.0 * std * noise.next()).collect();
+        let before = time_s
+            .iter()
+            .zip(&after)
+            .map(|(t, rest)| 3.0 * std * (TAU * 0.5 * t).sin().signum() + rest)
+            .collect();
+        traces.push(Trace { channel: name.into(), time_s, before, after });
+    }
+    let recordings =
+        vec![RecordingTraces { name: "runs/reversals-1.mcap".into(), held_out: true, channels: traces }];
+    Evidence { recordings, channels }
+}
