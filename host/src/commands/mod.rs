@@ -3,6 +3,8 @@
 mod challenge;
 mod check;
 mod completions;
+#[cfg(feature = "dashboard")]
+mod dashboard;
 mod demo;
 mod diagnose;
 mod export;
@@ -38,17 +40,17 @@ impl From<Outcome> for ExitCode {
 /// Makes the subcommands from `Name => module` lines. Each module has `Args` (whose doc comment is the command's help) and
 /// `run(Args) -> anyhow::Result<Outcome>`.
 macro_rules! commands {
-    ($($name:ident => $module:ident,)*) => {
+    ($($(#[$condition:meta])* $name:ident => $module:ident,)*) => {
         #[derive(Debug, clap::Subcommand)]
         pub(crate) enum Command {
-            $($name($module::Args),)*
+            $($(#[$condition])* $name($module::Args),)*
         }
 
         impl Command {
             /// Runs it.
             pub(crate) fn run(self) -> anyhow::Result<Outcome> {
                 match self {
-                    $(Self::$name(args) => $module::run(args),)*
+                    $($(#[$condition])* Self::$name(args) => $module::run(args),)*
                 }
             }
         }
@@ -67,6 +69,8 @@ commands! {
     Simulate => simulate,
     Challenge => challenge,
     VirtualBoard => virtual_board,
+    #[cfg(feature = "dashboard")]
+    Dashboard => dashboard,
     Flash => flash,
     Template => template,
     Completions => completions,

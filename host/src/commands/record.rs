@@ -220,7 +220,7 @@ fn check_output(path: &std::path::Path, replace: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn now_unix_ns() -> u64 {
+pub(crate) fn now_unix_ns() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -73,7 +73,39 @@ pub(crate) struct Report {
     pub(crate) duration_s: f64,
 }
 
-/// Runs the plan's profile and records it.
+/// Who watches a run while it is recorded.
+pub(crate) trait Monitor {
+    /// How often the operator wanted to stop: once stops gently, more often at once.
+    fn stops(&self) -> u32;
+    /// How far the run is.
+    fn reached(&mut self, _device_time_ns: i64) {}
+    /// Samples as they came, recorded or not.
+    fn samples(&mut self, _batch: &SampleBatch) {}
+    /// How the board is; damaged frames of both ways, and samples that are recorded and lost.
+    fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
+    /// Something that the operator wants to be written into the recording now.
+    fn note(&mut self) -> Option<String> {
+        None
+    }
+}
+
+/// Whoever waits at a terminal.
+struct Terminal<'a> {
+    interrupt: &'a Interrupt,
+    progress: ProgressBar,
+}
+
+impl Monitor for Terminal<'_> {
+    fn stops(&self) -> u32 {
+        self.interrupt.count()
+    }
+
+    fn reached(&mut self, device_time_ns: i64) {
+        self.progress.set_position(device_time_ns as u64 / 1_000_000);
+    }
+}
+
+/// Runs the plan's profile and records it; Ctrl-C stops it.
 ///
 /// Before the bench moves everything has been checked: the board's consent, and that the file can be written.
 pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -> anyhow::Result<Report> {
@@ -81,6 +113,25 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
     if interrupt.count() > 0 {
         bail!("stopped before the bench moved");
     }
+    let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us) };
+    let report = record_prepared(session, plan, &mut terminal);
+    terminal.progress.finish_and_clear();
+    report
+}
+
+/// Loads the plan's calibration and profile, and has the board watch all limits; nothing moves.
+#[cfg(feature = "dashboard")]
+pub(crate) fn arm(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
+    prepare(session, plan)?;
+    session.request(Request::Arm)?.context("the board cannot be armed")
+}
+
+/// Runs a plan that has been loaded, armed or not.
+pub(crate) fn record_prepared(
+    session: &mut Session,
+    plan: Plan,
+    monitor: &mut dyn Monitor,
+) -> anyhow::Result<Report> {
     let columns = Columns::of(&plan.calibration);
     let header = RecordingHeader {
         channels: columns.channels.clone(),
@@ -106,10 +157,11 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
         before: None,
         values: Vec::new(),
         counts: Vec::new(),
-        progress: progress(plan.profile.duration_us),
+        taken: 0,
+        monitor,
     };
     let started = run.start();
-    let end = started.and_then(|()| run.until_end(interrupt));
+    let end = started.and_then(|()| run.until_end());
     run.finish(end)
 }
 
@@ -134,7 +186,7 @@ fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
 }
 
 /// A fault in words, with the channels' names.
-fn fault_text(fault: &Fault, calibration: &Calibration) -> String {
+pub(crate) fn fault_text(fault: &Fault, calibration: &Calibration) -> String {
     let names: Vec<&str> = calibration.channels.iter().map(|channel| channel.channel.name.as_str()).collect();
     fault.with_names(&names).to_string()
 }
@@ -183,24 +235,40 @@ fn progress(duration_us: u64) -> ProgressBar {
 }
 
 /// Which of a sample's values are recorded.
-struct Columns {
-    channels: Vec<Channel>,
+pub(crate) struct Columns {
+    pub(crate) channels: Vec<Channel>,
     /// By the calibration's order, the command first.
     recorded: Vec<bool>,
 }
 
 impl Columns {
-    fn of(calibration: &Calibration) -> Self {
+    pub(crate) fn of(calibration: &Calibration) -> Self {
         let all = calibration.recorded_channels();
         let recorded: Vec<bool> = all.iter().map(|channel| channel.name != NO_TACHOMETER).collect();
         let channels =
             all.into_iter().zip(&recorded).filter(|(_, recorded)| **recorded).map(|(channel, _)| channel);
         Self { channels: channels.collect(), recorded }
     }
+
+    /// Adds a sample's values, NaN where the board had no reading.
+    pub(crate) fn read(
+        &self,
+        calibration: &Calibration,
+        sample: &Sample,
+        inputs: usize,
+        values: &mut Vec<f64>,
+    ) {
+        let is_silent = sample.flags.has(Flags::NO_READING);
+        let all = calibration.values(sample.output_count, &sample.counts[..inputs]);
+        // The first value is the command, which is known in any case.
+        let all = all.enumerate().map(|(i, value)| if i > 0 && is_silent { f64::NAN } else { value });
+        values.extend(all.zip(&self.recorded).filter(|(_, recorded)| **recorded).map(|(value, _)| value));
+    }
 }
 
 struct Run<'s> {
     session: &'s mut Session,
+    monitor: &'s mut dyn Monitor,
     recorder: Recorder,
     columns: Columns,
     calibration: Calibration,
@@ -218,12 +286,17 @@ struct Run<'s> {
     before: Option<BoardStatus>,
     values: Vec<f64>,
     counts: Vec<i32>,
-    progress: ProgressBar,
+    /// Samples that the recorder took.
+    taken: u64,
 }
 
 impl Run<'_> {
     fn start(&mut self) -> anyhow::Result<()> {
-        self.session.request(Request::Arm)?.context("the board cannot be armed")?;
+        if let Err(refusal) = self.session.request(Request::Arm)?
+            && !matches!(refusal, Refusal::WrongState { state: State::Armed, .. })
+        {
+            return Err(refusal).context("the board cannot be armed");
+        }
         // A fault that has been cleared, or samples of an earlier run, are not of this one.
         self.session.forget();
         self.session.request(Request::Stream(true))?.context("the board does not stream")?;
@@ -231,7 +304,7 @@ impl Run<'_> {
     }
 
     /// Takes what the board says until the run is over.
-    fn until_end(&mut self, interrupt: &Interrupt) -> anyhow::Result<End> {
+    fn until_end(&mut self) -> anyhow::Result<End> {
         let mut heard = Instant::now();
         let mut beat = Instant::now();
         let mut beat_ns = 0;
@@ -243,12 +316,18 @@ impl Run<'_> {
                 self.session.post(Request::Heartbeat)?;
                 (beat, beat_ns) = (Instant::now(), self.now_ns());
             }
-            if interrupt.count() > stops {
-                stops = interrupt.count();
+            if self.monitor.stops() > stops {
+                stops = self.monitor.stops();
                 self.stop(stops)?;
             }
+            if let Some(note) = self.monitor.note() {
+                self.event("note", note);
+            }
             match self.session.next()? {
-                Some(super::session::Heard::Samples(batch)) => self.take_samples(&batch),
+                Some(super::session::Heard::Samples(batch)) => {
+                    self.monitor.samples(&batch);
+                    self.take_samples(&batch);
+                }
                 Some(super::session::Heard::Status(status)) => self.take_status(&status),
                 None if heard.elapsed() > SILENT_AFTER => {
                     bail!("the board fell silent (waited {} s)", SILENT_AFTER.as_secs())
@@ -295,13 +374,7 @@ impl Run<'_> {
                 break;
             }
             let Some(ticks) = self.place(&sample) else { continue };
-            let is_silent = sample.flags.has(Flags::NO_READING);
-            let values = self.calibration.values(sample.output_count, &sample.counts[..inputs]);
-            // The first value is the command, which is known in any case.
-            let values =
-                values.enumerate().map(|(i, value)| if i > 0 && is_silent { f64::NAN } else { value });
-            let recorded = values.zip(&self.columns.recorded).filter(|(_, recorded)| **recorded);
-            self.values.extend(recorded.map(|(value, _)| value));
+            self.columns.read(&self.calibration, &sample, inputs, &mut self.values);
             self.counts.extend(sample.counts[..inputs].iter().map(|count| i32::from(*count)));
             rows.push((ticks, sample.flags.0));
             self.tell_phase(&sample);
@@ -319,8 +392,8 @@ impl Run<'_> {
                 values,
             })
             .collect();
-        self.recorder.push_samples(&rows);
-        self.progress.set_position(self.now_ns() as u64 / 1_000_000);
+        self.taken += self.recorder.push_samples(&rows) as u64;
+        self.monitor.reached(self.now_ns());
     }
 
     /// Ticks since the course began; `None` for a sample before it.
@@ -356,14 +429,17 @@ impl Run<'_> {
         let board = &status.board;
         // What happened before this run is not its fault; the board counts since it was switched on.
         let before = self.before.get_or_insert(*status);
+        let link_errors = u64::from(status.link.total().saturating_sub(before.link.total()))
+            + u64::from(self.session.link_counts().total());
+        let lost = u64::from(board.dropped.saturating_sub(before.board.dropped)) + self.recorder.lost();
         self.recorder.status(&Status {
             device_time_ns: self.last_tick as i64 * i64::from(self.period_us) * 1000,
             state: board.state.to_string(),
             overruns: board.overruns.saturating_sub(before.board.overruns).into(),
-            lost: u64::from(board.dropped.saturating_sub(before.board.dropped)) + self.recorder.lost(),
-            link_errors: u64::from(status.link.total().saturating_sub(before.link.total()))
-                + u64::from(self.session.link_counts().total()),
+            lost,
+            link_errors,
         });
+        self.monitor.status(status, link_errors, [self.taken, lost]);
         if let Some(fault) = board.fault {
             // Samples are sent before the status, so those that led to the fault are here.
             self.end = Some(End::Fault(fault_text(&fault, &self.calibration)));
@@ -380,7 +456,6 @@ impl Run<'_> {
 
     /// Closes the recording whatever happened. A run that never began leaves none.
     fn finish(mut self, end: anyhow::Result<End>) -> anyhow::Result<Report> {
-        self.progress.finish_and_clear();
         if self.first_tick.is_none() {
             match end? {
                 End::Fault(reason) | End::Broken(reason) => bail!("the board did not start: {reason}"),

@@ -1,0 +1,359 @@
+//! The board behind the live view: a thread that talks to it, records, and tells the window what it can take.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use socam_core::{Refusal, Request};
+use socam_dashboard::live::{self, Batch, Bench, Connector, Health, News, Order, Presses};
+use socam_dashboard::recording::Recording;
+use socam_model::Model;
+use socam_recording::{Attachment, Calibration, Dataset};
+use socam_sim::{Between, Replay, Start, Truth};
+use socam_wire::{BoardStatus, SampleBatch};
+
+use crate::commands::record::{attachment, now_unix_ns};
+use crate::device::run::{self, Columns, End, Monitor, Plan, Report};
+use crate::device::session::Heard;
+use crate::device::virtual_bench::BenchArgs;
+use crate::device::{self, Device, Pace, Session, front_end};
+use crate::model_file;
+
+/// Sampling period while nothing runs.
+const IDLE_PERIOD_US: u32 = 1000;
+/// Its patience is half a second.
+const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
+
+/// Makes links to boards; the virtual one stands on `bench`.
+pub(super) fn connector(bench: BenchArgs, calibration: Option<Calibration>) -> Connector {
+    Box::new(move |ctx| {
+        let (port, own) = live::link();
+        let (bench, calibration, ctx) = (bench.clone(), calibration.clone(), ctx.clone());
+        let serve = move || {
+            let ended = attend(&own, &bench, calibration);
+            // A window that was closed does not care.
+            let _ = own.news.send(News::Disconnected(ended.err().map(|error| format!("{error:#}"))));
+            ctx.request_repaint();
+        };
+        if let Err(error) = std::thread::Builder::new().name("bench".into()).spawn(serve) {
+            crate::output::warn(format_args!("cannot start the bench's thread: {error}"));
+        }
+        port
+    })
+}
+
+/// Opens the link that is asked for and keeps the conversation up until it is closed.
+fn attend(own: &Bench, bench: &BenchArgs, calibration: Option<Calibration>) -> anyhow::Result<()> {
+    let Ok(Order::Connect(device)) = own.orders.recv() else { return Ok(()) };
+    let device: Device =
+        device.parse().map_err(|expected| anyhow::anyhow!("`{device}` is no device: {expected}"))?;
+    let setup = (device == Device::Sim).then(|| bench.setup(calibration.clone())).transpose()?;
+    let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
+    let mut session = device::open(&device, setup.map(|setup| (setup, Pace::RealTime)))?;
+    let (text, default) = front_end::default_calibration(&session.identity().front_end)?;
+    let calibration = given.unwrap_or_else(|| default.clone());
+    front_end::check(&calibration, &session.identity().front_end)?;
+    let text = (calibration == default).then_some(text);
+    let identity = session.identity();
+    let board = format!("{}, firmware {}, at {device}", identity.board, identity.firmware);
+    let mut talk = Talk {
+        session: &mut session,
+        show: Show::new(calibration.clone(), own.samples.clone()),
+        own,
+        board,
+        device: device.to_string(),
+        model: model_file::text(&bench.model)?,
+        calibration,
+        calibration_text: text,
+        armed: None,
+    };
+    talk.look()?;
+    talk.go_on()
+}
+
+/// A conversation.
+struct Talk<'a> {
+    session: &'a mut Session,
+    own: &'a Bench,
+    show: Show,
+    board: String,
+    device: String,
+    model: String,
+    calibration: Calibration,
+    calibration_text: Option<String>,
+    armed: Option<Plan>,
+}
+
+impl Talk<'_> {
+    fn tell(&self, news: News) {
+        let _ = self.own.news.send(news);
+    }
+
+    /// Lets samples flow while nothing runs, where the board lets itself be configured.
+    fn look(&mut self) -> anyhow::Result<()> {
+        self.session.request(Request::Stream(false))?.ok();
+        match self.session.request(Request::Configure(self.calibration.config(IDLE_PERIOD_US)?))? {
+            Ok(()) => self.streams_at(IDLE_PERIOD_US),
+            Err(refusal @ (Refusal::Faulted(_) | Refusal::WrongState { .. })) => {
+                self.tell(News::Problem(format!("the board keeps its settings: {refusal}")));
+                self.streams_at(IDLE_PERIOD_US);
+            }
+            Err(refusal) => return Err(refusal).context("the board refuses the calibration"),
+        }
+        self.session.forget();
+        self.session.request(Request::Stream(true))?.context("the board does not stream")
+    }
+
+    fn streams_at(&mut self, period_us: u32) {
+        self.show.period_us = period_us;
+        let channels = self.show.columns.channels.clone();
+        self.tell(News::Connected {
+            board: self.board.clone(),
+            channels,
+            step_s: f64::from(period_us) * 1e-6,
+        });
+    }
+
+    fn go_on(&mut self) -> anyhow::Result<()> {
+        let mut beat = Instant::now();
+        loop {
+            if beat.elapsed() >= HEARTBEAT_EVERY {
+                self.session.post(Request::Heartbeat)?;
+                beat = Instant::now();
+            }
+            match self.own.presses.swap(0, std::sync::atomic::Ordering::SeqCst) {
+                0 => {}
+                1 => drop(self.session.post(Request::Stop)?),
+                _ => drop(self.session.post(Request::EmergencyStop)?),
+            }
+            match self.own.orders.try_recv() {
+                Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
+                    // A bench that nobody watches stands still.
+                    self.session.post(Request::Stop)?;
+                    self.session.post(Request::Stream(false))?;
+                    return Ok(());
+                }
+                Ok(order) => self.take(order)?,
+                Err(TryRecvError::Empty) => {}
+            }
+            match self.session.next()? {
+                Some(Heard::Samples(batch)) => self.show.take(&batch),
+                Some(Heard::Status(status)) => {
+                    let errors =
+                        u64::from(status.link.total()) + u64::from(self.session.link_counts().total());
+                    self.tell(News::Status(health(&status, &self.calibration, errors, None)));
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn take(&mut self, order: Order) -> anyhow::Result<()> {
+        match order {
+            Order::Arm(wish) => {
+                let armed = self.plan(&wish).and_then(|plan| {
+                    run::arm(self.session, &plan)?;
+                    Ok(plan)
+                });
+                match armed {
+                    Ok(plan) => {
+                        self.streams_at(plan.period_us);
+                        self.armed = Some(plan);
+                        self.session.request(Request::Stream(true))?.ok();
+                    }
+                    Err(error) => {
+                        self.tell(News::Problem(format!("{error:#}")));
+                        self.look()?;
+                    }
+                }
+            }
+            Order::Run => match self.armed.take() {
+                Some(plan) => self.record(plan)?,
+                None => self.tell(News::Problem("arm the bench first".into())),
+            },
+            Order::ClearFault => {
+                if let Err(refusal) = self.session.request(Request::ClearFault)? {
+                    self.tell(News::Problem(format!("the fault stays: {refusal}")));
+                }
+                self.look()?;
+            }
+            Order::Note(_) => self.tell(News::Problem("a note can be added while a recording runs".into())),
+            Order::Connect(_) | Order::Disconnect => {}
+        }
+        Ok(())
+    }
+
+    fn plan(&self, wish: &live::Plan) -> anyhow::Result<Plan> {
+        let period_us = (1e6 / wish.rate_hz).round() as u32;
+        let mut metadata: BTreeMap<String, String> =
+            [("profile".into(), wish.name.clone()), ("device".into(), self.device.clone())].into();
+        if !wish.note.is_empty() {
+            metadata.insert("note".into(), wish.note.clone());
+        }
+        let mut attachments: Vec<Attachment> = attachment("profile.toml", wish.signal.to_toml()).to_vec();
+        attachments.extend(attachment("model.toml", self.model.clone()));
+        attachments.extend(
+            self.calibration_text.clone().into_iter().flat_map(|text| attachment("calibration.toml", text)),
+        );
+        Ok(Plan {
+            profile: wish.signal.profile(period_us)?,
+            calibration: self.calibration.clone(),
+            period_us,
+            path: wish.path.clone(),
+            replace: false,
+            metadata,
+            attachments,
+            start_unix_ns: now_unix_ns(),
+        })
+    }
+
+    /// Runs what is armed. Only a link that broke ends the conversation.
+    fn record(&mut self, mut plan: Plan) -> anyhow::Result<()> {
+        let path = plan.path.clone();
+        plan.start_unix_ns = now_unix_ns();
+        self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
+        self.tell(News::Recording { path: path.clone(), end: None });
+        let mut watcher = Watcher {
+            presses: &self.own.presses,
+            orders: &self.own.orders,
+            news: &self.own.news,
+            show: &mut self.show,
+            leaves: false,
+        };
+        let report = run::record_prepared(self.session, plan, &mut watcher);
+        let leaves = watcher.leaves;
+        self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
+        let (text, well, broken) = match &report {
+            Ok(report) => ended(&path, report),
+            Err(error) => {
+                // A file that could not be created leaves the bench armed.
+                self.session.post(Request::Stop)?;
+                (format!("{error:#}"), false, None)
+            }
+        };
+        self.tell(News::Recording { path, end: Some((text, well)) });
+        if let Some(reason) = broken {
+            bail!("{reason}");
+        }
+        if leaves {
+            bail!("disconnected; the run was stopped");
+        }
+        self.look()
+    }
+}
+
+/// What became of a run: in words, whether all is well, and why the link is gone if it is.
+fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
+    let summary = &report.summary;
+    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    let kept =
+        format!("{}: {} samples over {:.2} s, {lost}", path.display(), summary.written, report.duration_s);
+    match &report.end {
+        End::Finished => (kept, summary.lost == 0, None),
+        End::Stopped => (format!("stopped by the operator; {kept}"), summary.lost == 0, None),
+        End::Fault(reason) => (format!("the board stopped: {reason}; {kept}"), false, None),
+        End::Broken(reason) => (format!("{reason}; {kept}"), false, Some(reason.clone())),
+    }
+}
+
+fn health(
+    status: &BoardStatus,
+    calibration: &Calibration,
+    link_errors: u64,
+    recorded: Option<[u64; 2]>,
+) -> Health {
+    let board = &status.board;
+    Health {
+        state: board.state,
+        fault: board.fault.map(|fault| run::fault_text(&fault, calibration)),
+        overruns: board.overruns.into(),
+        dropped: board.dropped.into(),
+        link_errors,
+        recorded,
+    }
+}
+
+/// Follows a run from the window.
+struct Watcher<'a> {
+    presses: &'a Presses,
+    orders: &'a Receiver<Order>,
+    news: &'a Sender<News>,
+    show: &'a mut Show,
+    leaves: bool,
+}
+
+impl Monitor for Watcher<'_> {
+    fn stops(&self) -> u32 {
+        let pressed = self.presses.load(std::sync::atomic::Ordering::SeqCst);
+        if self.leaves { pressed.max(1) } else { pressed }
+    }
+
+    fn samples(&mut self, batch: &SampleBatch) {
+        self.show.take(batch);
+    }
+
+    fn status(&mut self, status: &BoardStatus, link_errors: u64, recorded: [u64; 2]) {
+        let _ =
+            self.news.send(News::Status(health(status, &self.show.calibration, link_errors, Some(recorded))));
+    }
+
+    fn note(&mut self) -> Option<String> {
+        match self.orders.try_recv() {
+            Ok(Order::Note(text)) => Some(text),
+            Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
+                self.leaves = true;
+                None
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Samples for the window, in time that goes on from run to run.
+struct Show {
+    calibration: Calibration,
+    columns: Columns,
+    period_us: u32,
+    last_tick: Option<u32>,
+    time_us: u64,
+    samples: SyncSender<Batch>,
+}
+
+impl Show {
+    fn new(calibration: Calibration, samples: SyncSender<Batch>) -> Self {
+        let columns = Columns::of(&calibration);
+        Self { calibration, columns, period_us: IDLE_PERIOD_US, last_tick: None, time_us: 0, samples }
+    }
+
+    fn take(&mut self, batch: &SampleBatch) {
+        let inputs = batch.channels();
+        let mut shown = Batch { time_s: Vec::with_capacity(batch.len()), values: Vec::new() };
+        for sample in batch.samples() {
+            let ticks = self.last_tick.map_or(1, |last| sample.tick.wrapping_sub(last));
+            self.last_tick = Some(sample.tick);
+            // Ticks that were counted at another rate, or not at all, tell nothing.
+            self.time_us += u64::from(if ticks == 0 || ticks > 1_000_000 { 1 } else { ticks })
+                * u64::from(self.period_us);
+            shown.time_s.push(self.time_us as f64 * 1e-6);
+            self.columns.read(&self.calibration, &sample, inputs, &mut shown.values);
+        }
+        // A window that does not keep up misses these; nothing waits for it.
+        let _ = self.samples.try_send(shown);
+    }
+}
+
+/// The model driven by a recording's inputs.
+pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
+    let replay = || -> anyhow::Result<Dataset> {
+        let data = Dataset::open(run)?;
+        let truth = Truth::new(model, &[], &[])?;
+        let replay = Replay { truth, disturbances: Vec::new(), between: Between::Line, start: Start::Fitted };
+        let done = replay.run(&data)?;
+        let name = format!("{} simulated by {}", data.name(), model.name);
+        Ok(Dataset::from_columns(name, done.columns, done.time_s, done.values)?)
+    };
+    let data = replay().map_err(|error| format!("{error:#}"))?;
+    Recording::of(&data, &socam_dashboard::job::Handle::default())
+}

@@ -1,0 +1,149 @@
+//! `dashboard`: the bench and its recordings in a window, or as a picture.
+
+mod bench;
+mod window;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::anyhow;
+use socam_dashboard::theme::Look;
+use socam_dashboard::{Dashboard, Layout, Sight, View, picture};
+use socam_recording::Calibration;
+
+use super::Outcome;
+use crate::device::virtual_bench::BenchArgs;
+use crate::expectation;
+use crate::output::{self, WrongArguments};
+
+/// Show the bench live, recordings, parameters and diagnoses
+///
+/// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
+/// report). With --screenshot it draws one picture without a display instead.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host dashboard                                  connect to a board, or drop files into the window
+  socam-host dashboard run.mcap@2..8 other.csv
+  socam-host dashboard report --screenshot bench.png    a diagnosis as a picture")]
+pub(crate) struct Args {
+    /// What to open: recordings or parts of them (RUN@FROM..TO), .toml, .json, the folder of a report
+    #[arg(value_name = "RUN")]
+    files: Vec<String>,
+    /// Draw a picture into this file (.png), without a display
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+    /// View to begin with: live, time, frequency, check, parameters, diagnosis
+    #[arg(long, value_name = "VIEW", value_parser = view)]
+    view: Option<View>,
+    /// Light ground
+    #[arg(long, conflicts_with = "dark")]
+    light: bool,
+    /// Dark ground
+    #[arg(long)]
+    dark: bool,
+    /// Size of the picture or window, points
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[f32; 2]>,
+    /// Pixels of the picture per point
+    #[arg(long, value_name = "N", default_value_t = 1.0, requires = "screenshot")]
+    scale: f32,
+    /// Difference of every other recording to the first one, in the view over time
+    #[arg(long)]
+    difference: bool,
+    /// Diagnose the recordings as soon as they are open
+    #[arg(long)]
+    diagnose: bool,
+    /// Recordings among them that are not fitted, but are the proof; may be repeated
+    #[arg(long, value_name = "RUN", requires = "diagnose")]
+    holdout: Vec<String>,
+    /// Cursors A and B in the view over time, s
+    #[arg(long, value_name = "A,B", value_delimiter = ',', allow_hyphen_values = true)]
+    cursors: Vec<f64>,
+    /// Device to connect to: sim, serial, serial:PATH, tcp:HOST:PORT
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+    /// Calibration of the bench; the default bench's when not given
+    #[arg(long, value_name = "C.toml")]
+    calibration: Option<PathBuf>,
+    /// Folder into which runs are recorded
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    record_into: PathBuf,
+    #[command(flatten)]
+    bench: BenchArgs,
+}
+
+/// How long a picture waits for its files.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
+    // A picture is the same on every machine, whatever window was open last.
+    let mut layout = if args.screenshot.is_some() { Layout::default() } else { window::remembered() };
+    if args.light || args.dark {
+        layout.look = if args.light { Look::Light } else { Look::Dark };
+    }
+    if let Some(view) = args.view {
+        layout.view = view;
+    }
+    if let Some(size) = args.size {
+        layout.window = size;
+    }
+    if let Some(device) = &args.device {
+        layout.device.clone_from(device);
+    }
+    let size = layout.window;
+    let mut dashboard = Dashboard::new(layout);
+    let model = crate::model_file::load(&args.bench.model)?;
+    dashboard.use_model(model);
+    dashboard.expect_by(|model| expectation::of_model(model, 0.01));
+    dashboard.simulate_by(bench::simulated);
+    dashboard.live.record_into(args.record_into.clone());
+    dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration));
+    let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
+    dashboard.open(args.files.iter().chain(held_out).cloned());
+    if args.diagnose {
+        dashboard.diagnose(args.holdout.clone());
+    }
+    if let [a, b] = args.cursors[..] {
+        dashboard.review.cursors = Some([a, b]);
+    }
+    dashboard.review.reference = args.difference.then_some(0);
+    let Some(target) = args.screenshot else {
+        window::show(dashboard)?;
+        return Ok(Outcome::Done);
+    };
+    if target.extension().is_none_or(|extension| extension != "png") {
+        let message = format!("`{}`: a picture is written as .png", target.display());
+        return Err(WrongArguments(message).into());
+    }
+    let sight = Sight { size, scale: args.scale };
+    let mut image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+    // Opening a file may have chosen another view.
+    if let Some(view) = args.view.filter(|view| *view != dashboard.layout.view) {
+        dashboard.layout.view = view;
+        image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+    }
+    for problem in dashboard.problems() {
+        output::warn(problem);
+    }
+    let bytes = socam_dashboard::draw::raster::png(&image).map_err(|e| anyhow!(e))?;
+    let mut file = output::create(&target)?;
+    std::io::Write::write_all(&mut file, &bytes)?;
+    file.commit()?;
+    Ok(Outcome::Done)
+}
+
+fn view(text: &str) -> Result<View, String> {
+    let names = View::ALL.map(|view| view.name().to_lowercase());
+    let found = names.iter().position(|name| name == text).map(|index| View::ALL[index]);
+    found.ok_or_else(|| format!("expected one of {}", names.join(", ")))
+}
+
+fn size(text: &str) -> Result<[f32; 2], String> {
+    let numbers = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let fits = |size: &[f32; 2]| size.iter().all(|points| (200.0..=8000.0).contains(points));
+    numbers.filter(fits).ok_or_else(|| "expected a size from 200x200 to 8000x8000, as in 1280x800".into())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! The live view at the virtual bench: connect, arm, run, stop, emergency stop, a board that vanishes, a folder that cannot be
+//! written.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use socam_core::State;
+use socam_dashboard::{Dashboard, Layout, View};
+use socam_recording::Dataset;
+
+use super::bench;
+use crate::device::virtual_bench::BenchArgs;
+
+type Window = Harness<'static, Dashboard>;
+
+fn window(device: &str, folder: &Path, rate_hz: f64) -> Window {
+    let layout = Layout { view: View::Live, device: device.into(), ..Layout::default() };
+    let mut dashboard = Dashboard::new(layout);
+    let bench = BenchArgs {
+        model: "speed-o-cam".into(),
+        set: Vec::new(),
+        hide: Vec::new(),
+        seed: 1,
+        no_noise: false,
+    };
+    dashboard.live.connect_by(bench::connector(bench, None));
+    dashboard.live.record_into(folder.into());
+    dashboard.live.sample_at(rate_hz);
+    let harness = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02);
+    let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
+    window.run_steps(2);
+    window
+}
+
+fn until(window: &mut Window, what: &str, is: impl Fn(&Window) -> bool) {
+    let begin = Instant::now();
+    while !is(window) {
+        assert!(begin.elapsed() < Duration::from_secs(60), "waited for {what}");
+        std::thread::sleep(Duration::from_millis(20));
+        window.run_steps(1);
+    }
+}
+
+fn click(window: &mut Window, label: &str) {
+    let is_no_text = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() != egui::Role::Label;
+    let found = window.get_all_by_label(label).find(is_no_text);
+    found.unwrap_or_else(|| panic!("nothing to click is called {label}")).click();
+    window.run_steps(3);
+}
+
+fn state(window: &Window) -> Option<State> {
+    window.state().live.state()
+}
+
+fn connected(device: &str, folder: &Path, rate_hz: f64) -> Window {
+    let mut window = window(device, folder, rate_hz);
+    click(&mut window, "Connect");
+    until(&mut window, "the board", |window| state(window) == Some(State::Idle));
+    until(&mut window, "samples", |window| window.state().live.samples_shown() > 200);
+    window
+}
+
+fn running(window: &mut Window) {
+    click(window, "Arm");
+    until(window, "armed", |window| state(window) == Some(State::Armed));
+    click(window, "Run");
+    until(window, "running", |window| state(window) == Some(State::Running));
+}
+
+#[test]
+fn a_run_is_armed_started_stopped_and_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = connected("sim", folder.path(), 1000.0);
+    window.get_by_label("Chart motor_speed, rad/s");
+    running(&mut window);
+    std::thread::sleep(Duration::from_millis(700));
+    click(&mut window, "Stop");
+    until(&mut window, "the end", |window| window.state().live.ended().is_some());
+    let (path, text, well) = window.state().live.ended().unwrap();
+    assert!(well && text.starts_with("stopped by the operator") && text.contains("none lost"), "{text}");
+    let data = Dataset::open(&path.display().to_string()).unwrap();
+    assert!(data.rows() > 500 && data.lost_samples() == 0, "{}", data.rows());
+    assert!(data.contents().unwrap().events.iter().any(|event| event.kind == "stop"));
+    until(&mut window, "rest", |window| state(window) == Some(State::Idle));
+    click(&mut window, "Look at the recording");
+    until(&mut window, "the recording", |window| !window.state().is_busy());
+    assert_eq!(window.state().layout.view, View::Time);
+    window.run_steps(2);
+    window.get_by_label("run-1.mcap");
+}
+
+#[test]
+fn the_emergency_stop_cuts_the_command_from_any_view_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = connected("sim", folder.path(), 1000.0);
+    running(&mut window);
+    click(&mut window, "Diagnosis");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(1);
+    until(&mut window, "the end", |window| window.state().live.ended().is_some());
+    let (path, text, _) = window.state().live.ended().unwrap();
+    assert!(text.contains("emergency") || text.contains("stopped"), "{text}");
+    let command = Dataset::open(&path.display().to_string()).unwrap().load(&["command"]).unwrap();
+    let values = command.columns[0].values();
+    assert_eq!(values.last(), Some(&0.0));
+    click(&mut window, "Live");
+    until(&mut window, "the fault", |window| state(window) == Some(State::Fault));
+    click(&mut window, "Clear fault");
+    until(&mut window, "rest", |window| state(window) == Some(State::Idle));
+}
+
+#[test]
+fn a_device_that_is_not_there_and_a_folder_that_is_not_there_are_said_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut lost = window("tcp:127.0.0.1:1", folder.path(), 1000.0);
+    click(&mut lost, "Connect");
+    until(&mut lost, "a sentence", |window| {
+        window.query_by_label_contains("nothing listens there").is_some()
+    });
+    lost.get_by_label("Connect");
+    let mut window = connected("sim", &folder.path().join("nowhere"), 1000.0);
+    click(&mut window, "Arm");
+    until(&mut window, "armed", |window| state(window) == Some(State::Armed));
+    click(&mut window, "Run");
+    until(&mut window, "a sentence", |window| window.state().live.ended().is_some());
+    let (_, text, well) = window.state().live.ended().unwrap();
+    assert!(!well && text.contains("nowhere"), "{text}");
+    until(&mut window, "rest", |window| state(window) == Some(State::Idle));
+    click(&mut window, "Disconnect");
+    until(&mut window, "an end", |window| !window.state().live.is_connected());
+}
+
+/// Prints frames per second in software rendering while ten thousand samples a second are recorded and shown.
+#[test]
+fn ten_kilohertz_are_recorded_whole_while_they_are_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = connected("sim", folder.path(), 10_000.0);
+    running(&mut window);
+    let begin = Instant::now();
+    let mut frames = 0;
+    let part = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1280.0, 800.0));
+    while begin.elapsed() < Duration::from_secs(3) {
+        window.run_steps(1);
+        let shapes = window.output().shapes.clone();
+        let _ = socam_dashboard::draw::raster::of_shapes(&window.ctx, shapes, part, egui::Color32::BLACK);
+        frames += 1;
+    }
+    let rate = f64::from(frames) / begin.elapsed().as_secs_f64();
+    click(&mut window, "Stop");
+    until(&mut window, "the end", |window| window.state().live.ended().is_some());
+    let (path, text, well) = window.state().live.ended().unwrap();
+    assert!(well, "{text}");
+    assert_eq!(Dataset::open(&path.display().to_string()).unwrap().lost_samples(), 0);
+    println!("measured: live at 10 kHz: {rate:.0} frames/s of 1280x800 drawn in software, {text}");
+}
