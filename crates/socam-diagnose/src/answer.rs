@@ -109,19 +109,18 @@ fn finding(course: &Course, index: usize, step: &Step, after: &Identification) -
     }
 }
 
-/// What has a place and a shape but no name; what is next to that in the catalogue stands as its rivals' place would.
+/// What has a place and a shape but no name.
 fn unexplained(course: &Course, found: &Unexplained) -> Finding {
     let is_channel = course.last.model.channels.iter().any(|channel| channel.name == found.place);
-    let over = found.curve.as_ref().map(|curve| curve.over);
     Finding {
         effect: UNEXPLAINED.into(),
         location: found.place.clone(),
-        sentence: words::unexplained(&found.place, is_channel, over, found.misfit_percent),
+        sentence: words::unexplained(&found.place, is_channel, found.curve.over, found.misfit_percent),
         equation: String::new(),
         parameters: Vec::new(),
         components: Vec::new(),
-        curve: found.curve.clone(),
-        region: Region { text: words::region_of_curve(found.curve.as_ref()), ..Region::default() },
+        curve: Some(found.curve.clone()),
+        region: Region { text: words::region_of_curve(&found.curve), ..Region::default() },
         evidence: Proof {
             p_value: Some(found.p_value),
             chi2_gain: Some(found.gain),

@@ -28,8 +28,14 @@ impl Fitted {
         self.held.iter().map(Measured::total).sum()
     }
 
-    pub(crate) fn held_count(&self) -> f64 {
+    fn held_count(&self) -> f64 {
         self.held.iter().flat_map(|measured| &measured.count).sum()
+    }
+
+    /// How much of what it leaves there beyond noise another one takes away, per cent.
+    pub(crate) fn held_gain_percent(&self, other: &Self) -> f64 {
+        let gain = self.held_chi2() - other.held_chi2();
+        100.0 * gain / (self.held_chi2() - self.held_count()).max(gain).max(1.0)
     }
 
     /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.

@@ -62,8 +62,7 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
     let prescribed = |name: &str| {
         model.inputs().any(|input| input.quantity == socam_model::Quantity::Speed && input.at == name)
     };
-    // What stands in for a mesh's teeth is no part that could be worn.
-    let mut all = model.places(effect).into_iter().filter(|place| !place.ends_with(".contact"));
+    let mut all = model.places(effect).into_iter().filter(|place| is_part(place));
     let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
     let kept: Vec<&str> = match effect.id {
         "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),
@@ -76,6 +75,11 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
         _ => all.collect(),
     };
     kept.into_iter().map(str::to_owned).collect()
+}
+
+/// What stands in for a mesh's teeth is no part that could be worn.
+pub(crate) fn is_part(place: &str) -> bool {
+    !place.ends_with(".contact")
 }
 
 fn is_sensor(model: &Model, name: &str) -> bool {

@@ -11,7 +11,7 @@ use crate::{
     candidates::{self, Candidate},
     race,
     scales::Scales,
-    screen::{self, Promising, carry_values},
+    screen::{self, Promising, carried},
     shapes::{self, Unexplained},
 };
 
@@ -129,8 +129,7 @@ impl Course {
     /// Takes the last step back.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         let (Some(_), Some(model)) = (self.steps.pop(), self.before.pop()) else { return Ok(()) };
-        let mut values = model.values();
-        carry_values((&self.last.model, &self.last.at.values), (&model, &mut values));
+        let values = carried((&self.last.model, &self.last.at.values), &model);
         if let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? {
             self.last = fitted;
         }
@@ -218,12 +217,11 @@ fn best(
     let own = cost(index, &fitted);
     let rivals =
         rivals.map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt)).collect();
-    let excess = (before.held_chi2() - before.held_count()).max(held_gain);
     let step = Step {
         candidate: tried[index].0.clone(),
         p_value: tried[index].1,
         gain,
-        held_gain_percent: 100.0 * held_gain / excess,
+        held_gain_percent: before.held_gain_percent(&fitted),
         rivals,
     };
     Ok(Some((step, fitted)))

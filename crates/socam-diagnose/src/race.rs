@@ -10,7 +10,7 @@ use socam_model::Model;
 use crate::{
     bench::{Bench, Fitted},
     candidates::Candidate,
-    screen::carry_values,
+    screen::carried,
 };
 
 /// Iterations: so many to begin with, then so often so many more, unless these gained next to nothing.
@@ -42,8 +42,7 @@ pub(crate) fn race(
     let begun = tried.par_iter().enumerate().map(|(index, (candidate, _))| {
         let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
         let Ok(grown) = grown else { return Ok(None) };
-        let mut values = grown.values();
-        carry_values((&before.model, &before.at.values), (&grown, &mut values));
+        let values = carried((&before.model, &before.at.values), &grown);
         // While an effect is weak, nothing says what its other parameters should be: they wait for its strength.
         let mut begun = grown.clone();
         if let Some(used) = grown.effects.last() {

@@ -75,15 +75,9 @@ fn together(
     batch: &[&Candidate],
 ) -> Result<Vec<Promising>, IdentifyError> {
     let Ok((grown, groups)) = grown(model, batch) else { return Ok(Vec::new()) };
-    let mut values = grown.values();
-    carry_values((model, &at.values), (&grown, &mut values));
+    let values = carried((model, &at.values), &grown);
     let problem = Problem::new(&grown, datasets, options.clone())?;
-    let base: Vec<usize> = model
-        .parameters
-        .iter()
-        .filter(|parameter| !parameter.fixed)
-        .filter_map(|parameter| grown.parameter(&parameter.name))
-        .collect();
+    let base = estimated(model, &grown);
     let promises = compare::screen(&problem, yardstick, &values, (model, at), &base, &groups)?;
     let Some(promises) = promises else { return Ok(Vec::new()) };
     let each = batch.iter().zip(promises).map(|(candidate, mut promise)| {
@@ -130,13 +124,21 @@ fn strengths(model: &Model, candidate: &Candidate) -> Vec<String> {
         .collect()
 }
 
-/// Values go over by name.
-pub(crate) fn carry_values(old: (&Model, &[f64]), new: (&Model, &mut [f64])) {
+/// Values of a model that grew out of another one: those of the old go over by name.
+pub(crate) fn carried(old: (&Model, &[f64]), new: &Model) -> Vec<f64> {
+    let mut values = new.values();
     for (parameter, value) in old.0.parameters.iter().zip(old.1) {
-        if let Some(index) = new.0.parameter(&parameter.name) {
-            new.1[index] = *value;
+        if let Some(index) = new.parameter(&parameter.name) {
+            values[index] = *value;
         }
     }
+    values
+}
+
+/// What a model estimates, in one that grew out of it.
+pub(crate) fn estimated(model: &Model, grown: &Model) -> Vec<usize> {
+    let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
+    free.filter_map(|parameter| grown.parameter(&parameter.name)).collect()
 }
 
 /// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured, Yardstick},
+    compare::{self, Yardstick},
 };
 use socam_model::{
     Model, ModelError,
@@ -17,9 +17,10 @@ use socam_model::{
 
 use crate::{
     bench::{Bench, Fitted},
+    candidates::is_part,
     document::{Curve, Over},
     scales::Scales,
-    screen::carry_values,
+    screen::{carried, estimated},
 };
 
 /// Points that a curve is made of.
@@ -125,7 +126,7 @@ pub(crate) struct Shape {
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
-    pub(crate) curve: Option<Curve>,
+    pub(crate) curve: Curve,
     pub(crate) p_value: f64,
     pub(crate) gain: f64,
     pub(crate) held_gain_percent: f64,
@@ -162,7 +163,7 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
         add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0);
         add(&BEARING_TIME, &bearing.name, Over::Time, "s", (0.0, duration_s), 1.0);
     }
-    for (index, spring) in model.springs.iter().enumerate().filter(|(_, s)| !s.name.ends_with(".contact")) {
+    for (index, spring) in model.springs.iter().enumerate().filter(|(_, spring)| is_part(&spring.name)) {
         let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
         let twist = torque / stiffness;
         add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness);
@@ -243,12 +244,9 @@ fn one(
     free: Free,
 ) -> Result<Option<Shape>, IdentifyError> {
     let Ok((grown, heights)) = grown(&last.model, &free) else { return Ok(None) };
-    let mut values = grown.values();
-    carry_values((&last.model, &last.at.values), (&grown, &mut values));
+    let values = carried((&last.model, &last.at.values), &grown);
     let problem = Problem::new(&grown, bench.training, bench.fit.clone())?;
-    let own = (0..last.model.parameters.len()).filter(|index| !last.model.parameters[*index].fixed);
-    let base: Vec<usize> =
-        own.filter_map(|index| grown.parameter(&last.model.parameters[index].name)).collect();
+    let base = estimated(&last.model, &grown);
     let promises = compare::screen(
         &problem,
         yardstick,
@@ -274,8 +272,7 @@ pub(crate) fn confirmed(
     for (height, std) in shape.heights.iter().zip(&shape.std) {
         model.parameters[*height].fixed = !std.is_finite();
     }
-    let mut values = model.values();
-    carry_values((&last.model, &last.at.values), (&model, &mut values));
+    let values = carried((&last.model, &last.at.values), &model);
     let problem = Problem::new(&model, bench.training, bench.fit.clone())?;
     let fitted = compare::descend(&problem, yardstick, &values, None, (compare::COARSE, ITERATIONS))?;
     let Some(at) = fitted else { return Ok(None) };
@@ -283,16 +280,14 @@ pub(crate) fn confirmed(
     let gain = last.at.total() - at.total();
     let heights: Vec<f64> = shape.heights.iter().map(|height| at.values[*height]).collect();
     let Some(fitted) = bench.held(&model, at, yardstick)? else { return Ok(None) };
-    let held_gain = last.held_chi2() - fitted.held_chi2();
-    let held_count: f64 = last.held.iter().flat_map(|measured: &Measured| &measured.count).sum();
-    let held_excess = (last.held_chi2() - held_count).max(held_gain).max(1.0);
+    let held_gain_percent = last.held_gain_percent(&fitted);
     let found = Unexplained {
         place: shape.free.place.clone(),
-        curve: Some(shape.free.curve(&last.model, &heights, &shape.std)),
+        curve: shape.free.curve(&last.model, &heights, &shape.std),
         p_value: shape.p_value,
         gain,
-        held_gain_percent: 100.0 * held_gain / held_excess,
+        held_gain_percent,
         misfit_percent: (100.0 * gain / excess).min(100.0),
     };
-    Ok((held_gain > 0.0).then_some(found))
+    Ok((held_gain_percent > 0.0).then_some(found))
 }

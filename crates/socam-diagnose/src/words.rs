@@ -18,16 +18,16 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
 }
 
 /// The same of what has no name.
-pub(crate) fn unexplained(place: &str, is_channel: bool, over: Option<Over>, percent: f64) -> String {
+pub(crate) fn unexplained(place: &str, is_channel: bool, over: Over, percent: f64) -> String {
     let place = place.replace('_', " ");
     let what = if is_channel { "an error of that sensor" } else { "a torque" };
     let over = match over {
-        Some(Over::Speed | Over::Angle | Over::Torque) if is_channel => " that depends on what it reads",
-        Some(Over::Speed) => " that depends on speed",
-        Some(Over::Angle) => " that repeats with each turn",
-        Some(Over::Torque) => " that depends on the torque there",
-        Some(Over::Time) => " that changes as time goes by",
-        Some(Over::Frequency) | None => "",
+        Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",
+        Over::Speed => " that depends on speed",
+        Over::Angle => " that repeats with each turn",
+        Over::Torque => " that depends on the torque there",
+        Over::Time => " that changes as time goes by",
+        Over::Frequency => "",
     };
     format!(
         "At {place}: {what}{over} is missing, and nothing that has a name here fits; it would carry {percent:.0} % of the misfit"
@@ -35,13 +35,10 @@ pub(crate) fn unexplained(place: &str, is_channel: bool, over: Option<Over>, per
 }
 
 /// Where a measured curve is furthest from nothing.
-pub(crate) fn region_of_curve(curve: Option<&Curve>) -> String {
-    let largest = curve.and_then(|curve| {
-        let known = curve.x.iter().zip(&curve.torque).filter_map(|(x, torque)| Some((*x, (*torque)?, curve)));
-        known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-    });
-    match largest {
-        Some((x, torque, curve)) => {
+pub(crate) fn region_of_curve(curve: &Curve) -> String {
+    let known = curve.x.iter().zip(&curve.torque).filter_map(|(x, torque)| Some((*x, (*torque)?)));
+    match known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) {
+        Some((x, torque)) => {
             format!("most at {} {}: {} {}", short(x), curve.unit, short(torque), curve.torque_unit)
         }
         None => "everywhere".into(),
