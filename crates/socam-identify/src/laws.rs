@@ -2,15 +2,20 @@
 
 use socam_model::{
     Equations,
-    effects::{MAX_PARAMETERS, Sight},
+    effects::{Borrowed, MAX_PARAMETERS, Sight},
 };
 
 /// Most Newton steps before a shorter time step is the better idea.
 const MOST_STEPS: usize = 40;
 /// A Newton step of this share of a law's transition leaves an error of its square.
 const SETTLED: f64 = 1e-8;
+/// Share of what a law sees at the least below which it might as well see nothing.
+const NOTHING: f64 = 1e-3;
+/// How many times more than that no bench ever shows: a model whose laws see it has run away.
+const BEYOND: f64 = 1e9;
 /// See [`Law::leniency`].
 const LENIENCY: f64 = 1e4;
+const IN_CONTACT: f64 = 30.0;
 
 /// What a port's law does with what the port sees; the ports of one law stand next to each other, see
 /// [`socam_model::Port`].
@@ -60,6 +65,7 @@ impl Law {
                 least: transition.max(least),
                 leniency: match port.law.sights.get(port.sight) {
                     Some(Sight::Torque | Sight::State) => LENIENCY,
+                    Some(Sight::Twist) if port.effect.borrows == Some(Borrowed::Contact) => IN_CONTACT,
                     _ => 1.0,
                 },
                 free: own.filter_map(|(i, p)| Some((i, column(p)?))).collect(),
@@ -85,8 +91,14 @@ impl Law {
         self.least
     }
 
+    /// Whether a model in which the law sees so much has run away.
+    pub(crate) fn is_beyond(&self, seen: f64) -> bool {
+        seen > BEYOND * self.least || seen.is_nan()
+    }
+
     /// How much larger an error may be than in a speed: a torque seen in a stiff mesh follows every force at once, and a
-    /// state of a law's own every motion, and both forget their errors as fast.
+    /// state of a law's own every motion, and both forget their errors as fast; as does the twist of teeth that touch, which is
+    /// small against the play by which it is measured, but not so small as to go unseen.
     pub(crate) fn leniency(&self) -> f64 {
         self.leniency
     }
@@ -95,7 +107,8 @@ impl Law {
     fn careful(&self, speed: f64, step: f64) -> (f64, bool) {
         let width = self.transition;
         if width <= 0.0 {
-            return (speed + step, step.abs() <= SETTLED * speed.abs() + 1e-300);
+            // What is next to nothing is a difference of large terms, and never settles to its own last digits.
+            return (speed + step, step.abs() <= SETTLED * speed.abs().max(NOTHING * self.least));
         }
         // Within the transition a tangent law jumps: never over the whole of it at once.
         let limit = if speed.abs() < 4.0 * width { 2.0 * width } else { f64::INFINITY };

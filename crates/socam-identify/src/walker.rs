@@ -40,6 +40,8 @@ pub(crate) struct Walker<'a> {
     room: Room,
     /// Steps taken although their error was too large and they could not be shortened.
     pub(crate) unresolved: usize,
+    /// Whether the prediction has overflowed, as far as anybody who looks at a bench is concerned; it then stands still.
+    ran_away: bool,
 }
 
 /// A step that was taken.
@@ -76,6 +78,7 @@ impl<'a> Walker<'a> {
             responses: vec![SILENT; 2 * sizes.ports],
             room: Room::default(),
             unresolved: 0,
+            ran_away: false,
         };
         walker.settle(inputs);
         walker
@@ -118,7 +121,9 @@ impl<'a> Walker<'a> {
         let (ports, forces) = (self.sizes.ports, self.sizes.forces());
         for p in 0..ports {
             self.xi[forces + p] = self.responses[ports + p].torque;
-            self.largest[p] = self.largest[p].max(self.speeds[ports + p].abs());
+            let seen = self.speeds[ports + p].abs();
+            self.largest[p] = self.largest[p].max(seen);
+            self.ran_away |= self.laws[p].is_beyond(seen);
         }
     }
 
@@ -130,7 +135,7 @@ impl<'a> Walker<'a> {
         // Nothing is lost by trying a step twice as long as the last.
         let mut level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
-        while done < whole {
+        while done < whole && !self.ran_away {
             while !done.is_multiple_of(whole >> level) {
                 level += 1;
             }
@@ -155,6 +160,9 @@ impl<'a> Walker<'a> {
             self.xi[..n].copy_from_slice(&self.ends[..n]);
             self.keep_forces();
             self.level = level;
+            if self.ran_away {
+                self.xi.fill(f64::NAN);
+            }
             done += length;
             if error <= self.tolerance * RELIEF && level > 0 && done.is_multiple_of(2 * length) {
                 level -= 1;
