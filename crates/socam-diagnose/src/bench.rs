@@ -38,6 +38,11 @@ impl Fitted {
         100.0 * gain / (self.held_chi2() - self.held_count()).max(gain).max(1.0)
     }
 
+    /// What it leaves on training recordings beyond noise.
+    pub(crate) fn misfit(&self) -> f64 {
+        (self.at.total() - self.at.count.iter().sum::<f64>()).max(0.0)
+    }
+
     /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.
     pub(crate) fn scale(&self) -> f64 {
         (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
@@ -50,8 +55,6 @@ pub(crate) struct Bench<'a> {
     pub(crate) folds: &'a Folds,
     pub(crate) fit: FitOptions,
     pub(crate) options: &'a Options,
-    /// Values that are cut off: limit and how many readings stand at it, by output.
-    pub(crate) extremes: Vec<(f64, u64)>,
 }
 
 impl Bench<'_> {

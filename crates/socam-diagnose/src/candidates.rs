@@ -1,7 +1,7 @@
 //! Every way in which an effect of the catalogue may be added to a model: where, and from which values a fit may start.
 
 use socam_model::{
-    Model, Role,
+    Model,
     effects::{ActsAt, CATALOGUE, Effect, Form},
 };
 
@@ -19,7 +19,7 @@ pub(crate) struct Candidate {
     pub(crate) place: String,
     /// All parameters that a file must give, SI.
     pub(crate) values: Vec<(&'static str, f64)>,
-    /// Those that measure how strong it is: the model is linear in them where they are nothing. None where it never is.
+    /// Those that measure how strong it is: the model is linear in them where they are nothing.
     pub(crate) strength: &'static [&'static str],
 }
 
@@ -31,7 +31,7 @@ impl Candidate {
 
     /// Whether the grid's points are of some strength already.
     pub(crate) fn is_full(&self) -> bool {
-        self.effect.id == "coupling_slip"
+        matches!(self.effect.id, "coupling_slip" | "sensor_saturation")
     }
 
     pub(crate) fn with(&self, name: &str, value: f64) -> Self {
@@ -109,6 +109,7 @@ fn strength(effect: &Effect) -> &'static [&'static str] {
         "sensor_lag" => &["time_constant"],
         "sensor_delay" => &["delay"],
         "coupling_slip" => &["torque"],
+        "sensor_saturation" => &["limit"],
         _ => &[],
     }
 }
@@ -147,7 +148,14 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "sensor_gain" => vec![vec![("gain", 1.0)]],
         "sensor_lag" => vec![vec![("time_constant", NEXT_TO_NOTHING_S)]],
         "sensor_delay" => vec![vec![("delay", NEXT_TO_NOTHING_S)]],
-        "sensor_saturation" => Vec::new(),
+        "sensor_saturation" => {
+            let output = model.outputs().position(|channel| channel.name == place);
+            output
+                .and_then(|output| scales.limit(output))
+                .map(|limit| vec![("limit", limit)])
+                .into_iter()
+                .collect()
+        }
         "sensor_hum" => {
             let output = model.outputs().position(|channel| channel.name == place);
             scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
@@ -179,22 +187,6 @@ fn is_by_turn(effect: &Effect) -> bool {
 /// Whether an effect changes the network itself, so that it is tried in a model without others of its kind.
 pub(crate) fn is_structural(effect: &Effect) -> bool {
     !matches!(effect.form, Form::Laws(_)) || effect.acts_at == ActsAt::Gear
-}
-
-/// Channels whose highest or lowest readings are all the same, many times: cut off at that value.
-pub(crate) fn saturations(model: &Model, extremes: &[(f64, u64)]) -> Vec<Candidate> {
-    let saturation = CATALOGUE.iter().find(|effect| effect.id == "sensor_saturation");
-    let outputs = model.channels.iter().filter(|channel| channel.role == Role::Output);
-    let cut = outputs.zip(extremes).filter(|(_, (_, repeated))| *repeated >= 20);
-    cut.filter_map(|(channel, (limit, _))| {
-        Some(Candidate {
-            effect: saturation?,
-            place: channel.name.clone(),
-            values: vec![("limit", *limit)],
-            strength: &[],
-        })
-    })
-    .collect()
 }
 
 /// Stiffness of a shaft that gives as much as a change of the rigid one's by so much.

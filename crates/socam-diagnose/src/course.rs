@@ -26,10 +26,15 @@ const DOUBT: f64 = 4.0;
 const DOUBT_SHARE: f64 = 2e-3;
 /// Mean square of what is left on held-out recordings, in units of noise, from which on it is looked at by shape.
 const MISFIT: f64 = 1.05;
+/// From where on parameters may have been bent so far that they do not find back by themselves.
+const BENT: f64 = 2.0;
 /// A named effect that explains less than this share of what a curve at one place would is not believed.
 const NEARLY: f64 = 0.6;
-/// Least share of the misfit, per cent, that a curve must carry.
+/// Least share of the misfit on held-out recordings, per cent, that an effect or a curve must carry: where much is left, almost
+/// anything takes some of it.
 const LEAST_SHARE: f64 = 5.0;
+/// Least share of the misfit in training that an effect must promise; effects that are far from linear promise little.
+const LEAST_PROMISE: f64 = 1e-3;
 /// A simpler effect is preferred if it predicts held-out recordings worse by no more than this, or by no more than this share of what
 /// the better one gains: real friction never quite obeys the law that is fitted, and a law with more parameters bends nearer.
 const PREFERENCE: f64 = 8.0;
@@ -104,14 +109,14 @@ pub(crate) fn run(
         if round == bench.options.most_effects {
             break;
         }
-        let tried = worth_trying(&course, threshold, bench);
+        let tried = worth_trying(&course, threshold);
         let suspicious = !tried.is_empty();
         let named = best(bench, &course, tried)?;
         course.unexplained = unnamed(bench, &course, &scales, named.as_ref(), suspicious)?;
         let Some((step, fitted)) = named.filter(|_| course.unexplained.is_none()) else { break };
         course.steps.push(step);
         course.before.push(course.last.model.clone());
-        course.last = fitted;
+        course.last = afresh(bench, &course, fitted)?;
         let problem = bench.problem(&course.last.model)?;
         let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
         course.yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
@@ -135,6 +140,22 @@ impl Course {
         }
         Ok(())
     }
+}
+
+/// What is missing bends all other parameters, and a fit may not find its way back from there: where much was missing, the base
+/// model's are also begun where its file has them.
+fn afresh(bench: &Bench<'_>, course: &Course, fitted: Fitted) -> Result<Fitted, IdentifyError> {
+    if course.last.scale() < BENT {
+        return Ok(fitted);
+    }
+    let mut values = fitted.at.values.clone();
+    for parameter in &course.base.model.parameters {
+        if let Some(index) = fitted.model.parameter(&parameter.name) {
+            values[index] = parameter.value;
+        }
+    }
+    let other = bench.fitted(&fitted.model, &values, None, &course.yardstick)?;
+    Ok(other.filter(|other| other.at.total() < fitted.at.total()).unwrap_or(fitted))
 }
 
 /// What has structure but no name: looked for where nothing named was kept although something stands out, or where what was kept
@@ -168,11 +189,12 @@ fn is_same(a: &Candidate, b: &Candidate) -> bool {
     a.effect.id == b.effect.id && a.place == b.place
 }
 
-/// The candidates that promise most, each effect and place once; and those that promise nothing because they are linear in nothing.
-fn worth_trying(course: &Course, threshold: f64, bench: &Bench<'_>) -> Vec<(Candidate, f64)> {
+/// The candidates that promise most, each effect and place once.
+fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     let mut tried: Vec<(Candidate, f64)> = Vec::new();
+    let least = LEAST_GAIN.max(LEAST_PROMISE * course.last.misfit());
     for one in &course.screened {
-        let significant = one.promise.p_value < threshold && one.promise.gain > LEAST_GAIN;
+        let significant = one.promise.p_value < threshold && one.promise.gain > least;
         // Where a fit may end depends on where it starts in what the effect is not linear in.
         let starts = tried.iter().filter(|(candidate, _)| is_same(candidate, &one.start)).count();
         let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };
@@ -180,11 +202,6 @@ fn worth_trying(course: &Course, threshold: f64, bench: &Bench<'_>) -> Vec<(Cand
             tried.push((one.start.clone(), one.promise.p_value));
         }
     }
-    let blind = candidates::saturations(&course.last.model, &bench.extremes);
-    let new = blind
-        .into_iter()
-        .filter(|candidate| !course.steps.iter().any(|step| is_same(&step.candidate, candidate)));
-    tried.extend(new.map(|candidate| (candidate, course.p_value)));
     tried
 }
 
@@ -205,7 +222,8 @@ fn best(
     let Some((index, fitted)) = near.min_by_key(|(index, _)| size(*index)).cloned() else { return Ok(None) };
     let held_gain = before.held_chi2() - fitted.held_chi2();
     let gain = before.at.total() - fitted.at.total();
-    if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale {
+    let held_gain_percent = before.held_gain_percent(&fitted);
+    if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale || held_gain_percent < LEAST_SHARE {
         return Ok(None);
     }
     let is_other = |other: usize| !is_same(&tried[other].0, &tried[index].0);
@@ -217,12 +235,7 @@ fn best(
     let own = cost(index, &fitted);
     let rivals =
         rivals.map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt)).collect();
-    let step = Step {
-        candidate: tried[index].0.clone(),
-        p_value: tried[index].1,
-        gain,
-        held_gain_percent: before.held_gain_percent(&fitted),
-        rivals,
-    };
+    let step =
+        Step { candidate: tried[index].0.clone(), p_value: tried[index].1, gain, held_gain_percent, rivals };
     Ok(Some((step, fitted)))
 }

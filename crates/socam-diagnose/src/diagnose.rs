@@ -1,7 +1,8 @@
 //! The whole diagnosis, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, Noise, NoiseLevels, Options as FitOptions, Problem, Watch, output_error,
+    Identification, IdentifyError, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate, Problem,
+    Watch, influence, output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
@@ -14,6 +15,9 @@ use crate::{
     noise_floor, pictures,
     validation::Folds,
 };
+
+/// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
+const REFINED: usize = 40;
 
 /// What a diagnosis assumes and how far it goes.
 #[derive(Debug, Clone)]
@@ -89,7 +93,7 @@ pub fn diagnose(
     };
     let before = output_error(&Problem::new(model, training, fit.clone())?)?;
     let folds = Folds::new(training, holdout)?;
-    let bench = Bench { training, folds: &folds, fit, options, extremes: extremes(model, training)? };
+    let bench = Bench { training, folds: &folds, fit, options };
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let mut course =
         course::run(&bench, model, &before.point, levels(model, &before))?.ok_or_else(diverged)?;
@@ -139,8 +143,23 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
         parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
     }
     let noise = Noise::Given(course.yardstick.levels().clone());
-    let fit = FitOptions { starts: 1, noise, ..bench.fit.clone() };
-    output_error(&Problem::new(&model, bench.training, fit)?)
+    let fit = FitOptions { starts: 1, noise, max_iterations: REFINED, ..bench.fit.clone() };
+    let mut after = output_error(&Problem::new(&model, bench.training, fit)?)?;
+    let last = &course.last;
+    let widths =
+        influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
+    for (estimate, width) in after.parameters.iter_mut().zip(widths.into_iter().flatten()) {
+        widen(estimate, width);
+    }
+    Ok(after)
+}
+
+/// No interval is narrower than recordings differ: noise is not all that is wrong where a law is only nearly obeyed.
+fn widen(estimate: &mut ParameterEstimate, half_width: f64) {
+    let Some(value) = estimate.value else { return };
+    let [low, high] = &mut estimate.ci95;
+    *low = low.map(|low| low.min(value - half_width));
+    *high = high.map(|high| high.max(value + half_width));
 }
 
 fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
@@ -156,31 +175,4 @@ fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
             source: "diagnosis".into(),
         })
         .collect()
-}
-
-/// For each output the largest magnitude that it reads, and how many readings stand there.
-fn extremes(model: &Model, training: &[Dataset]) -> Result<Vec<(f64, u64)>, RecordingError> {
-    let mut found = vec![(0.0_f64, 0_u64); model.outputs().count()];
-    for dataset in training {
-        let columns: Vec<usize> = model
-            .outputs()
-            .map(|channel| dataset.channel_index(&channel.column))
-            .collect::<Result<_, _>>()?;
-        for block in dataset.blocks_in(0..dataset.rows(), &columns)? {
-            let block = block?;
-            for ((most, count), (column, channel)) in
-                found.iter_mut().zip(block.columns.iter().zip(model.outputs()))
-            {
-                for value in column.values().iter().filter(|value| !value.is_nan()) {
-                    let size = (channel.scale * value + channel.offset).abs();
-                    if size > *most * (1.0 + 1e-9) {
-                        (*most, *count) = (size, 1);
-                    } else if size >= *most * (1.0 - 1e-9) && size > 0.0 {
-                        *count += 1;
-                    }
-                }
-            }
-        }
-    }
-    Ok(found)
 }

@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured},
+    compare::{self, Measured, Traces},
 };
 use socam_model::{Channel, Model, Quantity, Role, Take};
 
@@ -10,6 +10,9 @@ use crate::spectrum;
 
 /// Frequencies at which a channel's residual stands out.
 const PEAKS: usize = 3;
+/// Share of readings that are larger than what an output almost ever reads; so many that are predicted to be are no chance.
+const RARE: f64 = 1e-3;
+const OFTEN: usize = 20;
 
 /// What is seen at the places of a model.
 #[derive(Debug, Clone, Default)]
@@ -20,6 +23,10 @@ pub(crate) struct Scales {
     torques: Vec<f64>,
     /// By output: frequencies at which its residual has lines, Hz.
     peaks: Vec<Vec<f64>>,
+    /// By output: largest reading.
+    readings: Vec<f64>,
+    /// By output: where its readings seem to be cut off.
+    limits: Vec<Option<f64>>,
 }
 
 impl Scales {
@@ -51,7 +58,9 @@ impl Scales {
         let speeds = all.by_ref().take(model.nodes.len()).collect();
         let residuals = compare::traces(problem, at, None)?;
         let peaks = (0..own).map(|output| spectrum::peaks(&residuals, output, PEAKS)).collect();
-        Ok(Self { speeds, torques: all.collect(), peaks })
+        let limits = (0..own).map(|output| limit(&residuals, output)).collect();
+        let readings = (0..own).map(|output| sizes_read(&residuals, output).fold(0.0, f64::max)).collect();
+        Ok(Self { speeds, torques: all.collect(), peaks, readings, limits })
     }
 
     pub(crate) fn speed(&self, node: usize) -> f64 {
@@ -60,6 +69,16 @@ impl Scales {
 
     pub(crate) fn torque(&self, spring: usize) -> f64 {
         self.torques.get(spring).copied().unwrap_or(0.0)
+    }
+
+    /// Largest magnitude that an output reads.
+    pub(crate) fn reading(&self, output: usize) -> f64 {
+        self.readings.get(output).copied().unwrap_or(0.0)
+    }
+
+    /// Magnitude that an output seems not to read beyond.
+    pub(crate) fn limit(&self, output: usize) -> Option<f64> {
+        self.limits.get(output).copied().flatten()
     }
 
     /// Lines of one output, or of all.
@@ -72,6 +91,24 @@ impl Scales {
         all.dedup_by(|a, b| (*a - *b).abs() < 0.05);
         all
     }
+}
+
+fn sizes_read(traces: &[Traces], output: usize) -> impl Iterator<Item = f64> {
+    let all = traces.iter().flat_map(move |trace| &trace.measured[output]);
+    all.map(|value| value.abs()).filter(|size| !size.is_nan())
+}
+
+/// What an output reads where it should read more than it almost ever does, if that is often enough.
+fn limit(traces: &[Traces], output: usize) -> Option<f64> {
+    let pairs =
+        || traces.iter().flat_map(|trace| trace.measured[output].iter().zip(&trace.predicted[output]));
+    let mut sizes: Vec<f64> = sizes_read(traces, output).collect();
+    sizes.sort_by(f64::total_cmp);
+    let most = *sizes.get(((1.0 - RARE) * sizes.len() as f64) as usize)?;
+    let beyond = pairs().filter(|(y, should)| should.abs() > most && **y * **should > 0.0);
+    let mut cut: Vec<f64> = beyond.map(|(y, _)| y.abs()).collect();
+    cut.sort_by(f64::total_cmp);
+    (cut.len() >= OFTEN).then(|| cut[cut.len() / 2])
 }
 
 fn sensor(at: &str, quantity: Quantity) -> Channel {

@@ -23,7 +23,7 @@ pub(crate) struct Promising {
     pub(crate) possible: bool,
 }
 
-/// What all candidates promise to a model at a fit. Those whose effect is linear in nothing are not among them.
+/// What all candidates promise to a model at a fit.
 pub(crate) fn screen(
     model: &Model,
     datasets: &[Dataset],
@@ -32,10 +32,9 @@ pub(crate) fn screen(
     at: &Measured,
     all: &[Candidate],
 ) -> Result<Vec<Promising>, IdentifyError> {
-    let linear: Vec<&Candidate> = all.iter().filter(|candidate| !candidate.strength.is_empty()).collect();
     // What is of some strength already would change what the others see.
     let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
-        linear.into_iter().partition(|candidate| candidate.is_full());
+        all.iter().partition(|candidate| candidate.is_full());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         linear.into_iter().partition(|candidate| candidates::is_structural(candidate.effect));
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();

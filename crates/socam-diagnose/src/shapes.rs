@@ -168,13 +168,14 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
         let twist = torque / stiffness;
         add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness);
     }
-    for (channel, (most, _)) in model.outputs().zip(&bench.extremes) {
+    for (output, channel) in model.outputs().enumerate() {
+        let most = scales.reading(output);
         let over = match channel.quantity {
             socam_model::Quantity::Torque => Over::Torque,
             socam_model::Quantity::Speed => Over::Speed,
             _ => Over::Angle,
         };
-        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, *most), 1.0);
+        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0);
         add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
     }
     all

@@ -74,7 +74,7 @@ impl Yardstick {
         &self.levels
     }
 
-    fn weights(&self, problem: &Problem<'_>, values: &[f64]) -> Weights {
+    pub(crate) fn weights(&self, problem: &Problem<'_>, values: &[f64]) -> Weights {
         Weights {
             frozen: Some(Arc::clone(&self.colours)),
             ..Weights::white(self.levels.outputs.clone(), solver::scales(problem, values))
@@ -433,7 +433,7 @@ pub fn traces(
     each.collect()
 }
 
-fn begin(
+pub(crate) fn begin(
     problem: &Problem<'_>,
     values: &[f64],
     from: Option<(&Model, &Measured)>,

@@ -24,6 +24,7 @@ mod error;
 mod exponential;
 mod feed;
 mod filters;
+pub mod influence;
 mod input_noise;
 mod inverse_dynamics;
 mod laws;

@@ -1,0 +1,72 @@
+//! How far the estimates hang on single recordings: what noise cannot explain there is a law that the bench does not quite obey.
+
+use faer::Mat;
+use socam_model::Model;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{
+    IdentifyError,
+    compare::{Measured, Yardstick, begin},
+    pass::{self, StretchResult},
+    problem::Problem,
+    solver, triangle,
+};
+
+/// Recordings from which on their differences say something.
+const LEAST_RECORDINGS: usize = 3;
+/// Directions of the parameters that weigh less than this, relative to the heaviest, are nobody's pull.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// Half widths of 95 % intervals, by parameter of the model (SI; zero for those that are fixed), from how strongly each recording
+/// pulls at a fit (`at`, made with `model`): residuals may be alike within a recording in any way, and laws may differ from one to
+/// the next. `None` where there are too few recordings to say.
+///
+/// The sandwich estimate clustered by recording, with m/(m-1) and Student's t of m-1 degrees of freedom (A. C. Cameron,
+/// D. L. Miller, J. Human Resources 50, 2015, section VI). It knows nothing of a parameter on which one recording only has a say,
+/// and misses what is wrong in all recordings alike.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn half_widths(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    model: &Model,
+    at: &Measured,
+) -> Result<Option<Vec<f64>>, IdentifyError> {
+    let recordings = problem.datasets.len();
+    if recordings < LEAST_RECORDINGS {
+        return Ok(None);
+    }
+    let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
+    let weights = yardstick.weights(problem, &at.values);
+    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
+    let free = problem.free.len();
+    let information = solver::information_factor(problem, &point, &weights, &passed);
+    let lengths = triangle::lengths(information.as_ref(), free);
+    let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
+    let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
+    let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
+    let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
+    let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
+    let mut pulls = Mat::<f64>::zeros(free, recordings);
+    for (stretch, result) in problem.stretches.iter().zip(&passed) {
+        add_pull(result, free, pulls.as_mut().col_mut(stretch.recording));
+    }
+    let steps = &root * (root.transpose() * &pulls);
+    let m = recordings as f64;
+    let t = StudentsT::new(0.0, 1.0, m - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+    let mut widths = vec![0.0; problem.model.parameters.len()];
+    for (j, index) in problem.free.iter().enumerate() {
+        let squares: f64 = (0..recordings).map(|r| steps[(j, r)].powi(2)).sum();
+        widths[*index] = t * (m / (m - 1.0) * squares).sqrt() * weights.scales[j].abs();
+    }
+    Ok(Some(widths))
+}
+
+/// Slopes times residuals of a stretch, its local unknowns following.
+fn add_pull(result: &StretchResult, free: usize, mut pull: faer::ColMut<'_, f64>) {
+    let corner = result.corner();
+    for j in 0..free {
+        pull[j] += (0..corner.nrows()).map(|i| corner[(i, j)] * corner[(i, free)]).sum::<f64>();
+    }
+}
