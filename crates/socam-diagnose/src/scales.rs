@@ -127,3 +127,29 @@ fn sensor(at: &str, quantity: Quantity) -> Channel {
         unit: "",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of amplitude 4 with noise, read up to `most`.
+    fn read(most: f64) -> Traces {
+        let truth = |k: usize| 4.0 * (0.01 * k as f64).sin();
+        let noise = |k: usize| 0.02 * (78.233 * k as f64).sin();
+        Traces {
+            recording: 0,
+            time_s: (0..5000).map(|k| 1e-3 * k as f64).collect(),
+            inputs: Vec::new(),
+            measured: vec![(0..5000).map(|k| truth(k).clamp(-most, most) + noise(k)).collect()],
+            predicted: vec![(0..5000).map(truth).collect()],
+        }
+    }
+
+    #[test]
+    fn readings_are_cut_off_only_where_more_should_be_read() {
+        let found = limit(&[read(3.0)], 0).unwrap();
+        assert!((found - 3.0).abs() < 0.02, "{found}");
+        assert_eq!(limit(&[read(10.0)], 0), None);
+        assert_eq!(limit(&[], 0), None);
+    }
+}

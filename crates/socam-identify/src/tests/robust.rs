@@ -3,7 +3,7 @@
 use socam_recording::Dataset;
 
 use super::{TRUTH, bench, fix, model, with_friction};
-use crate::{Identification, Options, Problem, Reason, output_error};
+use crate::{Identification, Options, Problem, Reason, compare, influence, output_error};
 
 const NAMES: [&str; 4] = ["motor_speed", "output_speed", "torque_in", "torque_out"];
 
@@ -128,4 +128,29 @@ fn a_law_too_steep_for_any_step_is_said() {
         output_error(&Problem::new(&model, &data, Options { starts: 1, ..Options::default() }).unwrap())
             .unwrap();
     assert!(result.warnings.iter().any(|warning| warning.contains("steeper than")), "{:?}", result.warnings);
+}
+
+#[test]
+fn recordings_that_differ_by_more_than_noise_widen_what_hangs_on_them() {
+    let half_width = |viscous: [f64; 4]| {
+        let with =
+            |c5: f64| [TRUTH[0], TRUTH[1], TRUTH[2], TRUTH[3], TRUTH[4], TRUTH[5], TRUTH[6], c5, TRUTH[8]];
+        let data: Vec<Dataset> = (0..4).map(|k| bench(with(viscous[k]), 1.5, 1.0, 60 + k as u64)).collect();
+        let mut model = model(|text| text);
+        fix(&mut model, &[("k2", TRUTH[1]), ("k3", TRUTH[2]), ("c3", TRUTH[5])]);
+        let problem = Problem::new(&model, &data, Options { starts: 1, ..Options::default() }).unwrap();
+        let fit = output_error(&problem).unwrap();
+        let outputs = fit.fit.channels.iter().map(|(_, channel)| channel.noise_std).collect();
+        let inputs = fit.input_noise_std.iter().map(|(_, std)| *std).collect();
+        let yardstick =
+            compare::Yardstick::new(&[&problem], &fit.point, crate::NoiseLevels { outputs, inputs }).unwrap();
+        let at =
+            compare::descend(&problem, &yardstick, &fit.point, None, (compare::FINE, 10)).unwrap().unwrap();
+        let widths = influence::half_widths(&problem, &yardstick, &model, &at).unwrap().unwrap();
+        widths[model.parameter("c5").unwrap()]
+    };
+    // Student's t of three degrees of freedom times the standard error of these four, 0.00041.
+    let (same, different) = (half_width([0.05; 4]), half_width([0.049, 0.0504, 0.051, 0.0496]));
+    assert!(same < 2e-4, "{same}");
+    assert!((0.0007..0.0026).contains(&different), "{different}");
 }
