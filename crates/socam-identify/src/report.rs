@@ -406,6 +406,35 @@ fn uncertainty(
     Uncertainty { root, middle, quantile }
 }
 
+/// Estimates as a fit would report them from this factor over [free parameters, scaled | residual], residuals being white.
+pub(crate) fn foretold(
+    problem: &Problem<'_>,
+    values: &[f64],
+    factor: MatRef<'_, f64>,
+    scales: &[f64],
+) -> (Vec<ParameterEstimate>, Vec<CombinationEstimate>) {
+    let free = problem.free.len();
+    let point = pass::Point { values: values.to_vec(), locals: Vec::new() };
+    let weights = pass::Weights::white(Vec::new(), scales.to_vec());
+    let known = crate::solver::prior_rows(problem, &point, &weights);
+    let factor = triangle::join([factor, known.as_ref()].into_iter(), free + 1);
+    let size = |j: usize| match values[problem.free[j]].abs() {
+        0.0 => scales[j],
+        size => size,
+    };
+    let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * size(j) / scales[j]);
+    let root = match relative.svd() {
+        Ok(svd) => {
+            let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
+            Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k) * size(i))
+        }
+        Err(_) => Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 }),
+    };
+    let uncertainty = Uncertainty { root, middle: Mat::identity(free, free), quantile: 1.96 };
+    let (parameters, _) = parameter_estimates(problem, values, &uncertainty, &[]);
+    (parameters, combinations(problem, values, &uncertainty))
+}
+
 /// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
 fn genuine(noise: &Mat<f64>) -> Mat<f64> {
     let size = noise.nrows();
