@@ -4,6 +4,7 @@
 //! A second Ctrl-C ends a fit at once, without a result: 130, as shells tell it of any program.
 
 mod band;
+mod calibrated;
 mod cli;
 mod commands;
 mod device;

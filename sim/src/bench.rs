@@ -52,6 +52,14 @@ impl Setup {
         own.map_or_else(|| noise_std(channel, &self.calibration.input), |(_, std)| *std)
     }
 
+    /// Standard deviation of the noise of the sensor that measures a column, SI; `None` where nothing measures it.
+    #[must_use]
+    pub fn noise_std_of_column(&self, column: &str) -> Option<f64> {
+        let channel =
+            self.calibration.channels.iter().find(|channel| channel.channel.column_name() == column)?;
+        Some(self.noise_std_of(channel))
+    }
+
     /// The noise of all channels, so many times as large.
     pub(crate) fn noise_of_conversions(&self, factor: f64) -> Vec<(String, f64)> {
         let channels = self.calibration.channels.iter();
@@ -165,6 +173,8 @@ fn sensor(channel: Channel, full_scale: f64) -> CalibratedChannel {
         limit: None,
         stuck_s: None,
         missing_below: None,
+        gain_std: None,
+        offset_std: None,
     }
 }
 

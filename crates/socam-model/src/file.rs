@@ -232,6 +232,33 @@ pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) ->
     Ok(document.to_string())
 }
 
+/// The text with priors, from which searches then start too.
+pub(crate) fn write_priors(
+    text: &str,
+    parameters: &[Parameter],
+    priors: &[(&str, Prior)],
+    source: &str,
+) -> Result<String, ModelError> {
+    let fault = |message: String| ModelError::File { line: 1, message };
+    let mut document: toml_edit::DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
+    for (name, prior) in priors {
+        let parameter = parameters.iter().find(|parameter| parameter.name == *name);
+        let entry = document["parameters"].get_mut(name).and_then(toml_edit::Item::as_table_like_mut);
+        let Some((parameter, entry)) = parameter.zip(entry) else {
+            return Err(fault(format!("there is no parameter {name} to know something of")));
+        };
+        let mut known = toml_edit::InlineTable::new();
+        known.insert("value", (prior.value / parameter.file_factor).into());
+        known.insert("std", (prior.std / parameter.file_factor).into());
+        entry.insert("value", toml_edit::value(prior.value / parameter.file_factor));
+        entry.remove("ci95");
+        entry.insert("source", toml_edit::value(source));
+        entry.insert("prior", toml_edit::value(known));
+    }
+    Ok(document.to_string())
+}
+
 /// The text with an effect and its parameters added.
 pub(crate) fn add_effect(
     text: &str,

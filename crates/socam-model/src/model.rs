@@ -307,6 +307,14 @@ impl Model {
         file::write(&self.text, &self.parameters, updates)
     }
 
+    /// The file's text with priors of some parameters; they also become the values from which a search starts.
+    ///
+    /// # Errors
+    /// For a parameter that the file does not have.
+    pub fn text_with_priors(&self, priors: &[(&str, Prior)], source: &str) -> Result<String, ModelError> {
+        file::write_priors(&self.text, &self.parameters, priors, source)
+    }
+
     /// The model with one effect more, as a model file; its parameters are named after place and effect.
     ///
     /// # Errors

@@ -19,12 +19,23 @@ pub struct Calibration {
     pub clamp_v: f64,
     /// Speed over command voltage.
     pub motor: MotorCalibration,
+    /// How well that is known, where somebody measured it.
+    pub motor_std: Option<MotorStd>,
     /// Closed-loop speed control.
     pub speed_control: SpeedGains,
     /// What ends a run.
     pub safety: Safety,
     /// The input channels, in the converter's order.
     pub channels: Vec<CalibratedChannel>,
+}
+
+/// Standard uncertainties of [`MotorCalibration`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorStd {
+    /// rpm per V.
+    pub rpm_per_volt: f64,
+    /// rpm.
+    pub offset_rpm: f64,
 }
 
 /// Gains of the closed speed loop.
@@ -64,6 +75,10 @@ pub struct CalibratedChannel {
     pub stuck_s: Option<f64>,
     /// A magnitude up to which the sensor reads "nothing".
     pub missing_below: Option<f64>,
+    /// Standard uncertainty of the sensitivity, as a part of it, where somebody measured it.
+    pub gain_std: Option<f64>,
+    /// Standard uncertainty of the sensor's zero.
+    pub offset_std: Option<f64>,
 }
 
 /// The default bench: the thesis' constants, and where those cannot be, the nearest ones that can.
@@ -99,6 +114,8 @@ impl Default for Calibration {
             limit: Some(limit),
             stuck_s: Some(1.0),
             missing_below,
+            gain_std: None,
+            offset_std: None,
         };
         let krpm = 1000.0 * RAD_S_PER_RPM;
         Self {
@@ -106,6 +123,7 @@ impl Default for Calibration {
             output: Converter::DEFAULT,
             clamp_v: 4.99,
             motor: MotorCalibration::LOADED,
+            motor_std: None,
             speed_control: SpeedGains {
                 tachometer: "motor_speed".to_owned(),
                 proportional: 0.005,
@@ -150,9 +168,17 @@ impl Calibration {
             let clamp_v = table.maybe_number("clamp_V", 1e-3..=1000.0).unwrap_or(default.clamp_v);
             (read_converter(table), clamp_v)
         });
-        let motor = fields.table("motor", |table| MotorCalibration {
-            rpm_per_volt: table.maybe_number("rpm_per_V", 1e-3..=1e6).unwrap_or(default.motor.rpm_per_volt),
-            offset_rpm: table.maybe_number("offset_rpm", -1e4..=1e4).unwrap_or(default.motor.offset_rpm),
+        let (motor, motor_std) = fields.table("motor", |table| {
+            let line = MotorCalibration {
+                rpm_per_volt: table
+                    .maybe_number("rpm_per_V", 1e-3..=1e6)
+                    .unwrap_or(default.motor.rpm_per_volt),
+                offset_rpm: table.maybe_number("offset_rpm", -1e4..=1e4).unwrap_or(default.motor.offset_rpm),
+            };
+            let gain_std = table.maybe_number("rpm_per_V_std", 0.0..=1e6);
+            let offset_std = table.maybe_number("offset_rpm_std", 0.0..=1e6);
+            let known = gain_std.zip(offset_std);
+            (line, known.map(|(rpm_per_volt, offset_rpm)| MotorStd { rpm_per_volt, offset_rpm }))
         });
         let gains = default.speed_control;
         let speed_control = fields.table("speed_control", |table| SpeedGains {
@@ -189,7 +215,7 @@ impl Calibration {
             fields.complain(format!("{} channels; a board has at most {MAX_CHANNELS}", channels.len()));
         }
         fields.finish()?;
-        Ok(Self { input, output, clamp_v, motor, speed_control, safety, channels })
+        Ok(Self { input, output, clamp_v, motor, motor_std, speed_control, safety, channels })
     }
 
     /// What a recording of this bench holds: the command in V, then the input channels.
@@ -295,6 +321,10 @@ fn read_channel(table: &mut Fields<'_>) -> CalibratedChannel {
         limit: table.maybe_number("limit", 1e-6 / si..=2000.0 / si).map(|limit| limit * si),
         stuck_s: table.maybe_number("stuck_s", 1e-3..=1000.0),
         missing_below: table.maybe_number("missing_below", 0.0..=2000.0 / si).map(|below| below * si),
+        gain_std: table.maybe_number("volts_per_unit_std", 0.0..=1e6).map(|std| std / volts_per_unit.abs()),
+        offset_std: table
+            .maybe_number("offset_V_std", 0.0..=1000.0)
+            .map(|std| std / volts_per_unit.abs() * si),
     }
 }
 
@@ -344,7 +374,7 @@ mod tests {
         assert_eq!(
             complaint("limit = 4.8", "limits = 4.8"),
             "line 52: `limits` is not a key here; expected one of `name`, `unit`, `volts_per_unit`, `offset_V`, `limit`, \
-             `stuck_s`, `missing_below`"
+             `stuck_s`, `missing_below`, `volts_per_unit_std`, `offset_V_std`"
         );
         assert_eq!(
             complaint("\"torque_out\"", "\"torque_in\"").split(';').next(),

@@ -7,6 +7,7 @@
 //! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
 //! sentence that names the file, the place and the remedy. Nothing here prints.
 
+mod calibration_edit;
 mod calibration_file;
 pub mod check;
 mod convert;
@@ -27,7 +28,8 @@ mod steady;
 mod table;
 mod unit;
 
-pub use calibration_file::{CalibratedChannel, Calibration, Safety, SpeedGains};
+pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
+pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};

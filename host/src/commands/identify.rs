@@ -15,7 +15,7 @@ use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::{
     band::{self, BandFits},
-    model_file, table, watch,
+    calibrated, model_file, table, watch,
 };
 
 /// Identify stiffness, damping and friction from recordings
@@ -66,6 +66,9 @@ pub(crate) struct Args {
     /// Seed of those start values
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Calibration with the sensors' uncertainty, which then widens the intervals; what travels with the recordings when not given
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
     /// Write the model with the identified values to this file
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
@@ -105,6 +108,12 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
     model_file::set(&mut model, &args.set, false)?;
     model_file::set(&mut model, &args.fix, true)?;
+    let uncalibrated = model.clone();
+    if let Some(calibration) = calibrated::of(&args.runs, args.calibration.as_deref())?
+        && args.method == Method::OutputError
+    {
+        model = calibrated::with_sensor_gains(&model, &calibration)?;
+    }
     let mut options = options(&args, &model)?;
     let interrupt = Interrupt::listen();
     interrupt.end_after(0);
@@ -126,7 +135,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
     if let Some(target) = target {
-        write_model(target, &model, &result)?;
+        // Sensors' gains are the calibration's, not the drivetrain's.
+        write_model(target, &uncalibrated, &result)?;
         interrupt.unfinished(None);
     }
     if args.json {

@@ -1,12 +1,15 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
+mod calibrate;
 mod challenge;
 mod check;
 mod completions;
 #[cfg(feature = "dashboard")]
 mod dashboard;
 mod demo;
+mod design;
 mod diagnose;
+mod efficiency;
 mod export;
 mod flash;
 mod identify;
@@ -64,6 +67,9 @@ commands! {
     Export => export,
     Identify => identify,
     Diagnose => diagnose,
+    Calibrate => calibrate,
+    Efficiency => efficiency,
+    Design => design,
     Demo => demo,
     Record => record,
     Simulate => simulate,

@@ -188,7 +188,7 @@ fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
 }
 
 /// Times as people type them.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let end = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |last| last + 1);
     let (number, unit) = text.split_at(end);
     let factor = match unit {

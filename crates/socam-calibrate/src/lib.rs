@@ -1,0 +1,19 @@
+//! Calibration: measured pairs in, sensors, motor and couplings with uncertainty out.
+//!
+//! [`Pairs`] reads tables as people write them from instruments; [`tasks`] recognises what they calibrate and fits a [`Line`] to
+//! each, which outliers do not move; [`steady`] takes such pairs out of recordings. [`regression`] is the estimator, also of
+//! whoever needs one that can know something beforehand.
+//!
+//! SI inside, unit in the name. Nothing here prints.
+
+mod error;
+mod line;
+mod pairs;
+pub mod plot;
+pub mod regression;
+pub mod steady;
+pub mod tasks;
+
+pub use error::CalibrateError;
+pub use line::{Estimate, Line, Nonlinearity};
+pub use pairs::{Measured, Pairs};

@@ -1,0 +1,97 @@
+//! Steady states in recordings: stretches of one command, each as a pair.
+
+use socam_model::{Model, Quantity};
+use socam_recording::Dataset;
+
+use crate::tasks::{Assumed, Found, Task, is_speed, motor};
+use crate::{CalibrateError, Line};
+
+/// A command that stays within this is one command, V: a count of a 12-bit converter is 5 mV.
+const SAME_COMMAND_V: f64 = 2e-3;
+/// What follows a change of the command is no steady state, s: couplings ring out.
+const SETTLING_S: f64 = 0.35;
+/// Least length of what follows, s.
+const LEAST_S: f64 = 0.2;
+/// Below this a bench stands still, rad/s.
+const STANDSTILL_RAD_S: f64 = 2.0;
+/// Name of the recorded command.
+const COMMAND: &str = "command";
+
+/// Means over the steady stretches of a recording: of the command, V, and of some channels.
+///
+/// # Errors
+/// When a channel is not there, or the file cannot be read.
+pub fn plateaus(data: &Dataset, channels: &[&str]) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    let mut names = vec![COMMAND];
+    names.extend(channels);
+    let loaded = data.load(&names)?;
+    let command = loaded.columns[0].values();
+    let time_s = &loaded.time_s;
+    let mut found = Vec::new();
+    let mut from = 0;
+    for row in 1..=command.len() {
+        if row < command.len() && (command[row] - command[from]).abs() <= SAME_COMMAND_V {
+            continue;
+        }
+        let start = time_s[from] + SETTLING_S;
+        let first = from + time_s[from..row].partition_point(|time| *time < start);
+        if first < row && time_s[row - 1] - time_s[first] >= LEAST_S {
+            let mean = |values: &[f64]| {
+                let present = values[first..row].iter().filter(|value| value.is_finite());
+                let (sum, count) = present.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+                sum / count
+            };
+            let means: Vec<f64> = loaded.columns.iter().map(|column| mean(column.values())).collect();
+            if means.iter().all(|mean| mean.is_finite()) {
+                found.push(means);
+            }
+        }
+        from = row;
+    }
+    Ok(found)
+}
+
+/// The motor's line, and every other tachometer against the motor's where gears and shafts tie them together.
+///
+/// # Assumes
+/// The motor's tachometer is right: that it is not, and by how much, a recording cannot tell.
+///
+/// # Errors
+/// When a recording lacks the command or the model's speed, or has too few steady states.
+pub fn of(data: &[Dataset], model: &Model, assumed: &Assumed) -> Result<Found, CalibrateError> {
+    let speeds: Vec<_> = model
+        .channels
+        .iter()
+        .filter(|channel| channel.quantity == Quantity::Speed)
+        .filter(|channel| {
+            data.iter()
+                .all(|data| data.channels().iter().any(|c| is_speed(c) && c.column_name() == channel.column))
+        })
+        .collect();
+    let Some((first, others)) = speeds.split_first() else {
+        let file = data.first().map_or(String::new(), |data| data.name().to_owned());
+        let problem = format!("it has no speed that the model {} knows", model.name);
+        return Err(CalibrateError::File { file, problem });
+    };
+    let columns: Vec<&str> = speeds.iter().map(|channel| channel.column.as_str()).collect();
+    let mut rows = Vec::new();
+    for data in data {
+        rows.extend(plateaus(data, &columns)?);
+    }
+    rows.retain(|row| row[1].abs() > STANDSTILL_RAD_S);
+    let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+    let mut found = Found { tasks: vec![motor(&pairs, assumed)?], warnings: Vec::new() };
+    for (index, channel) in others.iter().enumerate() {
+        let Some(ratio) = model.rigid_ratio(&first.at, &channel.at) else {
+            found
+                .warnings
+                .push(format!("nothing ties {} to {}: they cannot be compared", channel.name, first.name));
+            continue;
+        };
+        let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[1], row[2 + index] * ratio]).collect();
+        let line = Line::through(&channel.name, "speed", &pairs, 0.0)?;
+        let (name, reference) = (channel.name.clone(), first.name.clone());
+        found.tasks.push(Task::Tachometers { name, reference, ratio, line });
+    }
+    Ok(found)
+}

@@ -1,0 +1,309 @@
+//! What a table of pairs calibrates, recognised by its columns.
+
+use serde::Serialize;
+use socam_core::scaling::{RAD_S_PER_RPM, Sensor};
+use socam_model::Prior;
+use socam_recording::{Channel, MeasuredMotor, MeasuredSensor, MotorStd, Unit};
+
+use crate::{CalibrateError, Line, Measured, Pairs};
+
+/// 95 % of a normal distribution.
+const NORMAL: f64 = 1.96;
+
+/// What was calibrated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Task {
+    /// A sensor's volts over what an instrument read, SI.
+    Sensor {
+        /// The channel.
+        name: String,
+        /// SI unit of the channel.
+        unit: &'static str,
+        /// V over that unit.
+        line: Line,
+        /// Whether the reference was worked out of electrical power (equation 2.3 of the thesis).
+        by_power: bool,
+    },
+    /// A motor's steady speed in rpm over its command in V.
+    Motor {
+        /// rpm over V.
+        line: Line,
+    },
+    /// Torque over twist of a spring, N m over rad.
+    Spring {
+        /// Place of the spring, or its stiffness parameter.
+        name: String,
+        /// N m over rad.
+        line: Line,
+    },
+    /// One tachometer over another one that a gear ties it to: 1 where they agree.
+    Tachometers {
+        /// The channel that is judged.
+        name: String,
+        /// The channel that it is judged by.
+        reference: String,
+        /// Of the tooth numbers.
+        ratio: f64,
+        /// Reading times ratio over the reference.
+        line: Line,
+    },
+}
+
+/// What is assumed beside the pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Assumed {
+    /// Relative standard uncertainty of the instruments that the references were read from.
+    pub reference_accuracy: f64,
+    /// The motor's efficiency and its standard uncertainty.
+    pub motor_efficiency: Option<(f64, f64)>,
+}
+
+/// What was found, and what was left aside.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    /// In the order of the columns.
+    pub tasks: Vec<Task>,
+    /// One sentence for each column that nothing was made of.
+    pub warnings: Vec<String>,
+}
+
+/// Everything that a table calibrates:
+///
+/// * `NAME_V` beside `NAME_rpm`, `NAME_Nm` and the like: the sensor of channel NAME;
+/// * `command_V` beside `motor_speed_rpm`: the motor;
+/// * `NAME_V` beside `motor_V`, `motor_A` and `motor_speed_rpm`: a torque sensor, by electrical power;
+/// * `NAME_torque_Nm` beside `NAME_twist_deg`: the spring NAME.
+///
+/// # Errors
+/// When pairs are too few or all alike, when an efficiency is needed and not given, or when nothing is recognised.
+pub fn of(pairs: &Pairs, assumed: &Assumed) -> Result<Found, CalibrateError> {
+    let mut found = Found::default();
+    for column in &pairs.columns {
+        match (column.unit, column.name.as_str()) {
+            (Unit::V, "motor") => {}
+            (Unit::V, "command") => match pairs.column("motor_speed", Unit::RadPerS) {
+                Some(speed) => found.tasks.push(motor(&Pairs::rows([column, speed]), assumed)?),
+                None => found.warnings.push(alone(pairs, column, "motor_speed_rpm to be the motor's speed")),
+            },
+            (Unit::V, name) => {
+                let own = pairs.columns.iter().find(|other| other.name == name && other.unit != Unit::V);
+                if let Some(reference) = own {
+                    found.tasks.push(sensor(
+                        name,
+                        reference.unit,
+                        &Pairs::rows([reference, column]),
+                        assumed,
+                    )?);
+                } else if let Some(rows) = by_power(pairs, column, assumed)? {
+                    let accuracy = assumed.motor_efficiency.map_or(0.0, |(efficiency, std)| std / efficiency);
+                    let accuracy = accuracy.hypot(assumed.reference_accuracy);
+                    let what = format!("{name} by electrical power");
+                    let line = Line::through(&what, "torque", &rows, accuracy)?;
+                    found.tasks.push(Task::Sensor {
+                        name: name.into(),
+                        unit: symbol(Unit::Nm),
+                        line,
+                        by_power: true,
+                    });
+                } else {
+                    found.warnings.push(alone(
+                        pairs,
+                        column,
+                        &format!("{name}_rpm or {name}_Nm to be compared with"),
+                    ));
+                }
+            }
+            (Unit::Rad, name) => {
+                let spring = name.strip_suffix("_twist");
+                let torque = spring.and_then(|spring| pairs.column(&format!("{spring}_torque"), Unit::Nm));
+                if let Some((spring, torque)) = spring.zip(torque) {
+                    let line = Line::through(
+                        spring,
+                        "twist",
+                        &Pairs::rows([column, torque]),
+                        assumed.reference_accuracy,
+                    )?;
+                    found.tasks.push(Task::Spring { name: spring.into(), line });
+                }
+            }
+            _ => {}
+        }
+    }
+    if found.tasks.is_empty() {
+        let problem = found.warnings.into_iter().next().unwrap_or_else(|| {
+            "nothing to calibrate; expected NAME_V beside NAME_rpm or NAME_Nm, command_V beside motor_speed_rpm, or \
+             NAME_torque_Nm beside NAME_twist_deg"
+                .into()
+        });
+        return Err(CalibrateError::File { file: pairs.file.clone(), problem });
+    }
+    Ok(found)
+}
+
+fn alone(pairs: &Pairs, column: &Measured, expected: &str) -> String {
+    format!("{}_V of `{}` stands alone; expected a column {expected}", column.name, pairs.file)
+}
+
+/// SI symbol of a unit.
+fn symbol(unit: Unit) -> &'static str {
+    match unit {
+        Unit::RadPerS => "rad/s",
+        Unit::Nm => "N m",
+        Unit::Rad => "rad",
+        Unit::MPerS => "m/s",
+        Unit::M => "m",
+        Unit::N => "N",
+        Unit::V => "V",
+        Unit::A => "A",
+        Unit::K => "K",
+        _ => "1",
+    }
+}
+
+fn sensor(name: &str, unit: Unit, rows: &[[f64; 2]], assumed: &Assumed) -> Result<Task, CalibrateError> {
+    let line = Line::through(name, "reading of the instrument", rows, assumed.reference_accuracy)?;
+    Ok(Task::Sensor { name: name.into(), unit: symbol(unit), line, by_power: false })
+}
+
+pub(crate) fn motor(rows: &[[f64; 2]], assumed: &Assumed) -> Result<Task, CalibrateError> {
+    // Backward motion mirrors forward motion, and one voltage stands still.
+    let forward: Vec<[f64; 2]> = rows
+        .iter()
+        .filter(|[volts, speed]| volts * speed > 0.0)
+        .map(|[volts, speed]| [volts.abs(), speed.abs() / RAD_S_PER_RPM])
+        .collect();
+    let line = Line::through("the motor", "command", &forward, assumed.reference_accuracy)?;
+    Ok(Task::Motor { line })
+}
+
+/// Torque on the motor's shaft, eta U I / speed, beside a sensor's voltage; `None` where these were not measured.
+fn by_power(
+    pairs: &Pairs,
+    volts: &Measured,
+    assumed: &Assumed,
+) -> Result<Option<Vec<[f64; 2]>>, CalibrateError> {
+    let supply = pairs.column("motor", Unit::V).zip(pairs.column("motor", Unit::A));
+    let Some(((tension, current), speed)) = supply.zip(pairs.column("motor_speed", Unit::RadPerS)) else {
+        return Ok(None);
+    };
+    let Some((efficiency, _)) = assumed.motor_efficiency else {
+        let problem = "torque from electrical power needs the motor's efficiency and its uncertainty: give --motor-efficiency 0.85:0.02";
+        return Err(CalibrateError::File { file: pairs.file.clone(), problem: problem.into() });
+    };
+    let rows = Pairs::rows([tension, current, speed, volts]);
+    let turning = rows.into_iter().filter(|[_, _, speed, _]| speed.abs() > 1e-3);
+    Ok(Some(turning.map(|[u, i, speed, volts]| [efficiency * u * i / speed, volts]).collect()))
+}
+
+impl Task {
+    /// The fitted line.
+    #[must_use]
+    pub fn line(&self) -> &Line {
+        match self {
+            Self::Sensor { line, .. }
+            | Self::Motor { line }
+            | Self::Spring { line, .. }
+            | Self::Tachometers { line, .. } => line,
+        }
+    }
+
+    /// For a calibration file.
+    #[must_use]
+    pub fn measured_sensor(&self) -> Option<MeasuredSensor> {
+        let Self::Sensor { name, line, .. } = self else { return None };
+        Some(MeasuredSensor {
+            channel: name.clone(),
+            sensor: Sensor { volts_per_unit: line.gain.value, offset_v: line.offset.value },
+            gain_std: half_width(&line.gain.ci95) / NORMAL / line.gain.value.abs(),
+            offset_v_std: half_width(&line.offset.ci95) / NORMAL,
+        })
+    }
+
+    /// For a calibration file.
+    #[must_use]
+    pub fn measured_motor(&self) -> Option<MeasuredMotor> {
+        let Self::Motor { line } = self else { return None };
+        let std = |ends: &[f64; 2]| half_width(ends) / NORMAL;
+        Some(MeasuredMotor {
+            rpm_per_volt: line.gain.value,
+            offset_rpm: line.offset.value,
+            std: MotorStd { rpm_per_volt: std(&line.gain.ci95), offset_rpm: std(&line.offset.ci95) },
+        })
+    }
+
+    /// What a static test says of a stiffness, N m/rad, for an identification: as wide as its interval, also where that rests on
+    /// few points.
+    #[must_use]
+    pub fn prior(&self) -> Option<(&str, Prior)> {
+        let Self::Spring { name, line } = self else { return None };
+        let std = half_width(&line.gain.ci95) / NORMAL;
+        Some((name, Prior { value: line.gain.value, std }))
+    }
+}
+
+fn half_width(ends: &[f64; 2]) -> f64 {
+    0.5 * (ends[1] - ends[0])
+}
+
+/// Whether a channel's name and unit are those of a tachometer.
+pub(crate) fn is_speed(channel: &Channel) -> bool {
+    channel.unit == Unit::RadPerS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(head: &str, row: impl Fn(f64) -> Vec<f64>) -> Pairs {
+        let wobble = |i: usize| 1.0 + 1e-3 * [1.0, -1.0, 0.3, -0.3][i % 4];
+        let rows = (1..=12).map(|i| {
+            let cells = row(f64::from(i));
+            let last = cells.len() - 1;
+            let text: Vec<String> = cells
+                .iter()
+                .enumerate()
+                .map(|(k, v)| (if k == last { v * wobble(i as usize) } else { *v }).to_string())
+                .collect();
+            text.join(",")
+        });
+        let text = std::iter::once(head.to_owned()).chain(rows).collect::<Vec<_>>().join("\n");
+        Pairs::parse("pairs.csv".into(), &text).unwrap()
+    }
+
+    #[test]
+    fn columns_say_what_is_calibrated() {
+        let tachometer = table("motor_speed_rpm,motor_speed_V", |i| vec![100.0 * i, 0.69 * i]);
+        let found = of(&tachometer, &Assumed::default()).unwrap();
+        let sensor = found.tasks[0].measured_sensor().unwrap();
+        assert_eq!(sensor.channel, "motor_speed");
+        assert!((sensor.sensor.volts_per_unit / Sensor::MOTOR_SPEED.volts_per_unit - 1.0).abs() < 2e-3);
+        let motor = table("command_V,motor_speed_rpm", |i| vec![0.1 * i, 72.0 * i - 12.0]);
+        let line = of(&motor, &Assumed::default()).unwrap().tasks[0].measured_motor().unwrap();
+        assert!((line.rpm_per_volt - 720.0).abs() < 3.0 && (line.offset_rpm + 12.0).abs() < 3.0);
+        let coupling = table("k4_twist_deg,k4_torque_Nm", |i| vec![0.1 * i, 0.192 * i]);
+        let found = of(&coupling, &Assumed::default()).unwrap();
+        let (name, prior) = found.tasks[0].prior().unwrap();
+        assert!(name == "k4" && (prior.value / (1.92 * 57.295_78) - 1.0).abs() < 2e-3 && prior.std > 0.0);
+        let unknown = table("heat_V,depth_mm", |i| vec![i, i]);
+        assert!(
+            of(&unknown, &Assumed::default())
+                .unwrap_err()
+                .to_string()
+                .contains("heat_V of `pairs.csv` stands alone")
+        );
+    }
+
+    #[test]
+    fn torque_by_power_carries_the_efficiencys_uncertainty() {
+        let pairs = table("motor_V,motor_A,motor_speed_rad_s,torque_in_V", |i| {
+            vec![80.0, 0.1 * i, 100.0, 2.0 * 0.85 * 0.08 * i]
+        });
+        let asked = of(&pairs, &Assumed::default()).unwrap_err().to_string();
+        assert!(asked.contains("--motor-efficiency"), "{asked}");
+        let assumed = Assumed { motor_efficiency: Some((0.85, 0.0255)), ..Assumed::default() };
+        let sensor = of(&pairs, &assumed).unwrap().tasks[0].measured_sensor().unwrap();
+        assert!((sensor.sensor.volts_per_unit - 2.0).abs() < 0.01);
+        assert!((sensor.gain_std - 0.03).abs() < 0.002, "{}", sensor.gain_std);
+    }
+}

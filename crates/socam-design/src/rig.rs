@@ -1,0 +1,158 @@
+//! A virtual bench with the limits of the real one.
+
+use socam_identify::NoiseLevels;
+use socam_model::{Model, Quantity};
+use socam_recording::{Course, Dataset, ProfileFile};
+use socam_sim::{Setup, SimError};
+
+use crate::DesignError;
+
+/// What a proposal keeps of each limit: the real bench is not quite the model.
+const MARGIN: f64 = 0.9;
+/// Sampling period of the runs that are tried, us.
+pub(crate) const PERIOD_US: u32 = 1000;
+/// A profile that goes too far is made so much weaker than its excess, at most so many times.
+const SOFTER: f64 = 0.97;
+const ATTEMPTS: usize = 4;
+
+/// What a rig may be asked for; torques, speeds and the like are limited by its calibration's channels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Largest command, V.
+    pub voltage: f64,
+    /// Fastest change of the command, V/s.
+    pub slew_v_s: f64,
+    /// Length of the recording, s, fading included.
+    pub duration_s: f64,
+    /// Whether the command must not change its sign.
+    pub one_way: bool,
+}
+
+/// A bench that runs profiles.
+#[derive(Debug, Clone)]
+pub struct Rig {
+    pub(crate) setup: Setup,
+    pub(crate) limits: Limits,
+}
+
+/// A profile that the rig ran, and what was recorded.
+pub(crate) struct Run {
+    pub(crate) profile: ProfileFile,
+    pub(crate) data: Dataset,
+}
+
+impl Rig {
+    /// A rig like `setup`, whose calibration says what its channels may reach.
+    ///
+    /// # Errors
+    /// When a limit cannot be meant.
+    pub fn new(setup: Setup, limits: Limits) -> Result<Self, DesignError> {
+        let refuse = |what, value, expected| Err(DesignError::Limit { what, value, expected });
+        if !(limits.voltage > 0.0 && limits.voltage <= setup.calibration.clamp_v) {
+            return refuse(
+                "the largest command",
+                limits.voltage,
+                "volts above 0, at most the calibration's clamp_V",
+            );
+        }
+        if !(0.01..=4000.0).contains(&limits.slew_v_s) {
+            return refuse("the slew", limits.slew_v_s, "0.01 to 4000 V/s");
+        }
+        if !(2.0..=600.0).contains(&limits.duration_s) {
+            return refuse("the duration", limits.duration_s, "2 to 600 s");
+        }
+        Ok(Self { setup, limits })
+    }
+
+    /// The same rig about another model.
+    pub(crate) fn with_setup(&self, setup: Setup) -> Self {
+        Self { setup, limits: self.limits }
+    }
+
+    /// Noise that its recordings have, for a model's channels: that of the model file, else that of the bench's sensors; inputs
+    /// other than speeds count as exact, as they do in an identification.
+    #[must_use]
+    pub fn noise(&self, model: &Model) -> NoiseLevels {
+        let noisy = Setup { noisy: true, ..self.setup.clone() };
+        let of = |column: &str| {
+            let channel = self.setup.calibration.channels.iter().find(|c| c.channel.column_name() == column);
+            let step = channel.map_or(0.0, |channel| {
+                self.setup.calibration.input.volts_per_count()
+                    / channel.sensor.volts_per_unit.abs()
+                    / 12_f64.sqrt()
+            });
+            noisy.noise_std_of_column(column).unwrap_or(0.0).hypot(step)
+        };
+        let known = |channel: &socam_model::Channel| {
+            channel.noise_std.unwrap_or_else(|| of(&channel.column) * channel.scale.abs()).max(1e-12)
+        };
+        let input = |channel: &socam_model::Channel| match channel.quantity {
+            Quantity::Speed => known(channel),
+            _ => 0.0,
+        };
+        NoiseLevels {
+            outputs: model.outputs().map(known).collect(),
+            inputs: model.inputs().map(input).collect(),
+        }
+    }
+
+    /// Runs a profile without noise, weaker where it would pass a limit; `None` where that does not help.
+    pub(crate) fn run(&self, profile: &ProfileFile) -> Result<Option<Run>, DesignError> {
+        let mut profile = profile.clone();
+        let mut free = Setup { noisy: false, ..self.setup.clone() };
+        free.calibration.channels.iter_mut().for_each(|channel| channel.limit = None);
+        for _ in 0..ATTEMPTS {
+            let Ok(course) = profile.profile(PERIOD_US) else { return Ok(None) };
+            let data = match free.record("proposal", &course, PERIOD_US) {
+                Ok(data) => data,
+                // A converter at its end, before any limit.
+                Err(SimError::Fault { .. }) => {
+                    soften(&mut profile, 0.6);
+                    continue;
+                }
+                Err(error) => return Err(error.into()),
+            };
+            let excess = self.excess(&data);
+            if excess <= 1.0 {
+                return Ok(Some(Run { profile, data }));
+            }
+            soften(&mut profile, SOFTER / excess);
+        }
+        Ok(None)
+    }
+
+    /// Largest value over what is allowed, over all channels.
+    fn excess(&self, data: &Dataset) -> f64 {
+        let limit = |name: &str| {
+            let channel = self.setup.calibration.channels.iter().find(|c| c.channel.name == name);
+            channel.and_then(|channel| channel.limit)
+        };
+        let each = data.channels().iter().zip(data.statistics()).filter_map(|(channel, statistics)| {
+            let largest = statistics.max?.abs().max(statistics.min?.abs());
+            Some(largest / (MARGIN * limit(&channel.name)?))
+        });
+        each.fold(0.0, f64::max)
+    }
+}
+
+/// Makes what moves about the mean weaker; of a staircase its steps.
+fn soften(profile: &mut ProfileFile, factor: f64) {
+    match &mut profile.course {
+        Course::Multisine { amplitude, offset, .. }
+        | Course::Chirp { amplitude, offset, .. }
+        | Course::Prbs { amplitude, offset, .. }
+        | Course::Sine { amplitude, offset, .. }
+        | Course::Triangle { amplitude, offset, .. } => {
+            *amplitude *= factor;
+            // Where the mean itself is too much, it gives way too.
+            if factor < 0.5 {
+                *offset *= factor.sqrt();
+            }
+        }
+        Course::Staircase { first, step, .. } => {
+            *first *= factor;
+            *step *= factor;
+        }
+        Course::Constant { level } => *level *= factor,
+    }
+}

@@ -1,0 +1,247 @@
+//! Losses of a section from its moments: what grows with speed, what grows with torque, and what does neither.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use socam_calibrate::Estimate;
+use socam_calibrate::regression::{self, Regression};
+
+use crate::{EfficiencyError, Section, moments::Moment};
+
+/// Moments overlap by half, and what a model leaves out lasts longer than one.
+const LAG: usize = 3;
+/// Times that the loss in proportion to torque is put back into what it is in proportion to.
+const STRETCHES: usize = 3;
+/// Columns that others explain but for this part of their size say nothing of their own.
+const LEAST_OWN: f64 = 1e-4;
+/// Estimates correlated more than this cannot be told apart.
+const ENTANGLED: f64 = 0.95;
+
+/// Relative standard uncertainties of sensors' gains, standard uncertainties of their zeros (SI), by channel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SensorStd {
+    /// Of the gain, as a part of it.
+    pub gain: Option<f64>,
+    /// Of the zero, in the channel's unit.
+    pub offset: Option<f64>,
+}
+
+/// What is known of the section's sensors.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sensors {
+    /// Torque in.
+    pub torque_in: SensorStd,
+    /// Torque out.
+    pub torque_out: SensorStd,
+    /// Speed in.
+    pub speed_in: SensorStd,
+    /// Speed out.
+    pub speed_out: SensorStd,
+}
+
+/// Losses on the input side: T_in - T_out / N = torque_share |T_in| + viscous w + constant, in the direction of motion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Losses {
+    /// Part of the torque in that is lost, 1.
+    pub torque_share: Option<Estimate>,
+    /// N m s/rad at the input.
+    pub viscous: Option<Estimate>,
+    /// N m at the input.
+    pub constant: Option<Estimate>,
+    /// Losses that these recordings do not tell apart.
+    pub entangled: Vec<[&'static str; 2]>,
+    /// Inertia that was found, kg m2 at the input, beside the model's.
+    pub inertia: Option<Estimate>,
+    /// Scatter of moments about it, N m.
+    pub residual_std: f64,
+    /// Number of moments.
+    pub moments: usize,
+    #[serde(skip)]
+    fitted: Fitted,
+}
+
+/// Coefficients by their meaning.
+#[derive(Debug, Clone, PartialEq)]
+struct Fitted {
+    regression: Regression,
+    /// Index of each term's coefficient.
+    terms: Vec<Term>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Term {
+    Share,
+    Viscous,
+    Constant,
+    Inertia,
+    Twist,
+    GainIn,
+    GainOut,
+    Zero,
+}
+
+impl Term {
+    /// At a torque share `f` that is lost, of which the part `w` of the inertia lies before what loses: sensors share in the torque
+    /// there ([`Moment::size`]) but for what is lost itself, forward (1 - w f) of it, and backward (1 + w f).
+    fn column(self, moment: &Moment, (f, w): (f64, f64)) -> f64 {
+        let (along, beside) = if moment.is_driven {
+            (1.0 / (1.0 - w * f), 1.0 / (1.0 - w * f))
+        } else {
+            (1.0 / (1.0 + w * f), (1.0 + f) / ((1.0 + w * f) * (1.0 - f)))
+        };
+        match self {
+            Self::Share => moment.size * moment.direction * along,
+            Self::Viscous => moment.speed * beside,
+            Self::Constant => moment.direction * beside,
+            Self::Inertia => moment.acceleration,
+            Self::Twist => -moment.torque_in_curvature,
+            Self::GainIn => moment.torque_in,
+            Self::GainOut => -moment.torque_out,
+            Self::Zero => 1.0,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Share => "torque_share",
+            Self::Viscous => "viscous",
+            Self::Constant => "constant",
+            Self::Inertia => "inertia",
+            Self::Twist => "twist",
+            Self::GainIn => "gain of the torque sensor on the input side",
+            Self::GainOut => "gain of the torque sensor on the output side",
+            Self::Zero => "zero of the torque sensors",
+        }
+    }
+}
+
+impl Losses {
+    /// From moments. A sensor's gain that nobody measured counts as exact; a zero that nobody measured is estimated where motion in
+    /// both directions tells it from a constant loss, and counts as exact where it does not.
+    ///
+    /// Moments are those of [`crate::moments::substantial`].
+    ///
+    /// # Assumes
+    /// The three laws, and torque sensors that are slow or fast alike. A loss that is none of them shows in `residual_std` and
+    /// widens the intervals, whose covariance allows for scatter that lasts.
+    ///
+    /// # Errors
+    /// When there are too few moments.
+    pub fn of(moments: &[Moment], section: &Section, sensors: &Sensors) -> Result<Self, EfficiencyError> {
+        let too_few = || EfficiencyError::TooFew { moments: moments.len() };
+        if moments.len() < 12 {
+            return Err(too_few());
+        }
+        let zero_std = sensors.torque_in.offset.zip(sensors.torque_out.offset);
+        let zero_std = zero_std.map(|(a, b)| a.hypot(b / section.ratio));
+        let both_ways =
+            moments.iter().any(|m| m.direction > 0.0) && moments.iter().any(|m| m.direction < 0.0);
+        let inertia = section.inertia.max(1e-9);
+        let mut wanted: Vec<(Term, Option<(f64, f64)>)> = vec![
+            (Term::Inertia, Some((inertia, 0.3 * inertia))),
+            (Term::Twist, None),
+            (Term::Viscous, None),
+            (Term::Constant, None),
+            (Term::Share, None),
+        ];
+        let known = |term, std: Option<f64>| std.filter(|std| *std > 0.0).map(|std| (term, Some((0.0, std))));
+        wanted.extend(known(Term::GainIn, sensors.torque_in.gain));
+        wanted.extend(known(Term::GainOut, sensors.torque_out.gain));
+        match zero_std {
+            Some(std) => wanted.extend(known(Term::Zero, Some(std))),
+            None if both_ways => wanted.push((Term::Zero, None)),
+            None => {}
+        }
+        let kept = independent(moments, &wanted);
+        let terms: Vec<Term> = kept.iter().map(|(term, _)| *term).collect();
+        let measured =
+            DVector::from_iterator(moments.len(), moments.iter().map(|m| m.torque_in - m.torque_out));
+        let known: Vec<_> = kept.iter().map(|(_, known)| *known).collect();
+        let at = terms.iter().position(|term| *term == Term::Share);
+        let fit = |share: f64| {
+            let stretch = (share, section.share_before);
+            let design =
+                DMatrix::from_fn(moments.len(), terms.len(), |i, j| terms[j].column(&moments[i], stretch));
+            regression::with_knowledge(&design, &measured, &known, LAG).ok_or_else(too_few)
+        };
+        let mut regression = fit(0.0)?;
+        for _ in 0..STRETCHES {
+            let share = at.map_or(0.0, |at| regression.coefficients[at].clamp(0.0, 0.9));
+            regression = fit(share)?;
+        }
+        let fitted = Fitted { regression, terms };
+        let estimate = |term| fitted.estimate(term);
+        Ok(Self {
+            torque_share: estimate(Term::Share),
+            viscous: estimate(Term::Viscous),
+            constant: estimate(Term::Constant),
+            inertia: estimate(Term::Inertia),
+            entangled: fitted.entangled(),
+            residual_std: fitted.regression.residual_std,
+            moments: moments.len(),
+            fitted,
+        })
+    }
+
+    /// Efficiency at a speed (rad/s, not negative) and a torque in (N m, positive), both at the input.
+    #[must_use]
+    pub fn efficiency(&self, speed: f64, torque: f64) -> Estimate {
+        let slope = |term: &Term| match term {
+            Term::Share => -1.0,
+            Term::Viscous => -speed / torque,
+            Term::Constant => -1.0 / torque,
+            _ => 0.0,
+        };
+        let slopes: Vec<f64> = self.fitted.terms.iter().map(slope).collect();
+        let lost: f64 = slopes.iter().zip(&self.fitted.regression.coefficients).map(|(s, c)| s * c).sum();
+        let std = self.fitted.regression.std_of(&slopes);
+        Estimate::new(1.0 + lost, std, self.fitted.regression.degrees)
+    }
+}
+
+impl Fitted {
+    fn estimate(&self, term: Term) -> Option<Estimate> {
+        let index = self.terms.iter().position(|known| *known == term)?;
+        let regression = &self.regression;
+        Some(Estimate::new(regression.coefficients[index], regression.std(index), regression.degrees))
+    }
+
+    fn entangled(&self) -> Vec<[&'static str; 2]> {
+        let losses: Vec<usize> = (0..self.terms.len())
+            .filter(|i| matches!(self.terms[*i], Term::Share | Term::Viscous | Term::Constant))
+            .collect();
+        let covariance = &self.regression.covariance;
+        let all = (0..self.terms.len()).flat_map(|j| losses.iter().map(move |i| (*i, j)));
+        all.filter(|(i, j)| if losses.contains(j) { i < j } else { true })
+            .filter(|(i, j)| {
+                let size = (covariance[(*i, *i)] * covariance[(*j, *j)]).sqrt();
+                covariance[(*i, *j)].abs() > ENTANGLED * size
+            })
+            .map(|(i, j)| [self.terms[i].name(), self.terms[j].name()])
+            .collect()
+    }
+}
+
+/// Terms that are not repetitions of those before them, unless something is known of them.
+fn independent(moments: &[Moment], wanted: &[(Term, Option<(f64, f64)>)]) -> Vec<(Term, Option<(f64, f64)>)> {
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut kept = Vec::new();
+    for (term, known) in wanted {
+        let column = DVector::from_iterator(
+            moments.len(),
+            moments.iter().map(|moment| term.column(moment, (0.0, 0.0))),
+        );
+        let size = column.norm();
+        let mut own = column;
+        for direction in &basis {
+            let along = direction.dot(&own);
+            own -= direction * along;
+        }
+        if known.is_some() {
+            kept.push((*term, *known));
+        } else if size > 0.0 && own.norm() > LEAST_OWN * size {
+            basis.push(&own / own.norm());
+            kept.push((*term, *known));
+        }
+    }
+    kept
+}

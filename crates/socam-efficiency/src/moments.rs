@@ -1,0 +1,158 @@
+//! Recordings as moments: weighted means over a fraction of a second, in which accelerations need no differentiation.
+//!
+//! A smooth weight h(t) turns the equation of motion into one of means, and integration by parts takes derivatives from the noisy
+//! signals to the weight (the modulating functions of Shinbrot 1957): the mean of an acceleration is -int h' speed, that of a
+//! twist's second derivative int h'' torque / stiffness.
+
+use std::f64::consts::PI;
+
+use socam_recording::Dataset;
+
+use crate::{EfficiencyError, Section};
+
+/// Length of a moment, s: long beside couplings ringing at 20 Hz and more, short beside what loads do.
+const LENGTH_S: f64 = 0.16;
+/// Slower than this at any sample, friction is not that of motion, rad/s at the input.
+const STANDSTILL_RAD_S: f64 = 2.0;
+
+/// What carries less than this part of a large torque is next to a reversal, where play and the mesh's own friction decide.
+const LEAST_TORQUE: f64 = 0.1;
+
+/// Weighted means over one moment; of the input side where nothing else is said.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Torque in, N m.
+    pub torque_in: f64,
+    /// Torque out over the ratio, N m.
+    pub torque_out: f64,
+    /// Speed, rad/s.
+    pub speed: f64,
+    /// Sign of the motion.
+    pub direction: f64,
+    /// Size of the torque that losses are in proportion to, but for a factor: where inertia before and after it is at work, both
+    /// sensors share in it such that no acceleration is left, N m.
+    pub size: f64,
+    /// Whether the input drives, and not the load.
+    pub is_driven: bool,
+    /// Acceleration of the input tachometer's place, rad/s2.
+    pub acceleration: f64,
+    /// Second derivative of the torque in, N m/s2: what the twist between tachometer and section takes of the acceleration.
+    pub torque_in_curvature: f64,
+    /// Speed of the output tachometer times the ratio, rad/s.
+    pub speed_out: Option<f64>,
+    /// First derivatives of both torques, N m/s: twist between the tachometers.
+    pub torque_slopes: [f64; 2],
+}
+
+/// All moments of a recording in which it moves one way.
+pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Moment>, EfficiencyError> {
+    let mut names = vec![&*section.torque_in.column, &section.torque_out.column, &section.speed_in.column];
+    let out = section.speed_out.as_ref().filter(|channel| data.channel_index(&channel.column).is_ok());
+    names.extend(out.map(|channel| &*channel.column));
+    let indices = names.iter().map(|name| data.channel_index(name)).collect::<Result<Vec<_>, _>>()?;
+    let weights = Weights::new(data.sample_time_s());
+    let mut found = Vec::new();
+    for segment in data.segments() {
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+        for block in data.blocks_in(segment.first_row..segment.first_row + segment.rows, &indices)? {
+            let block = block?;
+            columns.iter_mut().zip(&block.columns).for_each(|(all, more)| all.extend(more.values()));
+        }
+        let channels = [&section.torque_in, &section.torque_out, &section.speed_in];
+        for (column, channel) in columns.iter_mut().zip(channels.into_iter().chain(out)) {
+            column.iter_mut().for_each(|value| *value = channel.scale * *value + channel.offset);
+        }
+        let length = weights.h.len();
+        let mut from = 0;
+        while from + length <= columns[0].len() {
+            let part: Vec<&[f64]> = columns.iter().map(|column| &column[from..from + length]).collect();
+            found.extend(weights.moment(&part, section));
+            from += length / 2;
+        }
+    }
+    Ok(found)
+}
+
+/// Moments without those that carry next to no torque: there a loss in proportion to torque bends, and an efficiency means little.
+pub(crate) fn substantial(moments: &[Moment]) -> Vec<Moment> {
+    let mut sizes: Vec<f64> = moments.iter().map(|moment| moment.size).collect();
+    sizes.sort_by(f64::total_cmp);
+    let large = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
+    moments.iter().filter(|moment| moment.size > LEAST_TORQUE * large).copied().collect()
+}
+
+/// A weight of mean one and its derivatives, sample by sample.
+struct Weights {
+    h: Vec<f64>,
+    slope: Vec<f64>,
+    bend: Vec<f64>,
+}
+
+impl Weights {
+    /// sin^4, which begins and ends with three derivatives of nought.
+    fn new(sample_time_s: f64) -> Self {
+        let count = ((LENGTH_S / sample_time_s).round() as usize).max(8);
+        let length = count as f64 * sample_time_s;
+        let step = |k: usize| PI * k as f64 / count as f64;
+        // The mean of sin^4 is 3/8.
+        let scale = 8.0 / (3.0 * count as f64);
+        let rate = PI / length;
+        let h = |x: f64| x.sin().powi(4);
+        let slope = |x: f64| 4.0 * rate * x.sin().powi(3) * x.cos();
+        let bend = |x: f64| 4.0 * rate * rate * (3.0 * x.sin().powi(2) * x.cos().powi(2) - x.sin().powi(4));
+        let all = |weight: &dyn Fn(f64) -> f64| (0..count).map(|k| scale * weight(step(k))).collect();
+        Self { h: all(&h), slope: all(&slope), bend: all(&bend) }
+    }
+
+    /// `None` where a value is missing, or motion and torque do not keep their direction throughout.
+    fn moment(&self, columns: &[&[f64]], section: &Section) -> Option<Moment> {
+        let [torque_in, torque_out, speed] = [columns[0], columns[1], columns[2]];
+        let mean =
+            |weight: &[f64], values: &[f64]| weight.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
+        let direction = speed[0].signum();
+        let moves = speed.iter().all(|speed| speed * direction > STANDSTILL_RAD_S);
+        if !moves || !columns.iter().all(|column| column.iter().all(|value| value.is_finite())) {
+            return None;
+        }
+        let into = section.speed_ratio_in;
+        let before = section.share_before;
+        let within = |(a, b): (&f64, &f64)| (1.0 - before) * a + before * b / section.ratio;
+        let carried: Vec<f64> = torque_in.iter().zip(torque_out).map(within).collect();
+        // About a reversal of the torque, play and the mesh's own friction decide, and no law of a loss in proportion holds.
+        let pushes = carried.iter().all(|torque| torque * carried[0] > 0.0);
+        if !pushes {
+            return None;
+        }
+        let torque = mean(&self.h, &carried);
+        Some(Moment {
+            torque_in: mean(&self.h, torque_in),
+            torque_out: mean(&self.h, torque_out) / section.ratio,
+            speed: mean(&self.h, speed) * into,
+            direction: direction * into.signum(),
+            size: torque.abs(),
+            is_driven: torque * direction * into.signum() > 0.0,
+            acceleration: -mean(&self.slope, speed) * into,
+            torque_in_curvature: mean(&self.bend, torque_in),
+            speed_out: columns.get(3).map(|out| mean(&self.h, out) * section.speed_ratio_out * into),
+            torque_slopes: [-mean(&self.slope, torque_in), -mean(&self.slope, torque_out)],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_take_derivatives() {
+        let weights = Weights::new(1e-3);
+        let time = |k: usize| k as f64 * 1e-3;
+        let signal: Vec<f64> =
+            (0..weights.h.len()).map(|k| 3.0 + 5.0 * time(k) + 7.0 * time(k).powi(2)).collect();
+        let mean = |w: &[f64]| w.iter().zip(&signal).map(|(w, v)| w * v).sum::<f64>();
+        let middle = 0.5 * LENGTH_S;
+        assert!((weights.h.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((-mean(&weights.slope) - (5.0 + 14.0 * middle)).abs() < 1e-3);
+        assert!((mean(&weights.bend) - 14.0).abs() < 1e-2);
+    }
+}

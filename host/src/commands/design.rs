@@ -1,0 +1,346 @@
+//! `design`: the next experiment, as a profile that `record` runs.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use indicatif::ProgressBar;
+use serde::Serialize;
+use socam_design::{Design, Limits, Rig, Tried, Width};
+use socam_model::Model;
+use socam_recording::{Calibration, Course, ProfileFile};
+use socam_sim::{Setup, Truth, calibration_for};
+
+use super::Outcome;
+use crate::output::{self, WrongArguments};
+use crate::{model_file, table};
+
+/// Largest command of the profiles that suit the default bench, V.
+const USUAL_V: f64 = 1.8;
+
+/// Propose the next experiment: the profile that tells most under the rig's limits
+///
+/// Runs profiles of many kinds on a virtual bench of the model, without noise, and reads from the model's slopes what a recording of
+/// each would tell. Without --rival the one is proposed that makes the widest 95 % interval narrowest; with a rival model the one along
+/// which both differ most, whatever their parameters.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host design --model bench.toml --duration 10s -o next.toml
+  socam-host design run1.mcap --model bench.toml --limit torque_out=20 -o next.toml
+  socam-host design --model friction.toml --rival hysteresis.toml -o apart.toml
+  socam-host design --diagnosis report/diagnosis.json --model speed-o-cam -o apart.toml
+  socam-host record --device serial --profile next.toml --duration 10s -o run2.mcap")]
+pub(crate) struct Args {
+    /// Recordings that exist already: the proposal adds to what they say
+    #[arg(value_name = "RUN")]
+    runs: Vec<String>,
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    model: String,
+    /// A model that explains the same recordings otherwise
+    #[arg(long, value_name = "MODEL", conflicts_with = "runs")]
+    rival: Option<String>,
+    /// The diagnosis.json of `diagnose --report`: its strongest finding against its first rival, both added to --model
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "rival"])]
+    diagnosis: Option<PathBuf>,
+    /// Length of the recording
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = super::record::seconds)]
+    duration: f64,
+    /// Largest command, V
+    #[arg(long, value_name = "VOLT")]
+    voltage: Option<f64>,
+    /// Fastest change of the command, V/s
+    #[arg(long, value_name = "VOLT/S", default_value_t = 500.0)]
+    slew: f64,
+    /// What a channel may reach at most, SI, in place of the calibration's limit; may be repeated
+    #[arg(long, value_name = "CHANNEL=VALUE")]
+    limit: Vec<String>,
+    /// Never change direction
+    #[arg(long)]
+    one_way: bool,
+    /// Calibration with motor, sensors and their limits; such as suit the model when not given
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+    /// Write the profile to this file
+    #[arg(short = 'o', long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// The names are part of the JSON document.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    goal: &'static str,
+    profile: String,
+    tells_apart: Option<[String; 2]>,
+    distance: Option<f64>,
+    widths: &'a [Width],
+    reference: Option<&'a [Width]>,
+    tried: usize,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let target = args.output.as_deref().map(output::create).transpose()?;
+    let base = model_file::load(&args.model)?;
+    let (model, rival) = models(&args, base)?;
+    let rig = rig(&args, &model)?;
+    let recorded = args.runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<_>>>()?;
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let progress = |count: usize| bar.set_message(format!("{count} profiles tried"));
+    let design = match &rival {
+        Some(rival) => socam_design::telling_apart(&model, &rival.model, &rig, &progress)?,
+        None => socam_design::sharpest(&model, &rig, &recorded, &progress)?,
+    };
+    let reference = match rival {
+        Some(_) => None,
+        None => {
+            socam_design::foretell(&rig, &model, &recorded, &five_steps(&args))?.map(|(_, widths)| widths)
+        }
+    };
+    bar.finish_and_clear();
+    let tells_apart = rival.map(|rival| rival.names);
+    let purpose = match &tells_apart {
+        Some([a, b]) => format!("to tell {a} from {b}"),
+        None => format!("to make the widest interval of {} narrowest", model.name),
+    };
+    let profile = ProfileFile { purpose: Some(purpose), ..design.best.profile.clone() };
+    let profile = rounded(profile).to_toml();
+    if let Some(mut target) = target {
+        target.write_all(profile.as_bytes())?;
+        target.commit()?;
+    }
+    if args.json {
+        output::print_json(&Document {
+            schema: "socam.design/1",
+            goal: if tells_apart.is_some() { "tell_apart" } else { "sharpest" },
+            profile,
+            tells_apart,
+            distance: design.best.distance,
+            widths: &design.best.widths,
+            reference: reference.as_deref(),
+            tried: design.tried,
+        })?;
+    } else {
+        output::print(&text(
+            &design,
+            tells_apart.as_ref(),
+            reference.as_deref(),
+            args.output.as_deref(),
+            &profile,
+        ))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// A rival and what both are called.
+struct Rival {
+    model: Model,
+    names: [String; 2],
+}
+
+fn models(args: &Args, base: Model) -> anyhow::Result<(Model, Option<Rival>)> {
+    if let Some(name) = &args.rival {
+        let model = model_file::load(name)?;
+        return Ok((base, Some(Rival { model, names: [args.model.clone(), name.clone()] })));
+    }
+    let Some(path) = &args.diagnosis else { return Ok((base, None)) };
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let diagnosis: serde_json::Value =
+        serde_json::from_str(&text).with_context(|| format!("`{}` is no diagnosis", path.display()))?;
+    let findings = diagnosis["findings"].as_array().map_or(&[][..], Vec::as_slice);
+    let doubted =
+        findings.iter().find(|finding| finding["rivals"].as_array().is_some_and(|rivals| !rivals.is_empty()));
+    let Some(finding) = doubted else {
+        let message =
+            format!("`{}` has no finding with a rival: there is nothing to tell apart", path.display());
+        return Err(WrongArguments(message).into());
+    };
+    let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    let (effect, place) = (word(&finding["effect"]), word(&finding["location"]));
+    let parameters = finding["parameters"].as_array().map_or(&[][..], Vec::as_slice);
+    let values: Vec<(String, f64)> =
+        parameters.iter().filter_map(|p| Some((word(&p["name"]), p["value"].as_f64()?))).collect();
+    let values: Vec<(&str, f64)> = values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let other = &finding["rivals"][0];
+    let (other_effect, other_place) = (word(&other["effect"]), word(&other["location"]));
+    let found = base.with_effect(&effect, &place, &values)?;
+    let rival = rival(&base, &other_effect, &other_place, &values)?;
+    let names = [format!("{effect} at {place}"), format!("{other_effect} at {other_place}")];
+    Ok((found, Some(Rival { model: rival, names })))
+}
+
+/// A rival from where its fit may begin: the same torque or share, and usual sizes of what only it has.
+fn rival(base: &Model, effect: &str, place: &str, known: &[(&str, f64)]) -> anyhow::Result<Model> {
+    let catalogue =
+        socam_model::effects::find(effect).with_context(|| format!("there is no effect {effect}"))?;
+    let rotates = base.motion == socam_model::Motion::Rotation;
+    let given = |name: &str| known.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
+    let values: Vec<(&str, f64)> = catalogue
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.default.is_none())
+        .map(|parameter| {
+            let usual = match parameter.kind.unit(rotates) {
+                "N m" | "N" => 0.1,
+                "rad/s" | "m/s" => 1.0,
+                "rad" | "m" => 0.01,
+                "N m/rad" => 1e4,
+                "N/m" => 1e6,
+                "N m s/rad" | "N s/m" => 0.1,
+                "N m s2/rad2" | "kg m2" => 1e-3,
+                "Hz" => 1.0,
+                "s" => 1e-3,
+                "1" if parameter.name == "gain" => 1.0,
+                "1" if parameter.name == "order" => 1.0,
+                "1" => 0.03,
+                _ => 0.01,
+            };
+            let (low, high) = parameter.bounds;
+            (parameter.name, given(parameter.name).unwrap_or(usual).clamp(low, high))
+        })
+        .collect();
+    Ok(base.with_effect(effect, place, &values)?)
+}
+
+fn rig(args: &Args, model: &Model) -> anyhow::Result<Rig> {
+    let mut calibration = match &args.calibration {
+        Some(path) => Calibration::open(path)?,
+        None => calibration_for(model),
+    };
+    for text in &args.limit {
+        let names: Vec<&str> = calibration.channels.iter().map(|c| c.channel.name.as_str()).collect();
+        let wrong = || {
+            WrongArguments(format!(
+                "--limit {text}: expected CHANNEL=VALUE with one of {} and a positive number",
+                names.join(", ")
+            ))
+        };
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let value: f64 =
+            value.parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite()).ok_or_else(wrong)?;
+        let index = names.iter().position(|known| *known == name).ok_or_else(wrong)?;
+        calibration.channels[index].limit = Some(value);
+    }
+    let limits = Limits {
+        voltage: args.voltage.unwrap_or(USUAL_V.min(calibration.clamp_v)),
+        slew_v_s: args.slew,
+        duration_s: args.duration,
+        one_way: args.one_way,
+    };
+    let truth = Truth::new(model, &[], &[])?;
+    let rig = Rig::new(Setup::new(truth, calibration, 1), limits);
+    rig.map_err(|error| WrongArguments(error.to_string()).into())
+}
+
+/// What the thesis did: five speeds of equal length.
+fn five_steps(args: &Args) -> ProfileFile {
+    let highest = args.voltage.unwrap_or(USUAL_V);
+    let first = 0.43 * highest;
+    let dwell_s = (args.duration / 5.0 * 1e3).floor() * 1e-3;
+    ProfileFile {
+        purpose: None,
+        command: socam_core::Command::Voltage,
+        course: Course::Staircase {
+            first,
+            step: 0.25 * (0.98 * highest - first),
+            count: 5,
+            dwell_s,
+            and_back: false,
+        },
+        ramp_s: 0.0,
+        limit: highest,
+        slew: args.slew,
+        duration_s: args.duration,
+    }
+}
+
+/// Numbers that people can read.
+fn rounded(mut profile: ProfileFile) -> ProfileFile {
+    let round = |value: &mut f64, digits: f64| *value = (*value * digits).floor() / digits;
+    match &mut profile.course {
+        Course::Multisine { offset, amplitude, from_hz, to_hz, .. }
+        | Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
+            [offset, amplitude].into_iter().for_each(|value| round(value, 1e4));
+            [from_hz, to_hz].into_iter().for_each(|value| round(value, 1e2));
+        }
+        Course::Prbs { offset, amplitude, .. } => {
+            [offset, amplitude].into_iter().for_each(|value| round(value, 1e4))
+        }
+        Course::Staircase { first, step, .. } => {
+            [first, step].into_iter().for_each(|value| round(value, 1e4))
+        }
+        _ => {}
+    }
+    round(&mut profile.duration_s, 1e3);
+    profile
+}
+
+fn course(profile: &ProfileFile) -> String {
+    let n = table::number;
+    match profile.course {
+        Course::Multisine { offset, amplitude, from_hz, to_hz, .. } => {
+            format!(
+                "multisine of {} V about {} V, {} to {} Hz",
+                n(amplitude),
+                n(offset),
+                n(from_hz),
+                n(to_hz)
+            )
+        }
+        Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
+            format!("chirp of {} V about {} V, {} to {} Hz", n(amplitude), n(offset), n(from_hz), n(to_hz))
+        }
+        Course::Prbs { offset, amplitude, bit_s, .. } => {
+            format!("random steps of {} V about {} V, {} s or longer", n(amplitude), n(offset), n(bit_s))
+        }
+        Course::Staircase { first, step, dwell_s, .. } => {
+            format!("reversals from {} V to {} V every {} s", n(first), n(first + step), n(dwell_s))
+        }
+        _ => "another course".into(),
+    }
+}
+
+fn text(
+    design: &Design,
+    rivals: Option<&[String; 2]>,
+    reference: Option<&[Width]>,
+    written: Option<&Path>,
+    profile: &str,
+) -> String {
+    let said = |tried: &Tried| match tried.distance {
+        Some(distance) => format!("{} noise units apart", table::number(distance)),
+        None => format!("widest interval +-{} %", table::number(100.0 * tried.score)),
+    };
+    let mut text = String::new();
+    if let Some([a, b]) = rivals {
+        text.push_str(&format!("To tell {a} from {b}\n"));
+    }
+    text.push_str(&format!("Record a {}: {}\n", course(&design.best.profile), said(&design.best)));
+    if let Some(reference) = reference {
+        let head = ["", "proposed", "five steps"].map(String::from).to_vec();
+        let cell = |width: Option<f64>| {
+            width.map_or_else(|| "not determined".into(), |w| format!("+-{:.3} %", 100.0 * w))
+        };
+        let rows = design.best.widths.iter().map(|width| {
+            let other =
+                reference.iter().find(|other| other.name == width.name).and_then(|other| other.relative);
+            vec![width.name.clone(), cell(width.relative), cell(other)]
+        });
+        let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
+        text.push_str(&format!("\n95 % intervals to expect\n{}", table::align(&rows, &[false, true, true])));
+    }
+    text.push_str(&format!("\nOf {} profiles, the best of each kind\n", design.tried));
+    let rows: Vec<_> = design.others.iter().map(|tried| vec![course(&tried.profile), said(tried)]).collect();
+    text.push_str(&table::align(&rows, &[false, false]));
+    match written {
+        Some(path) => {
+            text.push_str(&format!("\nsocam-host record --profile {} records it.\n", path.display()))
+        }
+        None => text.push_str(&format!("\n{profile}")),
+    }
+    text
+}
