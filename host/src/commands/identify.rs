@@ -134,16 +134,17 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
+    let force_errors = force_errors(&args, &model, &datasets, &result)?;
     if let Some(target) = target {
         // Sensors' gains are the calibration's, not the drivetrain's.
         write_model(target, &uncalibrated, &result)?;
         interrupt.unfinished(None);
     }
     if args.json {
-        print_json(&result, &validation)?;
+        print_json(&result, &validation, &force_errors)?;
     } else {
         result.warnings.iter().for_each(output::warn);
-        output::print(&report(&result, &validation))?;
+        output::print(&report(&result, &validation, &force_errors))?;
     }
     Ok(Outcome::Done)
 }
@@ -250,6 +251,23 @@ fn validate(
         .collect()
 }
 
+/// Recordings that were fitted by inverse dynamics, and how much of the force that leaves, per cent.
+fn force_errors(
+    args: &Args,
+    model: &Model,
+    datasets: &[Dataset],
+    result: &Identification,
+) -> anyhow::Result<Vec<(String, f64)>> {
+    if args.method != Method::InverseDynamics {
+        return Ok(Vec::new());
+    }
+    let each = datasets.iter().map(|dataset| {
+        let error = socam_identify::force_error_percent(model, &result.point, dataset)?;
+        Ok((dataset.name().to_owned(), error))
+    });
+    each.collect()
+}
+
 /// Writes `model` with the identified values.
 pub(crate) fn write_model(
     mut target: OutputFile,
@@ -282,8 +300,18 @@ pub(crate) fn write_model(
     Ok(target.commit()?)
 }
 
-fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Result<()> {
+fn print_json(
+    result: &Identification,
+    validation: &[Validation],
+    force_errors: &[(String, f64)],
+) -> anyhow::Result<()> {
     let mut document = serde_json::to_value(result)?;
+    if !force_errors.is_empty() {
+        let each = force_errors.iter().map(
+            |(recording, error)| serde_json::json!({ "recording": recording, "force_error_percent": error }),
+        );
+        document["training"] = each.collect();
+    }
     document["validation"] = validation
         .iter()
         .map(|v| {
@@ -300,7 +328,7 @@ fn print_json(result: &Identification, validation: &[Validation]) -> anyhow::Res
 }
 
 /// The result as tables.
-fn report(result: &Identification, validation: &[Validation]) -> String {
+fn report(result: &Identification, validation: &[Validation], force_errors: &[(String, f64)]) -> String {
     let mut text = format!(
         "{} by {}: {} after {} iterations, {:.2} CPU s\n\n",
         result.model,
@@ -315,6 +343,11 @@ fn report(result: &Identification, validation: &[Validation]) -> String {
     text.push_str(&table::advice(result));
     text.push_str(&table::fit("Fit (free run)", &result.fit));
     text.push_str(&table::noise(result));
+    for (recording, error) in force_errors {
+        text.push_str(&format!(
+            "\nFitted: {recording}\n  inverse dynamics: force error {error:.3} % of its norm\n"
+        ));
+    }
     for held_out in validation {
         text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
         if let Some(band) = &held_out.band {
