@@ -1,6 +1,6 @@
 //! The document, from the way that led to it.
 
-use socam_identify::{Identification, compare::Measured};
+use socam_identify::{Identification, IdentifyError, compare::Measured};
 use socam_model::{EffectUse, Model};
 
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
         ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
         RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,
     },
-    experiment,
+    experiment, region,
     shapes::Unexplained,
     words,
 };
@@ -22,6 +22,9 @@ const SEEN: f64 = 25.0;
 /// Weight of a rival that is worth naming, and of one that is worth another recording.
 const LEAST_WEIGHT: f64 = 1e-2;
 const OPEN: f64 = 0.05;
+/// Residuals of recordings that were not fitted, in noise floors, from which on a model does not explain them whatever tests say.
+/// Where nothing is missing it is 0.9 to 1.1.
+const CONTRADICTION: f64 = 2.0;
 
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
@@ -31,17 +34,29 @@ pub(crate) fn document(
     after: &Identification,
     floor: &[f64],
     cpu_s: f64,
-) -> Diagnosis {
+) -> Result<Diagnosis, IdentifyError> {
     let steps = course.steps.iter().enumerate();
     let mut findings: Vec<Finding> = steps.map(|(index, step)| finding(course, index, step, after)).collect();
-    findings.extend(course.unexplained.as_ref().map(|found| unexplained(course, found)));
+    for (finding, (before, after)) in findings.iter_mut().zip(course.pairs()) {
+        let own = region::region(bench, before, Some(after), &finding.location, floor)?;
+        finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
+    }
+    if let Some(found) = &course.unexplained {
+        let mut without_name = unexplained(course, found);
+        let own = region::region(bench, &course.last, None, &found.place, floor)?;
+        without_name.region = Region { text: format!("{}; {}", without_name.region.text, own.text), ..own };
+        findings.push(without_name);
+    }
+    if findings.is_empty() {
+        findings.extend(contradiction(course, floor));
+    }
     findings.sort_by(|a, b| {
         let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
         gain(b).total_cmp(&gain(a))
     });
     let verdict = if !course.steps.is_empty() {
         Verdict::MissingPhysics
-    } else if course.unexplained.is_some() {
+    } else if !findings.is_empty() {
         Verdict::Unexplained
     } else {
         Verdict::Adequate
@@ -52,7 +67,7 @@ pub(crate) fn document(
             "only one recording: it was held out part by part, which proves less than another recording would".into(),
         );
     }
-    Diagnosis {
+    Ok(Diagnosis {
         schema: SCHEMA.into(),
         verdict,
         false_alarm_rate: bench.options.false_alarm_rate,
@@ -68,7 +83,7 @@ pub(crate) fn document(
         model: course.base.model.name.clone(),
         recordings: recordings(bench),
         version: env!("CARGO_PKG_VERSION").into(),
-    }
+    })
 }
 
 fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
@@ -131,6 +146,33 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
     }
 }
 
+/// What is left far above noise although nothing that was tried holds on recordings that were not fitted: no model explains it.
+fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
+    let each = course.last.model.outputs().zip(floor).enumerate().filter_map(|(output, (channel, floor))| {
+        let held = rms(&course.last.held, output)?;
+        Some((channel, held, held / floor)).filter(|(.., times)| *times > CONTRADICTION)
+    });
+    let (channel, held, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    Some(Finding {
+        effect: UNEXPLAINED.into(),
+        location: channel.name.clone(),
+        parameters: Vec::new(),
+        components: Vec::new(),
+        curve: None,
+        region: Region { text: "on recordings that were not fitted".into(), ..Region::default() },
+        evidence: Proof::default(),
+        rivals: Vec::new(),
+        sentence: format!(
+            "What was not fitted is missed by {} {} in {}, {times:.1} times its noise floor, and nothing that was tried helps there: \
+             these recordings contradict one another, or one of them is not of this bench",
+            words::short(held),
+            channel.unit,
+            channel.name
+        ),
+        equation: String::new(),
+    })
+}
+
 /// Those that a file gives; a phase within a turn.
 fn effect_parameters(model: &Model, used: &EffectUse, after: &Identification) -> Vec<EffectParameter> {
     let given = used.effect.parameters.iter().zip(&used.parameters);
@@ -180,8 +222,10 @@ fn rivals(step: &Step) -> Vec<Rival> {
 
 fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let is_open = |finding: &&Finding| finding.rivals.first().is_some_and(|rival| rival.weight > OPEN);
-    let rivals = findings.iter().find(is_open)?;
-    Some(experiment::suggestion(rivals))
+    match findings.iter().find(is_open) {
+        Some(rivals) => Some(experiment::suggestion(rivals)),
+        None => findings.iter().find_map(experiment::shape),
+    }
 }
 
 /// Root mean square over several measurements, output by output.

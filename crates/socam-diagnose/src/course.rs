@@ -56,8 +56,8 @@ pub(crate) struct Course {
     pub(crate) base: Fitted,
     pub(crate) last: Fitted,
     pub(crate) steps: Vec<Step>,
-    /// Models before each of these.
-    before: Vec<Model>,
+    /// Fits before each of these.
+    before: Vec<Fitted>,
     pub(crate) yardstick: Yardstick,
     /// What the last screening saw, strongest first.
     pub(crate) screened: Vec<Promising>,
@@ -115,7 +115,7 @@ pub(crate) fn run(
         course.unexplained = unnamed(bench, &course, &scales, named.as_ref(), suspicious)?;
         let Some((step, fitted)) = named.filter(|_| course.unexplained.is_none()) else { break };
         course.steps.push(step);
-        course.before.push(course.last.model.clone());
+        course.before.push(course.last.clone());
         course.last = afresh(bench, &course, fitted)?;
         let problem = bench.problem(&course.last.model)?;
         let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
@@ -131,9 +131,16 @@ pub(crate) fn run(
 }
 
 impl Course {
+    /// The fits before and after each step.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Fitted, &Fitted)> {
+        self.before.iter().zip(self.before.iter().skip(1).chain([&self.last]))
+    }
+
     /// Takes the last step back.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
-        let (Some(_), Some(model)) = (self.steps.pop(), self.before.pop()) else { return Ok(()) };
+        let (Some(_), Some(Fitted { model, .. })) = (self.steps.pop(), self.before.pop()) else {
+            return Ok(());
+        };
         let values = carried((&self.last.model, &self.last.at.values), &model);
         if let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? {
             self.last = fitted;

@@ -1,8 +1,8 @@
 //! The whole diagnosis, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate, Problem,
-    Watch, influence, output_error,
+    Identification, IdentifyError, LeftOut, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate,
+    Problem, Watch, influence, output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::{
     Diagnosis, Evidence, answer,
     bench::Bench,
+    cleaned::{self, cleaned, connected},
     course::{self, Course},
     noise_floor, pictures,
     validation::Folds,
@@ -63,6 +64,25 @@ pub enum DiagnoseError {
     /// The corrected model could not be written.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A recording is held out and fitted.
+    #[error(
+        "`{holdout}` holds the same samples as `{training}`; what is held out must not be fitted: hold out another recording"
+    )]
+    SameSamples {
+        /// The one that is held out.
+        holdout: String,
+        /// The one that is fitted.
+        training: String,
+    },
+    /// A channel says nothing in any recording that is fitted.
+    #[error(
+        "{channel} never changes in any recording that is fitted, although others do: is its sensor connected? To do without it, take \
+         it out of the model's channels"
+    )]
+    Disconnected {
+        /// The channel.
+        channel: String,
+    },
     /// The base model cannot follow the recordings at all.
     #[error(
         "{model} cannot follow these recordings: its prediction overflows; give start values nearer to the bench"
@@ -85,18 +105,28 @@ pub fn diagnose(
     options: &Options,
 ) -> Result<Answer, DiagnoseError> {
     let clock = cpu_time::ProcessTime::now();
+    apart(training, holdout)?;
+    if let Some(channel) = cleaned::disconnected(model, training)? {
+        return Err(DiagnoseError::Disconnected { channel });
+    }
+    let (training, mut notes) = connected(model, training)?;
+    let (holdout, more) = connected(model, holdout)?;
+    notes.extend(more);
     let fit = FitOptions {
         starts: options.starts,
         seed: options.seed,
         watch: options.watch.clone(),
         ..FitOptions::default()
     };
-    let before = output_error(&Problem::new(model, training, fit.clone())?)?;
-    let folds = Folds::new(training, holdout)?;
-    let bench = Bench { training, folds: &folds, fit, options };
+    let before = output_error(&Problem::new(model, &training, fit.clone())?)?;
+    let levels = levels(model, &before);
+    let clean = |all: &[Dataset]| cleaned(model, all, &before.point, &levels, &fit);
+    let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
+    outliers.extend(more);
+    let folds = Folds::new(&training, &holdout)?;
+    let bench = Bench { training: &training, folds: &folds, fit, options };
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
-    let mut course =
-        course::run(&bench, model, &before.point, levels(model, &before))?.ok_or_else(diverged)?;
+    let mut course = course::run(&bench, model, &before.point, levels)?.ok_or_else(diverged)?;
     let after = loop {
         if course.steps.is_empty() {
             break before.clone();
@@ -109,12 +139,32 @@ pub fn diagnose(
     };
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
-    let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
+    let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
     let floor = noise_floor::floor(corrected, &course.last.at.values, course.yardstick.levels(), step_s);
     let evidence = pictures::evidence(&bench, &course, &floor)?;
     let cpu_s = clock.elapsed().as_secs_f64();
-    let diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s);
+    let mut diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s)?;
+    notes.extend(outliers.iter().map(LeftOut::sentence));
+    diagnosis.warnings.retain(|warning| !notes.contains(warning));
+    diagnosis.warnings.splice(0..0, notes);
     Ok(Answer { diagnosis, evidence, model_toml })
+}
+
+/// No recording proves what was fitted to it, under whatever name.
+fn apart(training: &[Dataset], holdout: &[Dataset]) -> Result<(), DiagnoseError> {
+    let are_same = |a: &Dataset, b: &Dataset| {
+        a.rows() == b.rows()
+            && a.channels() == b.channels()
+            && a.statistics() == b.statistics()
+            && (a.end_s() - a.start_s()).to_bits() == (b.end_s() - b.start_s()).to_bits()
+    };
+    for held in holdout {
+        if let Some(fitted) = training.iter().find(|fitted| are_same(fitted, held)) {
+            let [holdout, training] = [held, fitted].map(|data| data.name().to_owned());
+            return Err(DiagnoseError::SameSamples { holdout, training });
+        }
+    }
+    Ok(())
 }
 
 /// Noise levels that a fit found.

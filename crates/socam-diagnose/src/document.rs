@@ -167,7 +167,8 @@ pub struct Curve {
     pub torque_unit: String,
 }
 
-/// Where a finding lives; `None` where it is not confined.
+/// Where a finding lives: ranges that hold four fifths of what the correction takes away (of the misfit, where nothing has a name),
+/// on the training recordings; `None` where it is not confined.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Region {
     /// Speed at the place, rad/s.
@@ -175,6 +176,9 @@ pub struct Region {
     /// Torque through the place, N m.
     #[serde(rename = "torque_Nm")]
     pub torque_nm: Option<[f64; 2]>,
+    /// Angle of the place within a turn, rad.
+    #[serde(default)]
+    pub angle_rad: Option<[f64; 2]>,
     /// Frequency, Hz.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: Option<[f64; 2]>,

@@ -10,6 +10,7 @@
 mod answer;
 mod bench;
 mod candidates;
+mod cleaned;
 mod course;
 mod diagnose;
 pub mod document;
@@ -19,6 +20,7 @@ mod noise_floor;
 mod pictures;
 mod plot;
 mod race;
+mod region;
 pub mod report;
 mod scales;
 mod screen;

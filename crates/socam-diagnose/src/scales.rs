@@ -111,7 +111,8 @@ fn limit(traces: &[Traces], output: usize) -> Option<f64> {
     (cut.len() >= OFTEN).then(|| cut[cut.len() / 2])
 }
 
-fn sensor(at: &str, quantity: Quantity) -> Channel {
+/// A sensor that no recording knows.
+pub(crate) fn sensor(at: &str, quantity: Quantity) -> Channel {
     Channel {
         name: format!("{at} seen"),
         column: String::new(),

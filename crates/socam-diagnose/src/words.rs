@@ -51,7 +51,7 @@ fn lower_first(text: &str) -> String {
 }
 
 /// Four digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }

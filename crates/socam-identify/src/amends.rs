@@ -40,6 +40,9 @@ pub struct LeftOut {
     pub places: usize,
     /// Time from the first to the last, s.
     pub time_s: [f64; 2],
+    /// Their rows in the recording, in order and apart.
+    #[serde(skip)]
+    pub rows: Vec<Range<u64>>,
 }
 
 impl LeftOut {
@@ -55,6 +58,7 @@ impl LeftOut {
             share_percent: 100.0 * samples as f64 / dataset.rows() as f64,
             places: rows.len(),
             time_s: [first.start, last.end - 1].map(|row| time_of(dataset, row)),
+            rows: rows.to_vec(),
         })
     }
 
@@ -70,13 +74,15 @@ impl LeftOut {
                 other.places += self.places;
                 let [from, to] = self.time_s;
                 other.time_s = [other.time_s[0].min(from), other.time_s[1].max(to)];
+                other.rows = joined([std::mem::take(&mut other.rows), self.rows].concat());
             }
             None => all.push(self),
         }
     }
 
     /// In one sentence.
-    pub(crate) fn sentence(&self) -> String {
+    #[must_use]
+    pub fn sentence(&self) -> String {
         let Self { recording, channel, samples, share_percent, places, time_s: [from, to], .. } = self;
         let plural = |count: u64, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
         let (samples, places) = (plural(*samples, "sample"), plural(*places as u64, "place"));

@@ -60,6 +60,7 @@ pub use combinations::combination_values;
 pub use error::IdentifyError;
 pub use foretell::Information;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
+pub use outliers::outliers;
 pub use predict::{Prediction, Predictor, Start};
 pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
 pub use report::{

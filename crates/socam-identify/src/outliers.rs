@@ -11,8 +11,8 @@ use crate::{
     feed::{self, Stretch},
     levels,
     pass::{self, Point, Weights},
-    spikes,
-    whitener::{Filtered, Whitener},
+    solver, spikes,
+    whitener::{Filtered, NoiseLevels, Whitener},
 };
 
 /// An outlier is so many standard deviations of the bulk away.
@@ -146,6 +146,34 @@ impl Track {
             self.alone.push((run.rows, run.largest));
         }
     }
+}
+
+/// Times that they are looked for: once they are gone, smaller ones show.
+const MOST_LOOKS: usize = 3;
+
+/// Outliers of a problem's recordings beside a model at parameter `values` (SI) and noise `levels`; what is local to a recording
+/// is fitted to it. So recordings that a fit never saw are looked through too.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn outliers(
+    problem: &Problem<'_>,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Vec<LeftOut>, IdentifyError> {
+    let mut cleaned = problem.clone();
+    for _ in 0..MOST_LOOKS {
+        let point = Point { values: values.to_vec(), locals: pass::first_locals(&cleaned, values)? };
+        let weights = Weights {
+            input_std: levels.inputs.clone(),
+            ..Weights::white(levels.outputs.clone(), solver::scales(&cleaned, values))
+        };
+        let Some(at) = solver::with_locals_fitted(&cleaned, point, weights)? else { break };
+        if !leave_out(&mut cleaned, &at.point, &at.weights)? {
+            break;
+        }
+    }
+    Ok(cleaned.left_out.into_iter().filter(|note| note.reason == Reason::Outliers).collect())
 }
 
 /// Has the problem's stretches leave out what are outliers at a point, and the problem say so; false if there are none.

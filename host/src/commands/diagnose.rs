@@ -7,7 +7,7 @@ use socam_diagnose::{
     Answer, Diagnosis,
     document::{Finding, Validation, Verdict},
 };
-use socam_recording::{Dataset, OutputFile};
+use socam_recording::{Dataset, OutputFile, Selection};
 
 use super::Outcome;
 use crate::interrupt::Interrupt;
@@ -65,13 +65,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             format!("--false-alarm-rate {}: expected a number between 0 and 1", args.false_alarm_rate);
         return Err(WrongArguments(message).into());
     }
-    let all: Vec<&String> = args.runs.iter().chain(&args.holdout).collect();
-    if let Some((_, twice)) = all.iter().enumerate().find(|(i, run)| all[..*i].contains(run)) {
-        let message = format!(
-            "`{twice}` is named twice; what is held out must not be fitted, and nothing counts double"
-        );
-        return Err(WrongArguments(message).into());
-    }
+    apart(&args)?;
     let interrupt = Interrupt::listen();
     interrupt.end_after(0);
     let target = args.write_model.as_deref().map(output::create).transpose()?;
@@ -108,6 +102,30 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// No sample may be named twice, whatever its recording is called.
+fn apart(args: &Args) -> anyhow::Result<()> {
+    let mut known: Vec<(&String, Selection)> = Vec::new();
+    for run in args.runs.iter().chain(&args.holdout) {
+        let mut own = Selection::parse(run)?;
+        own.path = own.path.canonicalize().unwrap_or(own.path);
+        let overlaps = |other: &Selection| {
+            let (a, b) = (own.span, other.span);
+            own.path == other.path && a.from_s < b.to_s && b.from_s < a.to_s
+        };
+        if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
+            let what = if *before == run {
+                format!("`{run}` is named twice")
+            } else {
+                format!("`{before}` and `{run}` have samples in common, which are named twice")
+            };
+            let message = format!("{what}; what is held out must not be fitted, and nothing counts double");
+            return Err(WrongArguments(message).into());
+        }
+        known.push((run, own));
+    }
+    Ok(())
+}
+
 /// The answer as text.
 pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     let proof = match diagnosis.validation {
@@ -134,8 +152,11 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     text.push_str(&changed(diagnosis));
     if let Some(next) = &diagnosis.suggested_experiment {
         text.push_str(&format!(
-            "\nWhat to record next, to tell {} apart\n  {}\n",
-            next.tells_apart.join(" and "),
+            "\nWhat to record next, {}\n  {}\n",
+            match next.tells_apart.as_slice() {
+                [one] => format!("to see more of {one}"),
+                several => format!("to tell {} apart", several.join(" and ")),
+            },
             next.sentence
         ));
     }
@@ -143,7 +164,8 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
 }
 
 fn one(number: usize, finding: &Finding) -> String {
-    let mut text = format!("\n{number}. {} at {}: {}\n", finding.effect, finding.location, finding.equation);
+    let law = if finding.equation.is_empty() { String::new() } else { format!(": {}", finding.equation) };
+    let mut text = format!("\n{number}. {} at {}{law}\n", finding.effect, finding.location);
     text.push_str(&format!("   {}\n", finding.sentence));
     for parameter in &finding.parameters {
         let ends = parameter.ci95.map(|end| end.map_or("?".into(), table::number));
@@ -154,10 +176,15 @@ fn one(number: usize, finding: &Finding) -> String {
         ));
     }
     let proof = &finding.evidence;
-    let share = proof
-        .holdout_gain_percent
-        .map_or(String::new(), |gain| format!("{} % of what the model missed there", table::number(gain)));
-    text.push_str(&format!("   held-out recordings: {share}\n"));
+    if !finding.region.text.is_empty() {
+        text.push_str(&format!("   where: {}\n", finding.region.text));
+    }
+    if let Some(gain) = proof.holdout_gain_percent {
+        text.push_str(&format!(
+            "   held-out recordings: {} % of what the model missed there\n",
+            table::number(gain)
+        ));
+    }
     for rival in &finding.rivals {
         text.push_str(&format!(
             "   or {} at {} ({:.0} %)\n",

@@ -85,7 +85,8 @@ impl DiagnosisView {
             let region = &finding.region;
             self.over = match () {
                 () if finding.curve.is_some() && evidence.is_none() => Over::Shape,
-                () if region.frequency_hz.is_some() => Over::Frequency,
+                // A band is worth a spectrum where it is narrow.
+                () if region.frequency_hz.is_some_and(|[low, high]| high < 4.0 * low) => Over::Frequency,
                 () if region.torque_nm.is_some() => Over::Torque,
                 () => Over::Speed,
             };

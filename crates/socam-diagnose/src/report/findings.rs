@@ -75,6 +75,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
     let ranges = [
         (speed, region.speed_rad_s, speed_unit),
         (torque, region.torque_nm, torque_unit),
+        ("Angle", region.angle_rad, "rad"),
         ("Frequency", region.frequency_hz, "Hz"),
         ("Time", region.time_s, "s"),
     ];

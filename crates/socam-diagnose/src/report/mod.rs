@@ -19,7 +19,7 @@ use socam_model::Model;
 use socam_recording::{OutputFile, RecordingError};
 use thiserror::Error;
 
-use crate::{Diagnosis, Evidence};
+use crate::{Diagnosis, Evidence, experiment};
 
 /// A report that could not be written.
 #[derive(Debug, Error)]
@@ -37,9 +37,9 @@ pub enum ReportError {
     File(#[from] RecordingError),
 }
 
-/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is made if need be. `model.toml` is the
-/// corrected model, or `model` as it is where nothing was corrected. Each file is there whole or not at all, and the page
-/// comes last.
+/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is made if need be, and `next.toml`, the profile
+/// of what to record next, where there is something to settle. `model.toml` is the corrected model, or `model` as it is where nothing
+/// was corrected. Each file is there whole or not at all, and the page comes last.
 ///
 /// # Errors
 /// [`ReportError`] with the path.
@@ -54,6 +54,17 @@ pub fn write(
     write_file(&dir.join("model.toml"), |file| {
         file.write_all(corrected_model_toml.unwrap_or(&model.text).as_bytes())
     })?;
+    let next = dir.join("next.toml");
+    match diagnosis.suggested_experiment.as_ref().and_then(experiment::profile_text) {
+        Some(profile) => write_file(&next, |file| file.write_all(profile.as_bytes()))?,
+        // One that an earlier diagnosis left would not belong to this one.
+        None if next.exists() => std::fs::remove_file(&next).map_err(|source| RecordingError::Io {
+            path: next,
+            action: "remove",
+            source,
+        })?,
+        None => {}
+    }
     write_file(&dir.join("diagnosis.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, diagnosis)?;
         file.write_all(b"\n")

@@ -117,7 +117,7 @@ fn files_are_whole() {
     write(&target, &diagnosis, &Evidence::default(), &speed_o_cam(), Some("corrected")).unwrap();
     let mut names: Vec<_> = fs::read_dir(&target).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, ["diagnosis.json", "index.html", "model.toml"]);
+    assert_eq!(names, ["diagnosis.json", "index.html", "model.toml", "next.toml"]);
     assert_eq!(fs::read_to_string(target.join("model.toml")).unwrap(), "corrected");
     let json = fs::read_to_string(target.join("diagnosis.json")).unwrap();
     assert_eq!(json, serde_json::to_string_pretty(&diagnosis).unwrap() + "\n");

@@ -1,0 +1,118 @@
+//! Recordings as all that follows sees them: without outputs that are not connected, and without the outliers that the base model's
+//! fit leaves out.
+
+use socam_identify::{IdentifyError, LeftOut, NoiseLevels, Options, Problem, outliers};
+use socam_model::{self as model, Model};
+use socam_recording::{Channel, Dataset, RecordingError};
+
+/// The recordings with outliers beside `model` at `values` (SI) missing, and what these are. One without any stays as it is.
+pub(crate) fn cleaned(
+    model: &Model,
+    datasets: &[Dataset],
+    values: &[f64],
+    levels: &NoiseLevels,
+    options: &Options,
+) -> Result<(Vec<Dataset>, Vec<LeftOut>), IdentifyError> {
+    if datasets.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let found = outliers(&Problem::new(model, datasets, options.clone())?, values, levels)?;
+    let each = datasets.iter().map(|dataset| {
+        let own: Vec<&LeftOut> = found.iter().filter(|note| note.recording == dataset.name()).collect();
+        if own.is_empty() { Ok(dataset.clone()) } else { without(model, dataset, &own) }
+    });
+    let datasets: Result<Vec<Dataset>, RecordingError> = each.collect();
+    Ok((datasets?, found))
+}
+
+/// The recordings, outputs missing that hold one value all the time although an input moves; and sentences about these. A sensor
+/// that is not connected would be taken for what the bench does.
+pub(crate) fn connected(
+    model: &Model,
+    datasets: &[Dataset],
+) -> Result<(Vec<Dataset>, Vec<String>), RecordingError> {
+    let mut notes = Vec::new();
+    let each = datasets.iter().map(|dataset| {
+        let stuck = stuck(dataset, model.outputs())?;
+        let still: Vec<&str> = self::stuck(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
+        let name = dataset.name();
+        if still.len() == model.inputs().count() {
+            if stuck.len() < model.outputs().count() {
+                let inputs = still.join(", ");
+                notes.push(format!(
+                    "{name}: {inputs} never changes although outputs do: is its sensor connected? Without it they cannot be explained"
+                ));
+            }
+            return Ok(dataset.clone());
+        }
+        if stuck.is_empty() || stuck.len() == model.outputs().count() {
+            return Ok(dataset.clone());
+        }
+        let columns: Vec<&str> = stuck.iter().map(|channel| channel.column.as_str()).collect();
+        for channel in &stuck {
+            notes.push(format!("{name}: {} never changes and was left out: is its sensor connected?", channel.name));
+        }
+        let all = 0..dataset.rows();
+        blanked(dataset, columns.into_iter().map(|column| (column, vec![all.clone()])))
+    });
+    let datasets: Result<Vec<Dataset>, RecordingError> = each.collect();
+    Ok((datasets?, notes))
+}
+
+/// Channels of a recording that hold one value all the time.
+fn stuck<'m>(
+    dataset: &Dataset,
+    channels: impl Iterator<Item = &'m model::Channel>,
+) -> Result<Vec<&'m model::Channel>, RecordingError> {
+    let mut found = Vec::new();
+    for channel in channels {
+        let seen = &dataset.statistics()[dataset.channel_index(&channel.column)?];
+        if seen.count > 1 && seen.min == seen.max {
+            found.push(channel);
+        }
+    }
+    Ok(found)
+}
+
+/// A channel that holds one value in all recordings while others move: an output, or an input that is not simply nothing, as where a
+/// bench is left to itself.
+pub(crate) fn disconnected(model: &Model, datasets: &[Dataset]) -> Result<Option<String>, RecordingError> {
+    let (mut dead, mut alive): (Vec<&model::Channel>, bool) = (model.channels.iter().collect(), false);
+    for dataset in datasets {
+        let all = model.channels.iter().filter(|channel| !channel.quantity.is_clock());
+        let stuck = stuck(dataset, all)?;
+        alive |= stuck.len() < model.channels.len();
+        dead.retain(|channel| stuck.contains(channel));
+        for channel in model.inputs() {
+            let seen = &dataset.statistics()[dataset.channel_index(&channel.column)?];
+            dead.retain(|own| *own != channel || seen.max.is_some_and(|value| value != 0.0));
+        }
+    }
+    Ok(dead.first().filter(|_| alive && !datasets.is_empty()).map(|channel| channel.name.clone()))
+}
+
+fn without(model: &Model, dataset: &Dataset, outliers: &[&LeftOut]) -> Result<Dataset, RecordingError> {
+    let each = outliers.iter().filter_map(|note| {
+        let channel = model.channels.iter().find(|channel| channel.name == note.channel)?;
+        Some((channel.column.as_str(), note.rows.clone()))
+    });
+    blanked(dataset, each)
+}
+
+/// A copy in memory with rows of columns missing.
+fn blanked<'c>(
+    dataset: &Dataset,
+    rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,
+) -> Result<Dataset, RecordingError> {
+    let channels: Vec<Channel> = dataset.channels().to_vec();
+    let names: Vec<String> = channels.iter().map(Channel::column_name).collect();
+    let loaded = dataset.load(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let mut columns: Vec<Vec<f64>> = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
+    for (column, rows) in rows {
+        let column = dataset.channel_index(column)?;
+        for rows in rows {
+            columns[column][rows.start as usize..rows.end as usize].fill(f64::NAN);
+        }
+    }
+    Dataset::from_columns(dataset.name(), channels, loaded.time_s, columns)
+}

@@ -1,0 +1,284 @@
+//! Where a misfit lives: the speeds, angles, torques, frequencies and times at which a correction takes most away.
+
+use socam_identify::{
+    IdentifyError,
+    compare::{self, Traces},
+};
+use socam_model::{Channel, Model, Motion, Quantity};
+
+use crate::{
+    bench::{Bench, Fitted},
+    document::Region,
+    scales::sensor,
+    spectrum,
+    words::short,
+};
+
+/// Share of what is gained that a region holds.
+const HELD: f64 = 0.8;
+/// A region is confined where no more than this share of the samples (of the turn, of the time) lies in it.
+const CONFINED: f64 = 0.6;
+/// Likewise of all frequencies below half the sampling rate.
+const CONFINED_BAND: f64 = 0.25;
+/// Bins that a range is made of.
+const BINS: usize = 40;
+
+/// A range, and the share of all samples that lies in it.
+type Range = Option<([f64; 2], f64)>;
+
+/// What one sample is, and what the correction gains there in units of noise.
+#[derive(Clone, Copy)]
+struct Sample {
+    speed: f64,
+    torque: f64,
+    angle: f64,
+    /// From the start of its recording, s.
+    time_s: f64,
+    gain: f64,
+}
+
+/// Where `after` explains what `before` does not, at the place of what was added; without `after`, where `before` misses most.
+/// `levels` are the outputs' noise, SI.
+pub(crate) fn region(
+    bench: &Bench<'_>,
+    before: &Fitted,
+    after: Option<&Fitted>,
+    place: &str,
+    levels: &[f64],
+) -> Result<Region, IdentifyError> {
+    let of = |fitted: &Fitted| compare::traces(&bench.problem(&fitted.model)?, &fitted.at, None);
+    let (old, new) = (of(before)?, after.map(of).transpose()?);
+    let mover = after.unwrap_or(before);
+    let probe = probe(&mover.model, &mover.at.values, place);
+    let motion = compare::traces(&bench.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
+    let mut samples = Vec::new();
+    let mut spectra = vec![(0.0, 0.0); spectrum_bins(&old)];
+    for (index, old) in old.iter().enumerate() {
+        let new = new.as_ref().and_then(|new| new.get(index));
+        let start_s = bench.training[old.recording].start_s();
+        let seen =
+            |output: Option<usize>, row: usize| output.map_or(f64::NAN, |k| motion[index].predicted[k][row]);
+        let mut angle = 0.0;
+        for row in 0..old.time_s.len() {
+            let speed = seen(probe.speed, row);
+            let step_s = if row > 0 { old.time_s[row] - old.time_s[row - 1] } else { 0.0 };
+            angle += speed * step_s;
+            samples.push(Sample {
+                speed,
+                torque: seen(probe.torque, row),
+                angle: angle.rem_euclid(std::f64::consts::TAU),
+                time_s: old.time_s[row] - start_s,
+                gain: gain(old, new, row, levels),
+            });
+        }
+        add_spectrum(&mut spectra, old, new, levels);
+    }
+    let rotates = mover.model.motion == Motion::Rotation;
+    let turns = samples.iter().map(|sample| sample.speed.abs()).sum::<f64>() > 0.0 && rotates;
+    let confined = |range: Range, most: f64| range.filter(|(_, share)| *share <= most);
+    let speed = confined(range(&samples, |sample| sample.speed), CONFINED);
+    let torque = confined(range(&samples, |sample| sample.torque), CONFINED);
+    let angle = confined(range(&samples, |sample| sample.angle).filter(|_| turns), CONFINED);
+    let time = confined(range(&samples, |sample| sample.time_s), CONFINED);
+    let frequency = confined(band(&spectra), CONFINED_BAND);
+    let units = if rotates { ["rad/s", "N m", "rad"] } else { ["m/s", "N", "m"] };
+    let each = [
+        words(speed, units[0], "of the samples"),
+        words(torque, units[1], "of the samples"),
+        words(angle, units[2], "of the turn"),
+        words(time, "s", "of the samples"),
+        words(frequency, "Hz", "of the band"),
+    ];
+    let each: Vec<String> = each.into_iter().flatten().collect();
+    let what = if after.is_some() { "of what it gains" } else { "of the misfit" };
+    let text = if each.is_empty() {
+        format!("everywhere: no range holds four fifths {what}")
+    } else {
+        format!("four fifths {what} lie at {}", each.join("; at "))
+    };
+    let ends = |range: Range| range.map(|(ends, _)| ends);
+    Ok(Region {
+        speed_rad_s: ends(speed),
+        torque_nm: ends(torque),
+        angle_rad: ends(angle),
+        frequency_hz: ends(frequency),
+        time_s: ends(time),
+        text,
+    })
+}
+
+fn words(range: Range, unit: &str, of: &str) -> Option<String> {
+    let ([low, high], share) = range?;
+    Some(format!("{} to {} {unit} ({:.0} % {of})", short(low), short(high), 100.0 * share))
+}
+
+/// The model with sensors of speed and torque at a place, and which outputs they are.
+struct Probe {
+    model: Model,
+    speed: Option<usize>,
+    torque: Option<usize>,
+}
+
+fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
+    let channel = model.channels.iter().find(|channel| channel.name == place);
+    let at = channel.map_or(place, |channel| channel.at.as_str());
+    let node = |index: usize| model.nodes[index].name.clone();
+    let spring = model.springs.iter().find(|spring| spring.name == at);
+    let gear = model.gears.iter().find(|gear| gear.name == at);
+    let shaft = model.shafts.iter().find(|shaft| shaft.name == at);
+    let bearing = model.bearings.iter().find(|bearing| bearing.name == at);
+    let place = (model.nodes.iter().position(|node| node.name == at))
+        .or(bearing.map(|bearing| bearing.node))
+        .or(gear.map(|gear| gear.to))
+        .or(shaft.map(|shaft| shaft.nodes.1));
+    // A massless point has no speed of its own: then that of its neighbour.
+    let mut nodes: Vec<usize> = place.into_iter().collect();
+    nodes.extend(spring.and_then(|spring| spring.to));
+    nodes.extend(spring.map(|spring| spring.from));
+    nodes.extend(shaft.map(|shaft| shaft.nodes.0));
+    let beside = |index: &usize| {
+        let mut ends =
+            model.springs.iter().flat_map(|s| [(s.from, s.to), (s.to.unwrap_or(s.from), Some(s.from))]);
+        ends.find(|(from, _)| from == index).and_then(|(_, to)| to)
+    };
+    nodes.extend(nodes.clone().iter().filter_map(beside));
+    let carries = |index: usize| model.springs.iter().find(|s| s.to == Some(index) || s.from == index);
+    let springs = spring.or_else(|| place.and_then(carries)).map(|spring| spring.name.clone());
+    let mut probe = Probe { model: model.clone(), speed: None, torque: None };
+    let mut put = |channel: Channel| {
+        let mut trial = probe.model.clone();
+        trial.channels.push(channel);
+        let works = trial.equations(values).is_ok();
+        works.then(|| {
+            probe.model = trial;
+            probe.model.outputs().count() - 1
+        })
+    };
+    let speed = nodes.iter().find_map(|index| put(sensor(&node(*index), Quantity::Speed)));
+    let torque = springs.and_then(|name| put(sensor(&name, Quantity::Torque)));
+    Probe { speed, torque, ..probe }
+}
+
+/// Fall of the squared residuals at one sample, or what exceeds noise there.
+fn gain(old: &Traces, new: Option<&Traces>, row: usize, levels: &[f64]) -> f64 {
+    let square = |traces: &Traces, output: usize| {
+        let residual = traces.measured[output][row] - traces.predicted[output][row];
+        if residual.is_nan() { None } else { Some((residual / levels[output]).powi(2)) }
+    };
+    let each = (0..levels.len()).filter_map(|output| {
+        let rest = new.map_or(Some(1.0), |new| square(new, output))?;
+        Some(square(old, output)? - rest)
+    });
+    each.sum()
+}
+
+/// The narrowest range of a quantity that holds [`HELD`] of the gain, and its share of the samples.
+fn range(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> Range {
+    let known = || samples.iter().map(|sample| (of(sample), sample.gain)).filter(|(x, _)| x.is_finite());
+    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(x), h.max(x)));
+    if high <= low {
+        return None;
+    }
+    let width = (high - low) / BINS as f64;
+    let mut bins = vec![(0.0, 0.0); BINS];
+    for (x, gain) in known() {
+        let bin = &mut bins[(((x - low) / width) as usize).min(BINS - 1)];
+        (bin.0, bin.1) = (bin.0 + gain, bin.1 + 1.0);
+    }
+    let (from, to, share) = narrowest(&bins)?;
+    Some(([low + width * from as f64, low + width * to as f64], share))
+}
+
+/// Of bins with gains and counts the stretch of the fewest counts that holds [`HELD`] of all gains: where it begins, where it
+/// ends, its share of all counts.
+fn narrowest(bins: &[(f64, f64)]) -> Option<(usize, usize, f64)> {
+    let total: f64 = bins.iter().map(|bin| bin.0).sum();
+    let count: f64 = bins.iter().map(|bin| bin.1).sum();
+    if total <= 0.0 || count <= 0.0 {
+        return None;
+    }
+    let mut best: Option<(usize, usize, f64)> = None;
+    for from in 0..bins.len() {
+        let (mut gain, mut inside) = (0.0, 0.0);
+        for (to, bin) in bins.iter().enumerate().skip(from) {
+            (gain, inside) = (gain + bin.0, inside + bin.1);
+            if gain >= HELD * total {
+                let share = inside / count;
+                if best.is_none_or(|(.., least)| share < least) {
+                    best = Some((from, to + 1, share));
+                }
+                break;
+            }
+        }
+    }
+    best
+}
+
+/// Lines of the longest stretch's spectrum.
+fn spectrum_bins(traces: &[Traces]) -> usize {
+    traces.iter().map(|trace| trace.time_s.len()).max().map_or(0, |rows| rows.min(4 * BINS))
+}
+
+/// Adds a stretch's fall of power to bins of `(gain, upper end in Hz)`: linear in frequency up to half of the sampling rate.
+fn add_spectrum(bins: &mut [(f64, f64)], old: &Traces, new: Option<&Traces>, levels: &[f64]) {
+    let rows = old.time_s.len();
+    if rows < 2 || bins.is_empty() {
+        return;
+    }
+    let step_s = (old.time_s[rows - 1] - old.time_s[0]) / (rows - 1) as f64;
+    let power = |traces: &Traces, output: usize| {
+        let each = traces.measured[output].iter().zip(&traces.predicted[output]);
+        spectrum::power(&each.map(|(y, p)| (y - p) / levels[output]).collect::<Vec<_>>(), step_s)
+    };
+    for output in 0..levels.len() {
+        let (frequency_hz, before) = power(old, output);
+        // Without a correction, what exceeds white noise of the level.
+        let after = new.map_or_else(|| vec![2.0 * step_s; before.len()], |new| power(new, output).1);
+        for ((hz, before), after) in frequency_hz.iter().zip(&before).zip(&after) {
+            let share = 2.0 * hz * step_s;
+            let last = bins.len() - 1;
+            let bin = &mut bins[((share * (last + 1) as f64) as usize).min(last)];
+            bin.0 += (before - after) * rows as f64;
+            bin.1 = bin.1.max(*hz);
+        }
+    }
+}
+
+/// The narrowest band that holds [`HELD`] of the fall of power, and its share of all frequencies.
+fn band(bins: &[(f64, f64)]) -> Range {
+    let even: Vec<(f64, f64)> = bins.iter().map(|(gain, _)| (*gain, 1.0)).collect();
+    let (from, to, share) = narrowest(&even)?;
+    let edge = |bin: usize| if bin == 0 { 0.0 } else { bins[bin - 1].1 };
+    Some(([edge(from), edge(to)], share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_narrowest_stretch_holds_four_fifths() {
+        let bins = [(1.0, 50.0), (8.0, 2.0), (30.0, 1.0), (10.0, 1.0), (1.0, 46.0)];
+        assert_eq!(narrowest(&bins), Some((2, 4, 0.02)));
+        assert_eq!(narrowest(&[(0.0, 3.0), (-1.0, 2.0)]), None);
+    }
+
+    #[test]
+    fn a_range_is_where_the_gain_is() {
+        let sample = |k: i32| Sample {
+            speed: f64::from(k - 100) / 10.0,
+            torque: f64::NAN,
+            angle: 0.0,
+            time_s: f64::from(k),
+            gain: if (95..105).contains(&k) { 4.0 } else { 0.0 },
+        };
+        let samples: Vec<Sample> = (0..=200).map(sample).collect();
+        let ([low, high], share) = range(&samples, |sample| sample.speed).unwrap();
+        assert!(
+            (-1.1..=-0.4).contains(&low) && (0.3..=1.1).contains(&high) && share < 0.1,
+            "{low} {high} {share}"
+        );
+        assert!(range(&samples, |sample| sample.torque).is_none());
+        assert!(range(&samples, |sample| sample.angle).is_none());
+    }
+}

@@ -1,0 +1,183 @@
+//! `diagnose` on recordings as they come: with gaps, saturated, cut short, at other rates. Each ends in an answer or in one sentence.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use socam_tests::{run, socam_host};
+
+/// A recording as rows of text.
+#[derive(Clone)]
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Self {
+        let text = fs::read_to_string(path).unwrap();
+        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect());
+        Self { header: lines.next().unwrap(), rows: lines.collect() }
+    }
+
+    fn write(&self, path: &Path) {
+        let lines: Vec<String> =
+            std::iter::once(&self.header).chain(&self.rows).map(|row| row.join(",")).collect();
+        fs::write(path, lines.join("\n") + "\n").unwrap();
+    }
+
+    fn column(&self, name: &str) -> usize {
+        self.header.iter().position(|own| own == name).unwrap()
+    }
+
+    /// With each cell of a column put through a function of its row and value.
+    fn with(&self, name: &str, cell: impl Fn(usize, f64) -> String) -> Self {
+        let (mut changed, column) = (self.clone(), self.column(name));
+        for (k, row) in changed.rows.iter_mut().enumerate() {
+            row[column] = cell(k, row[column].parse().unwrap());
+        }
+        changed
+    }
+
+    fn without(&self, name: &str) -> Self {
+        let (mut changed, column) = (self.clone(), self.column(name));
+        changed.header.remove(column);
+        changed.rows.iter_mut().for_each(|row| {
+            row.remove(column);
+        });
+        changed
+    }
+
+    fn rows(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let rows = self.rows.iter().enumerate().filter(|(k, _)| keep(*k)).map(|(_, row)| row.clone());
+        Self { header: self.header.clone(), rows: rows.collect() }
+    }
+}
+
+/// What must come out.
+enum Ends<'a> {
+    /// The friction is found, its torque within this of the truth, 1; and a warning has these words.
+    Found(f64, &'a str),
+    /// A verdict, and words in its first finding's sentence.
+    Says(&'a str, &'a str),
+    /// An exit code and words of one sentence.
+    Refused(i32, &'a [&'a str]),
+}
+
+const TRUTH: f64 = 0.3;
+
+#[test]
+fn every_recording_ends_in_an_answer_or_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(format!("{name}.csv"));
+    for (seed, profile) in ["11", "12", "13"].into_iter().zip(["steps", "multisine", "reversals"]) {
+        let target = path(profile);
+        let hide = format!("coulomb_friction@load_bearing:torque={TRUTH}");
+        let arguments =
+            ["simulate", "--profile", profile, "--duration", "5s", "--seed", seed, "--hide", &hide, "-o"];
+        assert_eq!(run(arguments.into_iter().chain([target.to_str().unwrap()])).code, Some(0));
+    }
+    let [steps, reversals] = ["steps", "reversals"].map(|name| Table::read(&path(name)));
+    let (torque_in, torque_out) = ("torque_in_Nm", "torque_out_Nm");
+    let number = |value: f64| value.to_string();
+    let spike =
+        |k: usize, value: f64| number(value + if [901, 2000, 3333, 4204].contains(&k) { 2.0 } else { 0.0 });
+    let made = [
+        ("gaps", steps.rows(|k| !(2000..2300).contains(&k) && k != 4000)),
+        ("saturated", steps.with(torque_out, |_, value| number(value.clamp(-1.2, 1.2)))),
+        ("lacking", steps.without(torque_in)),
+        ("slow", steps.rows(|k| k % 2 == 0)),
+        (
+            "holes",
+            steps.with(torque_out, |k, value| if k / 100 == 30 { String::new() } else { number(value) }),
+        ),
+        ("nan", steps.with(torque_out, |k, value| if k == 500 { "NaN".into() } else { number(value) })),
+        ("constant", steps.with(torque_in, |_, _| "0.5".into())),
+        ("still", steps.with("motor_speed_rad_s", |_, _| "100".into())),
+        ("spiky", steps.with(torque_in, spike)),
+        ("spiky_reversals", reversals.with(torque_in, spike)),
+        ("copy", steps.clone()),
+        ("headless", steps.rows(|_| false)),
+    ];
+    made.iter().for_each(|(name, table)| table.write(&path(name)));
+    fs::write(path("empty"), "").unwrap();
+    use Ends::{Found, Refused, Says};
+    let cases: [(&[&str], &[&str], Ends<'_>); 21] = [
+        (&["gaps", "multisine"], &["reversals"], Found(0.01, "2 gaps")),
+        (&["saturated", "multisine"], &["reversals"], Found(0.02, "torque_out is saturated")),
+        (&["slow", "multisine"], &["reversals"], Found(0.01, "")),
+        (&["multisine"], &["slow"], Found(0.01, "")),
+        (&["holes"], &["reversals"], Found(0.01, "")),
+        (&["constant", "multisine"], &["reversals"], Found(0.01, "torque_in never changes and was left out")),
+        (&["constant"], &[], Refused(1, &["torque_in never changes in any recording", "connected"])),
+        (
+            &["still"],
+            &["reversals"],
+            Refused(1, &["motor_speed never changes in any recording", "connected"]),
+        ),
+        (
+            &["spiky", "multisine"],
+            &["spiky_reversals"],
+            Found(0.01, "spiky_reversals.csv: torque_in has outliers in 4 places"),
+        ),
+        (&["steps"], &["reversals"], Found(0.01, "")),
+        (&["steps"], &[], Found(0.01, "only one recording")),
+        (&["multisine@0..1"], &["reversals@0..1"], Says("missing_physics", "At load")),
+        (&["multisine"], &["still"], Says("unexplained", "contradict")),
+        (&["lacking", "multisine"], &["reversals"], Refused(1, &["lacking.csv", "torque_in_Nm"])),
+        (&["multisine@0..0.01"], &["reversals"], Refused(1, &["10 samples", "at least 20"])),
+        (&["nan"], &["reversals"], Refused(1, &["nan.csv", "line 502", "NaN", "leave the cell empty"])),
+        (&["steps"], &["copy"], Refused(1, &["copy.csv", "the same samples", "steps.csv"])),
+        (&["steps@0..3"], &["steps@2..5"], Refused(2, &["samples in common", "held out"])),
+        (&["steps"], &["steps"], Refused(2, &["named twice"])),
+        (&["empty"], &["reversals"], Refused(1, &["empty.csv", "0 bytes"])),
+        (&["headless"], &["reversals"], Refused(1, &["headless.csv", "no samples"])),
+    ];
+    for (training, holdout, ends) in cases {
+        let full = |name: &&str| {
+            let (name, span) =
+                name.split_once('@').map_or((*name, String::new()), |(n, span)| (n, format!("@{span}")));
+            format!("{}{span}", path(name).to_str().unwrap())
+        };
+        let mut arguments: Vec<String> =
+            vec!["diagnose".into(), "--json".into(), "--most".into(), "1".into()];
+        arguments.extend(training.iter().map(full));
+        arguments.extend(holdout.iter().flat_map(|name| ["--holdout".into(), full(name)]));
+        let ran = run(&arguments);
+        let said = format!("{training:?} {holdout:?}: {}", ran.stderr);
+        match ends {
+            Refused(code, words) => {
+                let sentence = ran.refusal(code);
+                assert!(words.iter().all(|word| sentence.contains(word)), "{said}");
+            }
+            Found(within, warning) => {
+                let document = ran.json();
+                let found = &document["findings"][0];
+                assert_eq!(found["effect"], "coulomb_friction", "{said}{found}");
+                assert_eq!(found["location"], "load_bearing", "{said}{found}");
+                let torque = found["parameters"][0]["value"].as_f64().unwrap();
+                assert!((torque / TRUTH - 1.0).abs() < within, "{said}{torque}");
+                let warnings = document["warnings"].as_array().unwrap();
+                let is_said = |own: &Value| own.as_str().unwrap().contains(warning);
+                assert!(warning.is_empty() || warnings.iter().any(is_said), "{said}{warnings:?}");
+            }
+            Says(verdict, words) => {
+                let document = ran.json();
+                assert_eq!(document["verdict"], verdict, "{said}");
+                let sentence = document["findings"][0]["sentence"].as_str().unwrap();
+                assert!(sentence.contains(words), "{said}{sentence}");
+            }
+        }
+    }
+    // Neither does the answer depend on how many threads look for it.
+    let [one, two] = ["1", "2"].map(|threads| {
+        let files = [path("steps"), path("multisine")];
+        let mut command = socam_host();
+        command.env("RAYON_NUM_THREADS", threads).args(["diagnose", "--json", "--most", "1"]).args(files);
+        let output = command.output().unwrap();
+        let mut document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        document["cpu_s"] = Value::Null;
+        document
+    });
+    assert_eq!(one, two);
+}
