@@ -71,3 +71,38 @@ pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
         sentence: format!("Record `{profile}` {why}."),
     }
 }
+
+/// What settles which of several rivals breaks the ties of steady states; `None` where no finding has rivals.
+pub(crate) fn steady(findings: &[Finding]) -> Option<SuggestedExperiment> {
+    let open: Vec<&Finding> = findings.iter().filter(|finding| !finding.rivals.is_empty()).collect();
+    let first = *open.first()?;
+    let involves = |effect: &str| {
+        open.iter().any(|f| f.effect == effect || f.rivals.iter().any(|rival| rival.effect == effect))
+    };
+    let mut steps = Vec::new();
+    if involves("mesh_loss") {
+        steps.push(
+            "Record `reversals`: whenever the bench slows down its load drives it, and then a loss takes from the other side while a \
+             wrong gain stays as it is. Or hang a known weight from a lever at either torque sensor while nothing turns: a wrong gain \
+             shows there, a loss does not.",
+        );
+    }
+    if open.iter().any(|finding| finding.region.torque_nm.is_none() && finding.effect.starts_with("sensor")) {
+        steps.push(
+            "Put both tachometers on one shaft, or exchange them, and record `steps`: a wrong gain goes along with its sensor. Turns \
+             counted over a minute say which is right.",
+        );
+    }
+    if steps.is_empty() {
+        steps.push(
+            "Record `steps` with another load: what stands for what changes with speed or with torque.",
+        );
+    }
+    let pair = std::iter::once((&first.effect, &first.location))
+        .chain(first.rivals.iter().map(|rival| (&rival.effect, &rival.location)));
+    Some(SuggestedExperiment {
+        profile: if involves("mesh_loss") { "reversals" } else { "steps" }.into(),
+        tells_apart: pair.map(|(effect, place)| format!("{effect}@{place}")).collect(),
+        sentence: steps.join(" "),
+    })
+}

@@ -26,9 +26,11 @@ mod scales;
 mod screen;
 mod shapes;
 mod spectrum;
+pub mod steady;
 mod validation;
 mod words;
 
 pub use diagnose::{Answer, DiagnoseError, Options, diagnose};
 pub use document::Diagnosis;
 pub use evidence::Evidence;
+pub use steady::{SteadyOptions, diagnose_steady};

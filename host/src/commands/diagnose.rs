@@ -1,5 +1,7 @@
 //! `diagnose`: where recordings and model part, what physics was left out, and the proof.
 
+mod steady;
+
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -21,7 +23,8 @@ use crate::{model_file, table, watch};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
-  socam-host diagnose RUN*.mcap --report report --write-model corrected.toml")]
+  socam-host diagnose RUN*.mcap --report report --write-model corrected.toml
+  socam-host diagnose POINTS.csv                 # steady states: a table whose first column is `point_1`")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -37,6 +40,9 @@ pub(crate) struct Args {
     /// Share of benches with nothing missing on which something may be found
     #[arg(long, value_name = "P", default_value_t = 0.01)]
     false_alarm_rate: f64,
+    /// Of steady states: by what share of itself a reading differs by chance from another one of the same operating point [default: 0.002]
+    #[arg(long, value_name = "SHARE")]
+    repeatability: Option<f64>,
     /// Most effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: u8,
@@ -66,6 +72,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return Err(WrongArguments(message).into());
     }
     apart(&args)?;
+    if steady::are_named(&args)? {
+        return steady::run(&args, &model);
+    }
     let interrupt = Interrupt::listen();
     interrupt.end_after(0);
     let target = args.write_model.as_deref().map(output::create).transpose()?;
