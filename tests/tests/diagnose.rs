@@ -127,6 +127,6 @@ fn what_cannot_be_meant_is_refused_in_a_sentence() {
     refused(&["diagnose", path, "--holdout", path], 2, "named twice");
     refused(&["diagnose", path, "--false-alarm-rate", "2"], 2, "between 0 and 1");
     refused(&["diagnose", "nothing.csv"], 1, "nothing.csv");
-    refused(&["diagnose", path, "--model", "two-mass"], 1, "load_speed_rad_s");
+    refused(&["diagnose", path, "--model", "two-mass"], 1, "motor_torque_Nm");
     refused(&["diagnose", path, "--report", path], 1, "directory");
 }
