@@ -81,9 +81,9 @@ fn draw(text: &mut String, titled: &Titled<'_>, top: f64) {
     if !line.outliers.is_empty() {
         let _ = write!(
             text,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"#b2182b\">\u{d7} does not belong to the others ({})</text>",
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"#b2182b\">\u{d7} does not belong to the others ({}), drawn at the edge</text>",
             LEFT + 2.0 * PANEL.0 + GAP,
-            top - 12.0,
+            top - 30.0,
             line.outliers.len()
         );
     }
