@@ -71,12 +71,7 @@ fn draw(text: &mut String, titled: &Titled<'_>, top: f64) {
     let outliers: Vec<[f64; 2]> = line.outliers.iter().map(|row| left(&line.pairs[*row])).collect();
     for pair in &outliers {
         let (x, y) = frame.place([pair[0], pair[1].clamp(frame.y.0, frame.y.1)]);
-        let _ = write!(
-            text,
-            "<path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#b2182b\" stroke-width=\"1.6\"/>",
-            x - 4.0,
-            y - 4.0
-        );
+        cross(text, x, y);
     }
     if !line.outliers.is_empty() {
         let _ = write!(
@@ -93,17 +88,21 @@ fn dots(text: &mut String, frame: &Frame, pairs: &[[f64; 2]], outliers: &[usize]
     for (row, pair) in pairs.iter().enumerate() {
         let (x, y) = frame.place(*pair);
         if outliers.contains(&row) {
-            let _ = write!(
-                text,
-                "<path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#b2182b\" stroke-width=\"1.6\"/>",
-                x - 4.0,
-                y - 4.0
-            );
+            cross(text, x, y);
         } else {
             let _ =
                 write!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"none\" stroke=\"#222\"/>");
         }
     }
+}
+
+fn cross(text: &mut String, x: f64, y: f64) {
+    let _ = write!(
+        text,
+        "<path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#b2182b\" stroke-width=\"1.6\"/>",
+        x - 4.0,
+        y - 4.0
+    );
 }
 
 struct Frame {

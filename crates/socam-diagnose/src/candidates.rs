@@ -122,6 +122,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
     let torque = spring.map_or(0.0, |spring| scales.torque(spring));
     let node = model.bearings.iter().find(|bearing| bearing.name == place).map(|bearing| bearing.node);
     let speed = node.map_or(0.0, |node| scales.speed(node));
+    let output = model.outputs().position(|channel| channel.name == place);
     match effect.id {
         "stribeck_friction" => [0.02, 0.06, 0.2]
             .map(|part| {
@@ -149,15 +150,10 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "sensor_lag" => vec![vec![("time_constant", NEXT_TO_NOTHING_S)]],
         "sensor_delay" => vec![vec![("delay", NEXT_TO_NOTHING_S)]],
         "sensor_saturation" => {
-            let output = model.outputs().position(|channel| channel.name == place);
-            output
-                .and_then(|output| scales.limit(output))
-                .map(|limit| vec![("limit", limit)])
-                .into_iter()
-                .collect()
+            let limit = output.and_then(|output| scales.limit(output));
+            limit.map(|limit| vec![("limit", limit)]).into_iter().collect()
         }
         "sensor_hum" => {
-            let output = model.outputs().position(|channel| channel.name == place);
             scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
         }
         "sensor_ripple" => [1.0, 2.0].map(|order| wave("order", order, "amplitude")).to_vec(),

@@ -4,12 +4,12 @@ use socam_identify::{
     IdentifyError,
     compare::{self, Traces},
 };
-use socam_model::{Channel, Model, Motion, Quantity};
+use socam_model::{Model, Motion, Quantity};
 
 use crate::{
     bench::{Bench, Fitted},
     document::Region,
-    scales::sensor,
+    scales::with_sensor,
     spectrum,
     words::short,
 };
@@ -145,17 +145,12 @@ fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
     let carries = |index: usize| model.springs.iter().find(|s| s.to == Some(index) || s.from == index);
     let springs = spring.or_else(|| place.and_then(carries)).map(|spring| spring.name.clone());
     let mut probe = Probe { model: model.clone(), speed: None, torque: None };
-    let mut put = |channel: Channel| {
-        let mut trial = probe.model.clone();
-        trial.channels.push(channel);
-        let works = trial.equations(values).is_ok();
-        works.then(|| {
-            probe.model = trial;
-            probe.model.outputs().count() - 1
-        })
+    let mut put = |at: &str, quantity: Quantity| {
+        probe.model = with_sensor(&probe.model, values, at, quantity)?;
+        Some(probe.model.outputs().count() - 1)
     };
-    let speed = nodes.iter().find_map(|index| put(sensor(&node(*index), Quantity::Speed)));
-    let torque = springs.and_then(|name| put(sensor(&name, Quantity::Torque)));
+    let speed = nodes.iter().find_map(|index| put(&node(*index), Quantity::Speed));
+    let torque = springs.and_then(|name| put(&name, Quantity::Torque));
     Probe { speed, torque, ..probe }
 }
 

@@ -37,14 +37,9 @@ impl Scales {
         let mut seen = Vec::new();
         let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
         for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
-            let mut trial = probe.clone();
-            trial.channels.push(sensor(name, quantity));
-            // A point without inertia or damper has no speed of its own.
-            let works = trial.equations(&at.values).is_ok();
-            if works {
-                probe = trial;
-            }
-            seen.push(works);
+            let grown = with_sensor(&probe, &at.values, name, quantity);
+            seen.push(grown.is_some());
+            probe = grown.unwrap_or(probe);
         }
         let traces = compare::traces(problem, at, Some(&probe))?;
         let sizes: Vec<f64> = (own..probe.outputs().count())
@@ -111,8 +106,15 @@ fn limit(traces: &[Traces], output: usize) -> Option<f64> {
     (cut.len() >= OFTEN).then(|| cut[cut.len() / 2])
 }
 
+/// The model with one more sensor; `None` for the speed of a point that has none of its own, without inertia or damper.
+pub(crate) fn with_sensor(model: &Model, values: &[f64], at: &str, quantity: Quantity) -> Option<Model> {
+    let mut grown = model.clone();
+    grown.channels.push(sensor(at, quantity));
+    grown.equations(values).is_ok().then_some(grown)
+}
+
 /// A sensor that no recording knows.
-pub(crate) fn sensor(at: &str, quantity: Quantity) -> Channel {
+fn sensor(at: &str, quantity: Quantity) -> Channel {
     Channel {
         name: format!("{at} seen"),
         column: String::new(),

@@ -213,6 +213,12 @@ impl Uncertainty {
         if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
     }
 
+    /// No knowledge at all.
+    fn unknown(free: usize) -> Self {
+        let root = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
+        Self { root, middle: Mat::identity(free, free), quantile: 1.96 }
+    }
+
     fn covariance(&self, i: usize, j: usize) -> f64 {
         self.product(&self.whitened(&[(i, 1.0)]), &self.whitened(&[(j, 1.0)]))
     }
@@ -362,22 +368,13 @@ fn uncertainty(
 ) -> Uncertainty {
     let free = problem.free.len();
     let weights = pass::Weights::white(Vec::new(), scales.to_vec());
-    // From steps in scales to steps in parts of each parameter's present size.
-    let size = |j: usize| match point.values[problem.free[j]].abs() {
-        0.0 => scales[j],
-        size => size,
-    };
+    let sizes = sizes(problem, &point.values, scales);
     let relative =
-        |rows: &Mat<f64>| Mat::from_fn(rows.nrows(), free, |i, j| rows[(i, j)] * size(j) / scales[j]);
+        |rows: &Mat<f64>| Mat::from_fn(rows.nrows(), free, |i, j| rows[(i, j)] * sizes[j] / scales[j]);
     let factor = relative(&crate::solver::information_factor(problem, point, &weights, results));
-    let Ok(svd) = factor.svd() else {
-        // No singular values, no knowledge.
-        let nothing = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
-        return Uncertainty { root: nothing, middle: Mat::identity(free, free), quantile: 1.96 };
+    let Some(Directions { inverse, informed }) = Directions::of(&factor) else {
+        return Uncertainty::unknown(free);
     };
-    let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
-    let informed = |k: usize| svd.S()[k] > RANK_TOLERANCE * svd.S()[0];
-    let inverse = Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k));
     let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
     let blocks = scores.iter().map(Vec::len).sum::<usize>();
     let (middle, degrees) = if blocks >= 5 * free.max(2) {
@@ -391,7 +388,7 @@ fn uncertainty(
         let prior = relative(&crate::solver::prior_rows(problem, point, &weights)) * &inverse;
         let mut middle = spread + prior.transpose() * &prior;
         // Where there is no information there are no scores either, and their ratio is not nothing.
-        (0..free).filter(|k| !informed(*k)).for_each(|k| middle[(k, k)] = middle[(k, k)].max(1.0));
+        (0..free).filter(|k| !informed[*k]).for_each(|k| middle[(k, k)] = middle[(k, k)].max(1.0));
         // Every block counts less where it resembles its neighbours.
         (middle, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
     } else {
@@ -399,9 +396,9 @@ fn uncertainty(
     };
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
     let noise =
-        Mat::from_fn(free, free, |i, j| noise[(i, j)] * (size(i) / scales[i]) * (size(j) / scales[j]));
+        Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
     let noise = inverse.transpose() * noise * &inverse;
-    let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * size(i));
+    let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
     let root = inverse * genuine(&noise);
     Uncertainty { root, middle, quantile }
 }
@@ -418,21 +415,48 @@ pub(crate) fn foretold(
     let weights = pass::Weights::white(Vec::new(), scales.to_vec());
     let known = crate::solver::prior_rows(problem, &point, &weights);
     let factor = triangle::join([factor, known.as_ref()].into_iter(), free + 1);
-    let size = |j: usize| match values[problem.free[j]].abs() {
-        0.0 => scales[j],
-        size => size,
+    let sizes = sizes(problem, values, scales);
+    let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * sizes[j] / scales[j]);
+    let uncertainty = match Directions::of(&relative) {
+        Some(directions) => Uncertainty {
+            root: Mat::from_fn(free, free, |i, k| directions.inverse[(i, k)] * sizes[i]),
+            middle: Mat::identity(free, free),
+            quantile: 1.96,
+        },
+        None => Uncertainty::unknown(free),
     };
-    let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * size(j) / scales[j]);
-    let root = match relative.svd() {
-        Ok(svd) => {
-            let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
-            Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k) * size(i))
-        }
-        Err(_) => Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 }),
-    };
-    let uncertainty = Uncertainty { root, middle: Mat::identity(free, free), quantile: 1.96 };
     let (parameters, _) = parameter_estimates(problem, values, &uncertainty, &[]);
     (parameters, combinations(problem, values, &uncertainty))
+}
+
+/// Units in which steps of the free parameters are parts of their present size; their scales where they are nothing.
+fn sizes(problem: &Problem<'_>, values: &[f64], scales: &[f64]) -> Vec<f64> {
+    let size = |(index, scale): (&usize, &f64)| match values[*index].abs() {
+        0.0 => *scale,
+        size => size,
+    };
+    problem.free.iter().zip(scales).map(size).collect()
+}
+
+/// Directions of the parameters by what the data say of them.
+struct Directions {
+    /// Its columns: steps that move the residuals by one.
+    inverse: Mat<f64>,
+    /// Whether the data say anything of each.
+    informed: Vec<bool>,
+}
+
+impl Directions {
+    /// From a factor of the information in relative steps; `None` where it has no singular values.
+    fn of(factor: &Mat<f64>) -> Option<Self> {
+        let free = factor.ncols();
+        let svd = factor.svd().ok()?;
+        let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
+        Some(Self {
+            inverse: Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k)),
+            informed: (0..free).map(|k| svd.S()[k] > RANK_TOLERANCE * svd.S()[0]).collect(),
+        })
+    }
 }
 
 /// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
