@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Align, Button, Frame, Key, Layout as Direction, Margin, RichText, Stroke, Ui};
-use serde::{Deserialize, Serialize};
 use socam_model::Model;
 
 use crate::diagnosis::DiagnosisView;
@@ -11,74 +10,14 @@ use crate::document::Document;
 use crate::draw::chart::Seen;
 use crate::files::{Answer, Dialog, Purpose};
 use crate::job::{CANCELLED, Job};
+use crate::layout::{Layout, View};
 use crate::live::Live;
+use crate::outside;
 use crate::parameters::{self, Identification};
 use crate::recording::Recording;
 use crate::review::{Entry, Review};
 use crate::spectra::Spectra;
-use crate::theme::{self, Look};
-
-/// What the window shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "each is named by its tab")]
-pub enum View {
-    Live,
-    Time,
-    Frequency,
-    Check,
-    Parameters,
-    Diagnosis,
-}
-
-impl View {
-    /// All of them, in the order of their tabs.
-    pub const ALL: [Self; 6] =
-        [Self::Live, Self::Time, Self::Frequency, Self::Check, Self::Parameters, Self::Diagnosis];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Live => "Live",
-            Self::Time => "Time",
-            Self::Frequency => "Frequency",
-            Self::Check => "Check",
-            Self::Parameters => "Parameters",
-            Self::Diagnosis => "Diagnosis",
-        }
-    }
-}
-
-/// What is remembered from one start to the next.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Layout {
-    /// The view that was shown.
-    pub view: View,
-    /// Light or dark.
-    pub look: Look,
-    /// Size of everything, 1 is normal.
-    pub zoom: f32,
-    /// The folder that was last opened from.
-    pub folder: PathBuf,
-    /// The device that was last connected to.
-    pub device: String,
-    /// Size of the window, points.
-    pub window: [f32; 2],
-}
-
-impl Default for Layout {
-    fn default() -> Self {
-        Self {
-            view: View::Time,
-            look: Look::Dark,
-            zoom: 1.0,
-            folder: PathBuf::from("."),
-            device: "sim".into(),
-            window: [1280.0, 800.0],
-        }
-    }
-}
+use crate::theme;
 
 /// Something that went wrong or is worth knowing; it stays until it is put away.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -107,7 +46,8 @@ pub struct Dashboard {
     pub diagnosis: DiagnosisView,
     /// The bench that runs.
     pub live: Live,
-    opening: Vec<Job<Result<Document, String>>>,
+    pub(crate) opening: Vec<Job<Result<Document, String>>>,
+    saving: Vec<Job<outside::Saved>>,
     /// Files named before there was a window.
     waiting: Vec<String>,
     pub(crate) notices: Vec<Notice>,
@@ -119,6 +59,12 @@ pub struct Dashboard {
     diagnose: Option<Vec<String>>,
     /// Whether the picture of this pass goes to a file.
     pub(crate) exporting: Option<PathBuf>,
+    /// Files for the page to offer.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) leaving: Vec<(String, Vec<u8>)>,
+    /// Whether the page is to ask for files.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) wishes_files: bool,
 }
 
 impl Default for Dashboard {
@@ -148,6 +94,7 @@ impl Dashboard {
             identification: None,
             diagnosis: DiagnosisView::default(),
             opening: Vec::new(),
+            saving: Vec::new(),
             waiting: Vec::new(),
             notices: Vec::new(),
             dialog: None,
@@ -155,6 +102,10 @@ impl Dashboard {
             seen: Vec::new(),
             exporting: None,
             diagnose: None,
+            #[cfg(target_arch = "wasm32")]
+            leaving: Vec::new(),
+            #[cfg(target_arch = "wasm32")]
+            wishes_files: false,
         }
     }
 
@@ -214,6 +165,7 @@ impl Dashboard {
     #[must_use]
     pub fn is_busy(&self) -> bool {
         !self.opening.is_empty()
+            || !self.saving.is_empty()
             || !self.waiting.is_empty()
             || (self.diagnose.is_some() && !self.entries.is_empty())
             || self.diagnosis.is_busy()
@@ -255,7 +207,7 @@ impl Dashboard {
     }
 
     /// Shows residuals beside the diagnosis that is shown.
-    pub fn show_evidence(&mut self, evidence: socam_diagnose::Evidence) {
+    pub fn show_evidence(&mut self, evidence: socam_answer::Evidence) {
         self.diagnosis.evidence(evidence);
     }
 
@@ -276,6 +228,8 @@ impl Dashboard {
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.take_files(&ctx);
+        self.take_saved();
+        #[cfg(not(target_arch = "wasm32"))]
         if self.opening.is_empty()
             && !self.entries.is_empty()
             && let Some(held_out) = self.diagnose.take()
@@ -385,11 +339,12 @@ impl Dashboard {
 
     /// What went wrong, and what is under way, below the menus.
     fn messages(&mut self, ui: &mut Ui) {
-        if self.notices.is_empty() && self.opening.is_empty() {
+        if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() {
             return;
         }
         egui::Panel::top("messages").show(ui, |ui| {
             self.opening.retain(|job| !job.ui(ui));
+            self.saving.retain(|job| !job.ui(ui));
             let mut put_away = None;
             for (index, notice) in self.notices.iter().enumerate() {
                 let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
@@ -418,30 +373,47 @@ impl Dashboard {
         let purpose = dialog.purpose;
         self.layout.folder = dialog.folder().into();
         self.dialog = None;
-        let Answer::Files(files) = answer else { return };
+        if let Answer::Files(files) = answer {
+            self.answered(ctx, purpose, files);
+        }
+    }
+
+    /// Files have been chosen for something.
+    pub(crate) fn answered(&mut self, ctx: &egui::Context, purpose: Purpose, files: Vec<PathBuf>) {
         match purpose {
             Purpose::Open => self.open(files.iter().map(|path| path.display().to_string())),
             Purpose::Export => self.exporting = files.into_iter().next(),
             Purpose::SaveSignal => {
-                let written = files.first().map(|path| self.live.signal.save(path));
-                self.tell(written, &files);
+                let text = self.live.signal.text();
+                files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
-            Purpose::SaveRecording => {
-                let shown = self.entries.iter().find(|entry| entry.shown).map(|entry| &entry.recording);
-                let written = files.first().map(|path| match shown {
-                    Some(recording) => crate::recording::save(recording, path),
-                    None => Err("no recording is shown; open one first".into()),
-                });
-                self.tell(written, &files);
-            }
+            Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
         }
     }
 
-    fn tell(&mut self, written: Option<Result<(), String>>, files: &[PathBuf]) {
-        match (written, files.first()) {
-            (Some(Ok(())), Some(path)) => self.say(format!("{} is written", path.display())),
-            (Some(Err(sentence)), _) => self.warn(sentence),
-            _ => {}
+    /// Writes the first recording that is shown; on a thread, since it may be long.
+    fn save_recording(&mut self, ctx: &egui::Context, path: &Path) {
+        let Some(recording) = self.entries.iter().find(|entry| entry.shown).map(|entry| &entry.recording)
+        else {
+            return self.warn("no recording is shown; open one first");
+        };
+        let (recording, path) = (recording.clone(), path.to_owned());
+        let title = format!("Saving {}", path.display());
+        self.saving.push(Job::start(&title, ctx, move |handle| {
+            outside::save(&recording, &path, handle).map(|bytes| (path, bytes))
+        }));
+    }
+
+    /// What has been saved by now.
+    fn take_saved(&mut self) {
+        while let Some(result) = self.saving.first().and_then(Job::poll) {
+            self.saving.remove(0);
+            match result.and_then(|result| result) {
+                Ok((path, None)) => self.say(format!("{} is written", path.display())),
+                Ok((path, bytes)) => self.put(&path, Ok(bytes.unwrap_or_default())),
+                Err(sentence) if sentence == CANCELLED => {}
+                Err(sentence) => self.warn(sentence),
+            }
         }
     }
 }

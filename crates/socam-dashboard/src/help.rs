@@ -47,7 +47,7 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
                 "C, click",
                 "cursors A and B, set in turns by clicks; the table below has values and differences",
             ),
-            ("shift", "draws a recording later or earlier"),
+            ("0.000 s beside a recording", "draws it so much later or earlier"),
             ("Difference to", "draws every other recording minus this one"),
             ("shaded, vertical lines", "gaps, and events of the recording"),
         ],
@@ -57,7 +57,10 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
         &[
             ("Spectrum", "amplitude spectral density by Welch's method"),
             ("Response", "output over input with coherence, and the model's own response"),
-            ("Poles", "the model's poles, undamped frequency and damping ratio of each"),
+            (
+                "Poles and zeros",
+                "of the model at its file's values; undamped frequency and damping ratio of each pole",
+            ),
         ],
     ),
     (

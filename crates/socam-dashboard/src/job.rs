@@ -92,12 +92,13 @@ impl<T: Send + 'static> Job<T> {
         let reached = self.handle.0.reached.load(Ordering::Relaxed) as f32 / 1000.0;
         let mut cancelled = false;
         ui.horizontal(|ui| {
+            // First, so that it stays in its place while the rest changes.
+            cancelled = ui.button("Cancel").clicked();
             ui.spinner();
-            ui.label(&text);
             if reached > 0.0 {
                 ui.add(ProgressBar::new(reached).desired_width(160.0).show_percentage());
             }
-            cancelled = ui.button("Cancel").clicked();
+            ui.label(&text);
         });
         if cancelled {
             self.cancel();

@@ -1,7 +1,7 @@
 //! The dashboard: panels over plain state.
 //!
 //! [`Dashboard`] is everything that is shown; [`Dashboard::ui`] draws it into whatever window there is: the host's, a browser's, or none
-//! ([`picture`] and [`headless`] draw without a display, which is how reports and tests see it). Opening files and diagnosing run on
+//! ([`picture`] draws without a display, which is how reports and tests see it). Opening files and diagnosing run on
 //! threads ([`job`]); a running bench is at the other end of two channels ([`live`]), so that no picture ever holds up a sample.
 //!
 //! SI inside, unit in the name.
@@ -14,8 +14,10 @@ pub mod files;
 mod headless;
 mod help;
 pub mod job;
+mod layout;
 pub mod live;
 mod menu;
+mod outside;
 pub mod parameters;
 pub mod recording;
 pub mod review;
@@ -23,5 +25,6 @@ pub mod samples;
 pub mod spectra;
 pub mod theme;
 
-pub use dashboard::{Dashboard, Layout, Simulate, View};
+pub use dashboard::{Dashboard, Simulate};
 pub use headless::{Sight, picture};
+pub use layout::{Layout, View};

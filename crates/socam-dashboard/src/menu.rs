@@ -52,22 +52,30 @@ impl Dashboard {
             self.layout.view = View::Live;
         }
         if item(ui, "Open...", Some(OPEN)) {
-            self.ask(Purpose::Open, "");
+            self.ask(ui.ctx(), Purpose::Open, "");
         }
         if item(ui, "Save input signal...", Some(SAVE)) {
-            self.ask(Purpose::SaveSignal, "signal.toml");
+            self.ask(ui.ctx(), Purpose::SaveSignal, "signal.toml");
         }
         let any = self.entries.iter().any(|entry| entry.shown);
-        if enabled_item(ui, any, "Save recording as .m, .csv...", None) {
-            self.ask(Purpose::SaveRecording, "recording.m");
+        if enabled_item(ui, any, "Save recording as .csv or .m...", None) {
+            self.ask(ui.ctx(), Purpose::SaveRecording, "recording.csv");
         }
         if enabled_item(ui, any, "Simulate the shown recordings", None) {
             self.simulate(ui.ctx());
         }
         ui.separator();
-        if item(ui, "Export what is seen...", Some(EXPORT)) {
-            self.ask(Purpose::Export, "view.png");
-        }
+        ui.menu_button("Export what is seen", |ui| {
+            for (text, name, keys) in [
+                ("as PNG...", "view.png", Some(EXPORT)),
+                ("as SVG...", "view.svg", None),
+                ("as CSV...", "view.csv", None),
+            ] {
+                if item(ui, text, keys) {
+                    self.ask(ui.ctx(), Purpose::Export, name);
+                }
+            }
+        });
         if enabled_item(ui, !self.entries.is_empty(), "Close all recordings", None) {
             self.entries.clear();
             self.review.fit();
@@ -141,7 +149,17 @@ impl Dashboard {
         ctx.set_zoom_factor(self.layout.zoom);
     }
 
-    fn ask(&mut self, purpose: Purpose, name: &str) {
+    /// A page has its own dialogs: it asks for files, and offers what is saved for download.
+    #[cfg(target_arch = "wasm32")]
+    fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
+        match purpose {
+            Purpose::Open => self.wishes_files = true,
+            _ => self.answered(ctx, purpose, vec![name.into()]),
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn ask(&mut self, _: &egui::Context, purpose: Purpose, name: &str) {
         let folder = self.layout.folder.canonicalize().unwrap_or_else(|_| self.layout.folder.clone());
         self.dialog = Some(Dialog::new(purpose, &folder, name));
     }
@@ -150,13 +168,13 @@ impl Dashboard {
         self.layout.zoom = ctx.zoom_factor();
         let pressed = |keys: KeyboardShortcut| ctx.input_mut(|input| input.consume_shortcut(&keys));
         if pressed(OPEN) {
-            self.ask(Purpose::Open, "");
+            self.ask(ctx, Purpose::Open, "");
         }
         if pressed(SAVE) {
-            self.ask(Purpose::SaveSignal, "signal.toml");
+            self.ask(ctx, Purpose::SaveSignal, "signal.toml");
         }
         if pressed(EXPORT) {
-            self.ask(Purpose::Export, "view.png");
+            self.ask(ctx, Purpose::Export, "view.png");
         }
         for (view, key) in View::ALL.into_iter().zip(VIEWS) {
             if pressed(with_ctrl(key)) {
@@ -199,13 +217,8 @@ impl Dashboard {
     /// Writes this pass' picture, or what it is made of, where that was asked for.
     pub(crate) fn export(&mut self, ctx: &egui::Context) {
         let Some(path) = self.exporting.take() else { return };
-        let written = content(self, ctx, &path).and_then(|bytes| {
-            std::fs::write(&path, bytes).map_err(|error| format!("cannot write {}: {error}", path.display()))
-        });
-        match written {
-            Ok(()) => self.say(format!("{} is written", path.display())),
-            Err(sentence) => self.warn(sentence),
-        }
+        let bytes = content(self, ctx, &path);
+        self.put(&path, bytes);
     }
 }
 

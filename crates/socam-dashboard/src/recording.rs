@@ -75,6 +75,16 @@ impl Recording {
         Ok(Self { about, samples, path: None })
     }
 
+    /// Opens what was handed over to the page under a name.
+    ///
+    /// # Errors
+    /// When it is no recording; one sentence.
+    #[cfg(target_arch = "wasm32")]
+    pub fn open(name: &str, handle: &Handle) -> Result<Self, String> {
+        let data = Dataset::open(name).map_err(sentence)?;
+        Ok(Self { path: Some(name.into()), ..Self::of(&data, handle)? })
+    }
+
     /// Opens `RUN` or `RUN@FROM..TO`. A long one gets an index in the user's cache, from which it opens at once the next time.
     ///
     /// # Errors
@@ -108,6 +118,22 @@ impl Recording {
         };
         recording.path = Some(path);
         Ok(recording)
+    }
+
+    /// Its samples for whoever computes with them. One that came from a file is read again, so that no digit is lost; one that was
+    /// made here is what is drawn.
+    ///
+    /// # Errors
+    /// When its file cannot be read again; one sentence.
+    pub fn dataset(&self) -> Result<Dataset, String> {
+        let about = &self.about;
+        if self.path.is_some() {
+            return Dataset::open(&about.name).map_err(sentence);
+        }
+        let rows = 0..self.samples.rows();
+        let columns = (0..about.channels.len()).map(|channel| self.samples.values(channel, rows.clone()));
+        let times = self.samples.times(rows.clone());
+        Dataset::from_columns(&about.name, about.channels.clone(), times, columns.collect()).map_err(sentence)
     }
 
     /// Index of a channel by name.
@@ -181,36 +207,28 @@ fn sentence(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// Writes a recording to a file: `.csv` in SI, or the `.m` of the thesis' program.
+/// Writes a recording as `.csv` in SI, or as the `.m` of the thesis' program, as the name says.
 ///
 /// # Errors
-/// When the name ends in something else, the file exists already or cannot be written; one sentence.
-#[cfg(not(target_arch = "wasm32"))]
-pub fn save(recording: &Recording, path: &Path) -> Result<(), String> {
-    if path.exists() {
-        return Err(format!("{} exists already; choose another name", path.display()));
-    }
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let text = match extension.as_str() {
-        "csv" => {
-            let data = Dataset::open(&recording.about.name).map_err(sentence)?;
-            return socam_recording::export_csv(&data, path).map_err(sentence);
+/// When the name ends in something else, the recording cannot be read again, or the stream cannot be written; one sentence.
+pub fn write(recording: &Recording, name: &Path, out: &mut impl std::io::Write) -> Result<(), String> {
+    let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        "csv" => socam_recording::write_csv(&recording.dataset()?, out, name).map_err(sentence),
+        "m" => {
+            let text = legacy(recording)?;
+            out.write_all(text.as_bytes())
+                .map_err(|error| format!("cannot write {}: {error}", name.display()))
         }
-        "m" => legacy(recording)?,
-        _ => return Err(format!("{}: a recording is saved as .csv or .m", path.display())),
-    };
-    let mut file = socam_recording::OutputFile::create(path).map_err(sentence)?;
-    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(sentence)?;
-    file.commit().map_err(sentence)
+        _ => Err(format!("{}: a recording is saved as .csv or .m", name.display())),
+    }
 }
 
 /// Rows that the thesis' program could hold, and that its readers expect.
-#[cfg(not(target_arch = "wasm32"))]
 const LEGACY_ROWS: usize = 10_000;
 
 /// The log as the thesis' program wrote it: settings, then five columns in volts, the command last. Speeds are turned back into
 /// volts of their tachometers, torques stay what they are only if they are in volts.
-#[cfg(not(target_arch = "wasm32"))]
 fn legacy(recording: &Recording) -> Result<String, String> {
     use socam_core::scaling::Sensor;
     use std::fmt::Write;

@@ -3,6 +3,7 @@
 //! Lines are told apart by the colours of Okabe and Ito, which people with any kind of colour blindness can tell apart, lightened on
 //! dark ground; nothing is said by colour alone.
 
+use crate::draw::chart::{MarkerShape, Style};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
 
 /// How the window looks.
@@ -48,15 +49,27 @@ const LINES_DARK: [Color32; 8] = [
     rgb(0xb79ae0),
 ];
 
-/// The colour of the line of this number. After eight they come again; whoever draws more than eight also dashes.
+/// The colour of the line of this number. After eight they come again, with markers on the lines: see [`marker`].
 #[must_use]
 pub fn line(ui: &Ui, number: usize) -> Color32 {
     let colours = if ui.visuals().dark_mode { &LINES_DARK } else { &LINES_LIGHT };
     colours[number % colours.len()]
 }
 
-/// How many lines have a colour of their own.
-pub const COLOURS: usize = LINES_LIGHT.len();
+/// What tells the line of this number from one that has its colour already.
+#[must_use]
+pub fn marker(number: usize) -> Option<MarkerShape> {
+    const SHAPES: [MarkerShape; 5] =
+        [MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down, MarkerShape::Circle];
+    let round = number / LINES_LIGHT.len();
+    round.checked_sub(1).map(|round| SHAPES[round % SHAPES.len()])
+}
+
+/// How the line of this number is drawn.
+#[must_use]
+pub fn style(number: usize) -> Style {
+    marker(number).map_or(Style::Solid, Style::Marked)
+}
 
 /// What is wrong, and what a finding points at.
 #[must_use]

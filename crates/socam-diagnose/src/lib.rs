@@ -13,8 +13,6 @@ mod candidates;
 mod cleaned;
 mod course;
 mod diagnose;
-pub mod document;
-pub mod evidence;
 mod experiment;
 mod noise_floor;
 mod pictures;
@@ -31,6 +29,5 @@ mod validation;
 mod words;
 
 pub use diagnose::{Answer, DiagnoseError, Options, diagnose};
-pub use document::Diagnosis;
-pub use evidence::Evidence;
+pub use socam_answer::{Diagnosis, Evidence, document, evidence};
 pub use steady::{SteadyOptions, diagnose_steady};

@@ -1,7 +1,7 @@
 //! Spectra of residuals.
 
-use realfft::RealFftPlanner;
 use socam_identify::compare::Traces;
+use socam_recording::Welch;
 
 /// Longest piece that is transformed at once.
 const LONGEST: usize = 16_384;
@@ -13,29 +13,18 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     if length < 16 {
         return (Vec::new(), Vec::new());
     }
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-    let window: Vec<f64> = (0..length)
-        .map(|k| 0.5 - 0.5 * (std::f64::consts::TAU * (k as f64 + 0.5) / length as f64).cos())
-        .collect();
-    let weight: f64 = window.iter().map(|w| w * w).sum();
-    let mut sums = vec![0.0; length / 2 + 1];
-    let mut pieces = 0.0;
-    let starts = (0..=values.len() - length).step_by((length / 2).max(1));
-    for start in starts {
-        let mut piece: Vec<f64> = values[start..start + length]
-            .iter()
-            .zip(&window)
-            .map(|(value, w)| if value.is_nan() { 0.0 } else { value * w })
-            .collect();
-        let mut lines = transform.make_output_vec();
-        if transform.process(&mut piece, &mut lines).is_ok() {
-            sums.iter_mut().zip(&lines).for_each(|(sum, line)| *sum += line.norm_sqr());
-            pieces += 1.0;
-        }
+    let mut welch = Welch::new(length);
+    let mut sums = vec![0.0; welch.lines()];
+    let mut pieces = 0;
+    for start in (0..=values.len() - length).step_by((length / 2).max(1)) {
+        let present = |value: &f64| if value.is_nan() { 0.0 } else { *value };
+        let lines = welch.transform(values[start..start + length].iter().map(present));
+        sums.iter_mut().zip(lines).for_each(|(sum, line)| *sum += line.norm_sqr());
+        pieces += 1;
     }
-    let frequency = |k: usize| k as f64 / (length as f64 * step_s);
-    let density = sums.iter().map(|sum| 2.0 * step_s * sum / (weight * f64::max(pieces, 1.0))).collect();
-    ((0..sums.len()).map(frequency).collect(), density)
+    let scale = welch.density_per_sum(step_s, pieces);
+    let frequency_hz = (0..sums.len()).map(|k| k as f64 * welch.step_hz(step_s)).collect();
+    (frequency_hz, sums.into_iter().map(|sum| sum * scale).collect())
 }
 
 /// The frequencies of an output's strongest lines in the residuals of all stretches, strongest first, Hz.

@@ -112,6 +112,44 @@ impl Equations {
         self.state.complex_eigenvalues().iter().copied().collect()
     }
 
+    /// Zeros of the linear transfer function from `input` to `output`, 1/s: frequencies at which nothing comes through. Those farther
+    /// out than a thousand times the fastest pole are numerical dust of zeros at infinity, and left out.
+    ///
+    /// They are where [A - s 1, B; C, D] is singular. Shifted by some number that is none of them, and inverted, that is an ordinary
+    /// eigenvalue problem, in which zeros at infinity become zero. Undoing the shift leaves of a zero at 0 the rounding of the shift;
+    /// what is a thousand millionth of it is therefore 0 exactly.
+    pub fn zeros(&self, output: usize, input: usize) -> Vec<Complex<f64>> {
+        let states = self.state.nrows();
+        let fastest = self.poles().iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+        if states == 0 || fastest == 0.0 {
+            return Vec::new();
+        }
+        let slowest = self
+            .poles()
+            .iter()
+            .map(|pole| pole.norm())
+            .filter(|p| *p > 1e-9 * fastest)
+            .fold(fastest, f64::min);
+        let shift = 0.37 * (fastest * slowest).sqrt();
+        let shifted = DMatrix::from_fn(states + 1, states + 1, |i, j| match (i < states, j < states) {
+            (true, true) => self.state[(i, j)] - if i == j { shift } else { 0.0 },
+            (true, false) => self.input[(i, input)],
+            (false, true) => self.output[(output, j)],
+            (false, false) => self.feedthrough[(output, input)],
+        });
+        let identity = DMatrix::from_fn(states + 1, states, |i, j| f64::from(u8::from(i == j)));
+        let Some(solved) = shifted.full_piv_lu().solve(&identity) else { return Vec::new() };
+        let inverse = solved.rows(0, states).into_owned();
+        let rounded = |zero: Complex<f64>| if zero.norm() < 1e-9 * shift { Complex::ZERO } else { zero };
+        // Whether next to nothing comes through, compared with what does a little farther out.
+        let size = |s| self.transfer(output, input, s).map_or(f64::INFINITY, |value| value.norm());
+        let vanishes =
+            |zero: &Complex<f64>| size(*zero) < 1e-3 * size(zero * 1.1 + Complex::new(0.0, 1e-3 * slowest));
+        let zeros = inverse.complex_eigenvalues();
+        let zeros = zeros.iter().filter(|mu| mu.norm() > 0.0).map(|mu| rounded(shift + mu.inv()));
+        zeros.filter(|zero| zero.norm() < 1e3 * fastest).filter(vanishes).collect()
+    }
+
     /// Linear transfer function from `input` to `output` at the complex frequency `s` (1/s).
     ///
     /// `None` where `s` is a pole.

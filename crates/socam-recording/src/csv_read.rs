@@ -1,6 +1,5 @@
 //! CSV recordings, streamed: `t_s` first, then one column per channel named with its unit.
 
-use std::fs::File;
 use std::io::{BufReader, Read, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use csv::ByteRecord;
 use crate::Channel;
 use crate::dataset::{BLOCK_ROWS, Warning};
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
+use crate::files::{self, File};
 use crate::rows::{EndOfRows, Layout, Part, Place};
 use crate::table::Table;
 
@@ -209,7 +209,7 @@ pub(crate) struct CsvLines {
 
 impl CsvLines {
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(|e| RecordingError::io(path, "open", e))?;
+        let (file, _) = files::open(path).map_err(|e| RecordingError::io(path, "open", e))?;
         let mut file = BufReader::with_capacity(BUFFER_BYTES, file);
         let skipped = skip_byte_order_mark(&mut file).map_err(|e| RecordingError::io(path, "read", e))?;
         let reader = csv::ReaderBuilder::new()

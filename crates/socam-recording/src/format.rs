@@ -1,6 +1,5 @@
 //! Which format a file is in, told by its content.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -60,14 +59,18 @@ const FOREIGN: [(&[u8], &str); 8] = [
 /// When it cannot be read, is a directory, a pipe or a device, is empty, or is in no known format.
 pub fn detect(path: &Path) -> Result<Format> {
     let foreign = |found: String| RecordingError::Foreign { path: path.into(), found };
-    let there = path.metadata().map_err(|e| RecordingError::io(path, "open", e))?;
-    if !there.is_file() && !there.is_dir() {
-        // Opening a pipe would wait for someone to write.
-        return Err(foreign("is a pipe or a device, and recordings are read more than once".into()));
+    // Opening a pipe would wait for someone to write. In a browser there are none.
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        let there = path.metadata().map_err(|e| RecordingError::io(path, "open", e))?;
+        if !there.is_file() && !there.is_dir() {
+            return Err(foreign("is a pipe or a device, and recordings are read more than once".into()));
+        }
     }
     let mut head = Vec::new();
-    File::open(path)
+    crate::files::open(path)
         .map_err(|e| RecordingError::io(path, "open", e))?
+        .0
         .take(512)
         .read_to_end(&mut head)
         .map_err(|e| RecordingError::io(path, "read", e))?;

@@ -1,11 +1,13 @@
 //! Logs of the thesis' program *Simple*: a `.m` file with the settings of the run and five columns in volts.
 
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use socam_core::scaling::Sensor;
 
 use crate::calibration_file::Calibration;
 use crate::error::{LineProblem, RecordingError, Result, excerpt};
+use crate::files;
 use crate::table::Table;
 use crate::{Channel, Unit};
 
@@ -62,7 +64,12 @@ impl LegacyLog {
     /// # Errors
     /// When the file cannot be read, a setting or row is not made of numbers, or `samprate` or the data are missing.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| RecordingError::io(path, "read", e))?;
+        let read = || -> io::Result<Vec<u8>> {
+            let mut bytes = Vec::new();
+            files::open(path)?.0.read_to_end(&mut bytes)?;
+            Ok(bytes)
+        };
+        let bytes = read().map_err(|e| RecordingError::io(path, "read", e))?;
         let mut parser = Parser {
             path: path.into(),
             line: 0,

@@ -14,6 +14,7 @@ mod convert;
 mod csv_read;
 mod dataset;
 mod error;
+mod files;
 mod format;
 mod legacy;
 mod log;
@@ -27,12 +28,15 @@ mod statistics;
 mod steady;
 mod table;
 mod unit;
+mod welch;
 
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
 pub use error::{LineProblem, RecordingError, Result};
+#[cfg(target_arch = "wasm32")]
+pub use files::hand_over;
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
 pub use log::read::read_attachments;
@@ -51,3 +55,4 @@ pub use settings::SettingsError;
 pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};
+pub use welch::{Welch, without_mean};

@@ -6,7 +6,7 @@ use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role as Widget, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
     pos2, vec2,
 };
-use socam_diagnose::Diagnosis;
+use socam_answer::Diagnosis;
 use socam_model::layout::{Element, ElementKind, Layout};
 use socam_model::{Model, Role};
 

@@ -1,9 +1,9 @@
 //! What remains between model and recordings, before and after: over speed, angle, torque, frequency and time.
 
 use egui::{Color32, ComboBox, RichText, Ui, vec2};
-use socam_diagnose::document::Over as CurveOver;
-use socam_diagnose::evidence::{Binned, ChannelEvidence};
-use socam_diagnose::{Diagnosis, Evidence};
+use socam_answer::document::Over as CurveOver;
+use socam_answer::evidence::{Binned, ChannelEvidence};
+use socam_answer::{Diagnosis, Evidence};
 
 use super::Sides;
 use crate::draw::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};

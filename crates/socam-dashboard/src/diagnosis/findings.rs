@@ -1,8 +1,8 @@
 //! What was found, in words and numbers.
 
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
-use socam_diagnose::Diagnosis;
-use socam_diagnose::document::{EffectParameter, Finding, ParameterChange};
+use socam_answer::Diagnosis;
+use socam_answer::document::{EffectParameter, Finding, ParameterChange};
 use socam_recording::ProfileFile;
 
 use crate::parameters::{heads, interval, number};
@@ -114,7 +114,8 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
 fn parameter_lines(ui: &mut Ui, parameters: &[EffectParameter]) {
     for parameter in parameters {
         let value = parameter.value.map_or("not determined".into(), number);
-        let text = format!("{} = {value} {}  {}", parameter.name, parameter.unit, interval(parameter.ci95));
+        let unit = if parameter.unit == "1" { "" } else { &parameter.unit };
+        let text = format!("{} = {value} {unit}  {}", parameter.name, interval(parameter.ci95));
         ui.label(RichText::new(text).monospace());
     }
 }

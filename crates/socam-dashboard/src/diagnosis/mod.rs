@@ -6,8 +6,8 @@ mod findings;
 mod work;
 
 use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
-use socam_diagnose::document::{Validation, Verdict};
-use socam_diagnose::{Diagnosis, Evidence};
+use socam_answer::document::{Validation, Verdict};
+use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 use socam_recording::ProfileFile;
 
@@ -63,6 +63,7 @@ impl DiagnosisView {
     }
 
     /// Begins a diagnosis of recordings; those that are held out are the proof.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn start(
         &mut self,
         ctx: &egui::Context,
@@ -120,6 +121,7 @@ impl DiagnosisView {
         let mut wanted = None;
         egui::Panel::left("findings").default_size(372.0).size_range(250.0..=640.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                #[cfg(not(target_arch = "wasm32"))]
                 self.begin(ui, recordings, model);
                 if let Some(shown) = &self.shown {
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
@@ -131,6 +133,7 @@ impl DiagnosisView {
     }
 
     /// What a new diagnosis would be made of.
+    #[cfg(not(target_arch = "wasm32"))]
     fn begin(&mut self, ui: &mut Ui, recordings: &[&Recording], model: &Model) {
         if let Some(job) = &self.job {
             if job.ui(ui) {

@@ -1,13 +1,10 @@
-//! A diagnosis on a thread of its own.
+//! A diagnosis on a thread of its own. In a browser none is made, only shown.
 
-use std::sync::Arc;
-
-use socam_diagnose::{Diagnosis, Evidence, Options, diagnose};
-use socam_identify::{Observer, Progress, Stage, Watch};
+use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
-use socam_recording::Dataset;
 
-use crate::job::{CANCELLED, Handle, Job};
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) use making::start;
 
 /// What came out.
 #[derive(Debug)]
@@ -19,43 +16,57 @@ pub(super) struct Answer {
 
 pub(super) type Outcome = Result<Answer, String>;
 
-struct Follow(Handle);
+#[cfg(not(target_arch = "wasm32"))]
+mod making {
+    use std::sync::Arc;
 
-impl Observer for Follow {
-    fn progress(&self, progress: &Progress) {
-        let stage = match progress.stage {
-            Stage::Start { number, of } => format!("start {number} of {of}"),
-            Stage::Descent { round } => format!("descent {round}"),
-            Stage::Intervals => "intervals".into(),
-        };
-        self.0.doing(format!("Diagnosing: {stage}, step {}", progress.step));
-    }
+    use socam_diagnose::{Options, diagnose};
+    use socam_identify::{Observer, Progress, Stage, Watch};
+    use socam_recording::Dataset;
 
-    fn stop(&self) -> bool {
-        self.0.is_cancelled()
-    }
-}
+    use super::{Answer, Model, Outcome};
+    use crate::job::{CANCELLED, Handle, Job};
 
-pub(super) fn start(
-    ctx: &egui::Context,
-    model: Model,
-    training: Vec<String>,
-    holdout: Vec<String>,
-) -> Job<Outcome> {
-    Job::start("Reading recordings", ctx, move |handle| {
-        let open = |names: &[String]| {
-            names
-                .iter()
-                .map(|name| Dataset::open(name))
-                .collect::<Result<Vec<_>, _>>()
-                .map_err(|e| e.to_string())
-        };
-        let (training, holdout) = (open(&training)?, open(&holdout)?);
-        let options = Options { watch: Watch::by(Arc::new(Follow(handle.clone()))), ..Options::default() };
-        let answer = diagnose(&model, &training, &holdout, &options).map_err(|error| error.to_string())?;
-        if handle.is_cancelled() {
-            return Err(CANCELLED.into());
+    struct Follow(Handle);
+
+    impl Observer for Follow {
+        fn progress(&self, progress: &Progress) {
+            let stage = match progress.stage {
+                Stage::Start { number, of } => format!("start {number} of {of}"),
+                Stage::Descent { round } => format!("descent {round}"),
+                Stage::Intervals => "intervals".into(),
+            };
+            self.0.doing(format!("Diagnosing: {stage}, step {}", progress.step));
         }
-        Ok(Answer { diagnosis: answer.diagnosis, evidence: answer.evidence, model })
-    })
+
+        fn stop(&self) -> bool {
+            self.0.is_cancelled()
+        }
+    }
+
+    pub(in crate::diagnosis) fn start(
+        ctx: &egui::Context,
+        model: Model,
+        training: Vec<String>,
+        holdout: Vec<String>,
+    ) -> Job<Outcome> {
+        Job::start("Reading recordings", ctx, move |handle| {
+            let open = |names: &[String]| {
+                names
+                    .iter()
+                    .map(|name| Dataset::open(name))
+                    .collect::<Result<Vec<_>, _>>()
+                    .map_err(|e| e.to_string())
+            };
+            let (training, holdout) = (open(&training)?, open(&holdout)?);
+            let options =
+                Options { watch: Watch::by(Arc::new(Follow(handle.clone()))), ..Options::default() };
+            let answer =
+                diagnose(&model, &training, &holdout, &options).map_err(|error| error.to_string())?;
+            if handle.is_cancelled() {
+                return Err(CANCELLED.into());
+            }
+            Ok(Answer { diagnosis: answer.diagnosis, evidence: answer.evidence, model })
+        })
+    }
 }

@@ -3,7 +3,7 @@
 
 use egui::epaint::ClippedShape;
 use egui::epaint::{Primitive, Vertex};
-use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Rect, TextureId, TexturesDelta};
+use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 use std::collections::HashMap;
 
 /// Textures of the window, as they are known from its output so far.
@@ -72,6 +72,56 @@ fn pixels(rect: Rect, scale: f32, size: [usize; 2]) -> [i32; 4] {
     ]
 }
 
+/// An edge of a triangle: which side of it a pixel is on.
+#[derive(Clone, Copy)]
+struct Edge {
+    from: Pos2,
+    along: Vec2,
+    /// Of an edge that two triangles share, each pixel belongs to one of them.
+    owns: bool,
+}
+
+impl Edge {
+    fn new(from: Pos2, to: Pos2, clockwise: bool) -> Self {
+        let along = if clockwise { to - from } else { from - to };
+        Self { from, along, owns: along.y < 0.0 || (along.y == 0.0 && along.x > 0.0) }
+    }
+
+    /// Twice the area of the triangle between the edge and the middle of a pixel; positive inside.
+    fn area(&self, x: f32, y: f32) -> f32 {
+        self.along.x * (y - self.from.y) - self.along.y * (x - self.from.x)
+    }
+
+    fn holds(&self, x: f32, y: f32) -> bool {
+        let area = self.area(x, y);
+        area > 0.0 || (area == 0.0 && self.owns)
+    }
+}
+
+/// The columns of a row, whose middles are at height `y`, that lie inside of all edges. Where the edges cross it is found by division,
+/// and the pixels beside are then looked at one by one, so that neighbours agree on who has them.
+fn span(edges: &[Edge; 3], y: f32, [from, to]: [i32; 2]) -> [i32; 2] {
+    let (mut first, mut last) = (from as f32, to as f32);
+    for edge in edges {
+        let Vec2 { x: dx, y: dy } = edge.along;
+        let crossing = edge.from.x + dx * (y - edge.from.y) / dy - 0.5;
+        if dy > 0.0 {
+            last = last.min(crossing.ceil() + 1.0);
+        } else if dy < 0.0 {
+            first = first.max(crossing.floor() - 1.0);
+        }
+    }
+    let (mut first, mut last) = (first as i32, last as i32);
+    let inside = |x: i32| edges.iter().all(|edge| edge.holds(x as f32 + 0.5, y));
+    while first < last && !inside(first) {
+        first += 1;
+    }
+    while first < last && !inside(last - 1) {
+        last -= 1;
+    }
+    [first, last]
+}
+
 /// Fills a triangle: colours and texture vary over it linearly.
 fn triangle(image: &mut ColorImage, texture: &ColorImage, corners: [Vertex; 3], scale: f32, clip: [i32; 4]) {
     let [a, b, c] = corners.map(|corner| corner.pos * scale);
@@ -81,44 +131,86 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, corners: [Vertex; 3], 
     }
     let low = |values: [f32; 3]| values.into_iter().fold(f32::INFINITY, f32::min).floor() as i32;
     let high = |values: [f32; 3]| values.into_iter().fold(f32::NEG_INFINITY, f32::max).ceil() as i32;
-    let (from_x, to_x) = (low([a.x, b.x, c.x]).max(clip[0]), high([a.x, b.x, c.x]).min(clip[1]));
-    let (from_y, to_y) = (low([a.y, b.y, c.y]).max(clip[2]), high([a.y, b.y, c.y]).min(clip[3]));
-    let plain = corners[0].color == corners[1].color
-        && corners[1].color == corners[2].color
-        && corners.iter().all(|corner| corner.uv == corners[0].uv);
-    let colours = corners.map(|corner| corner.color.to_array().map(f32::from));
-    let one = plain.then(|| shade(texture, corners[0].uv.x, corners[0].uv.y, colours[0]));
+    let columns = [low([a.x, b.x, c.x]).max(clip[0]), high([a.x, b.x, c.x]).min(clip[1])];
+    let rows = [low([a.y, b.y, c.y]).max(clip[2]), high([a.y, b.y, c.y]).min(clip[3])];
+    let edges = [(b, c), (c, a), (a, b)].map(|(p, q)| Edge::new(p, q, area > 0.0));
+    let paint = Paint::new(texture, corners, area.abs());
     let width = image.size[0];
-    // Of an edge that two triangles share, each pixel belongs to one of them.
-    let edges = [(b, c), (c, a), (a, b)].map(|(p, q)| {
-        let (dx, dy) = (q.x - p.x, q.y - p.y);
-        let (dx, dy) = if area > 0.0 { (dx, dy) } else { (-dx, -dy) };
-        (p, dx, dy, dy < 0.0 || (dy == 0.0 && dx > 0.0))
-    });
-    let size = area.abs();
-    for y in from_y..to_y {
-        for x in from_x..to_x {
-            let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-            let weights = edges.map(|(p, dx, dy, _)| dx * (py - p.y) - dy * (px - p.x));
-            let inside =
-                weights.iter().zip(&edges).all(|(weight, edge)| *weight > 0.0 || (*weight == 0.0 && edge.3));
-            if !inside {
-                continue;
+    for row in rows[0]..rows[1] {
+        let y = row as f32 + 0.5;
+        let [first, last] = span(&edges, y, columns);
+        if first >= last {
+            continue;
+        }
+        let start = row as usize * width;
+        let pixels = &mut image.pixels[start + first as usize..start + last as usize];
+        match &paint {
+            Paint::Opaque(colour) => pixels.fill(*colour),
+            Paint::Even(colour) => pixels.iter_mut().for_each(|pixel| blend(pixel, *colour)),
+            Paint::Shaded(shade) => {
+                for (pixel, column) in pixels.iter_mut().zip(first..) {
+                    let x = column as f32 + 0.5;
+                    blend(pixel, shade.at(edges.map(|edge| edge.area(x, y))));
+                }
             }
-            let source = one.unwrap_or_else(|| {
-                let [u, v, w] = weights.map(|weight| weight / size);
-                let mix = |values: [f32; 3]| values[0] * u + values[1] * v + values[2] * w;
-                let colour = [0, 1, 2, 3].map(|k| mix([colours[0][k], colours[1][k], colours[2][k]]));
-                let uv = corners.map(|corner| corner.uv);
-                shade(texture, mix(uv.map(|uv| uv.x)), mix(uv.map(|uv| uv.y)), colour)
-            });
-            blend(&mut image.pixels[y as usize * width + x as usize], source);
+            Paint::Textured(shade, uv) => {
+                for (pixel, column) in pixels.iter_mut().zip(first..) {
+                    let x = column as f32 + 0.5;
+                    let areas = edges.map(|edge| edge.area(x, y));
+                    let [u, v] = mix(areas.map(|area| area / shade.whole), uv);
+                    let (texel, colour) = (texel(texture, u, v), shade.at(areas));
+                    blend(pixel, [0, 1, 2, 3].map(|k| texel[k] * colour[k] / 255.0));
+                }
+            }
         }
     }
 }
 
-/// The texture's colour there (premultiplied, between its four neighbours) times the vertex' colour, 0 to 255.
-fn shade(texture: &ColorImage, u: f32, v: f32, colour: [f32; 4]) -> [f32; 4] {
+/// What a triangle is filled with; most have one colour, or one shade of the texture in colours that vary.
+enum Paint {
+    Opaque(Color32),
+    Even([f32; 4]),
+    Shaded(Shade),
+    Textured(Shade, [[f32; 2]; 3]),
+}
+
+/// Colours of the corners, premultiplied, 0 to 255.
+struct Shade {
+    colours: [[f32; 4]; 3],
+    /// Twice the area of the triangle.
+    whole: f32,
+}
+
+impl Paint {
+    fn new(texture: &ColorImage, corners: [Vertex; 3], whole: f32) -> Self {
+        let colours = corners.map(|corner| corner.color.to_array().map(f32::from));
+        let uv = corners.map(|corner| [corner.uv.x, corner.uv.y]);
+        if uv[0] != uv[1] || uv[1] != uv[2] {
+            return Self::Textured(Shade { colours, whole }, uv);
+        }
+        let texel = texel(texture, uv[0][0], uv[0][1]);
+        let colours = colours.map(|colour| [0, 1, 2, 3].map(|k| texel[k] * colour[k] / 255.0));
+        if colours[0] != colours[1] || colours[1] != colours[2] {
+            return Self::Shaded(Shade { colours, whole });
+        }
+        let [r, g, b, a] = colours[0].map(|part| (part + 0.5).clamp(0.0, 255.0) as u8);
+        if a == 255 { Self::Opaque(Color32::from_rgb(r, g, b)) } else { Self::Even(colours[0]) }
+    }
+}
+
+impl Shade {
+    fn at(&self, areas: [f32; 3]) -> [f32; 4] {
+        mix(areas.map(|area| area / self.whole), &self.colours)
+    }
+}
+
+/// The mean of three by their weights.
+fn mix<const N: usize>(weights: [f32; 3], of: &[[f32; N]; 3]) -> [f32; N] {
+    std::array::from_fn(|k| weights[0] * of[0][k] + weights[1] * of[1][k] + weights[2] * of[2][k])
+}
+
+/// The texture's colour there, premultiplied, between its four neighbours; 0 to 255.
+fn texel(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
     let [width, height] = texture.size;
     let (x, y) = ((u * width as f32 - 0.5).max(0.0), (v * height as f32 - 0.5).max(0.0));
     let (left, top) = ((x as usize).min(width - 1), (y as usize).min(height - 1));
@@ -127,9 +219,7 @@ fn shade(texture: &ColorImage, u: f32, v: f32, colour: [f32; 4]) -> [f32; 4] {
     let at = |x: usize, y: usize| texture.pixels[y * width + x].to_array();
     let corners = [at(left, top), at(right, top), at(left, bottom), at(right, bottom)];
     let weights = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
-    let texel =
-        |k: usize| corners.iter().zip(weights).map(|(corner, w)| f32::from(corner[k]) * w).sum::<f32>();
-    [0, 1, 2, 3].map(|k| texel(k) * colour[k] / 255.0)
+    std::array::from_fn(|k| corners.iter().zip(weights).map(|(corner, w)| f32::from(corner[k]) * w).sum())
 }
 
 /// Lays a premultiplied colour over a pixel.
@@ -147,9 +237,10 @@ fn blend(pixel: &mut Color32, source: [f32; 4]) {
 pub fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, image.size[0] as u32, image.size[1] as u32);
-    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+    encoder.set_compression(png::Compression::High);
+    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
     writer.write_image_data(&pixels).map_err(|error| error.to_string())?;
     writer.finish().map_err(|error| error.to_string())?;

@@ -78,7 +78,7 @@ impl Buffer {
     pub(super) fn line(&self, channel: usize, [from, to]: [f64; 2], pixels: usize) -> Vec<Vec<[f64; 2]>> {
         let first = self.time_s.partition_point(|time| *time < from).saturating_sub(1);
         let last = self.time_s.partition_point(|time| *time <= to);
-        let block = ((last - first) / (2 * pixels.max(1))).max(1);
+        let block = (last - first).div_ceil(pixels.max(1)).max(1);
         let gap_s = (block as f64 + 0.5) * self.step_s;
         let mut parts = Vec::new();
         let mut part: Vec<[f64; 2]> = Vec::new();
@@ -99,9 +99,13 @@ impl Buffer {
                 parts.push(std::mem::take(&mut part));
             }
             if extremes[0].is_finite() {
-                part.push([time, f64::from(extremes[0])]);
-                if block > 1 {
-                    part.push([time, f64::from(extremes[1])]);
+                let [low, high] = extremes.map(f64::from);
+                // First the one that is nearer to where the line comes from.
+                let rises = part.last().is_none_or(|[_, last]| (low - last).abs() <= (high - last).abs());
+                let (first, second) = if rises { (low, high) } else { (high, low) };
+                part.push([time, first]);
+                if first != second {
+                    part.push([time, second]);
                 }
             }
             start = end;

@@ -1,7 +1,5 @@
 //! The input signal: that of the thesis' program within its limits, or any other profile.
 
-use std::path::Path;
-
 use socam_core::Command;
 use socam_recording::{Course, ProfileFile};
 
@@ -222,14 +220,6 @@ impl Signal {
         let file = ProfileFile::parse(text)
             .map_err(|error| format!("what was pasted is no input signal: {error}"))?;
         self.take(&file)
-    }
-
-    /// Writes it to a file.
-    ///
-    /// # Errors
-    /// When the file cannot be written; one sentence.
-    pub fn save(&self, path: &Path) -> Result<(), String> {
-        std::fs::write(path, self.text()).map_err(|error| format!("cannot write {}: {error}", path.display()))
     }
 }
 

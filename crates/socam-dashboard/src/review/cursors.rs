@@ -51,7 +51,7 @@ pub(super) fn panel(review: &mut Review, ui: &mut Ui, entries: &[Entry]) {
                             };
                             let (at_a, at_b) = (at(a), at(b));
                             let name = short(&recording.about.name);
-                            swatch(ui, theme::line(ui, number), name);
+                            swatch(ui, number, name);
                             ui.label(name);
                             ui.label(&channel.name);
                             ui.label(channel.unit.symbol());

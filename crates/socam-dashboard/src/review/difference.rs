@@ -4,7 +4,7 @@ use egui::Ui;
 use socam_recording::Channel;
 
 use super::Entry;
-use crate::draw::chart::{Curve, Style};
+use crate::draw::chart::Curve;
 use crate::recording::Recording;
 use crate::samples::Samples;
 use crate::theme;
@@ -44,7 +44,7 @@ pub(super) fn curves(
             times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
         let parts = thinned(&points, pixels);
         let name = entry.recording.about.name.clone();
-        curves.push(Curve { name, colour: theme::line(ui, number), parts, style: Style::Solid });
+        curves.push(Curve { name, colour: theme::line(ui, number), parts, style: theme::style(number) });
     }
     curves
 }

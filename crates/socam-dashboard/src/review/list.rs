@@ -50,7 +50,7 @@ fn one(ui: &mut Ui, index: usize, entry: &mut Entry) -> bool {
     let name = short(&full_name).to_owned();
     ui.push_id(index, |ui| {
         ui.horizontal(|ui| {
-            swatch(ui, theme::line(ui, index), &name);
+            swatch(ui, index, &name);
             let close = ui.add(Button::new("x").frame(false)).on_hover_text(format!("Close {name}"));
             close
                 .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Close {name}")));
@@ -59,7 +59,26 @@ fn one(ui: &mut Ui, index: usize, entry: &mut Entry) -> bool {
             ui.checkbox(&mut entry.shown, name.as_str()).on_hover_text(&full_name);
         });
         let text = facts(entry);
-        ui.label(RichText::new(text).small().color(theme::weak(ui)));
+        let rows = entry.recording.samples.rows();
+        let rows = if rows == 1 { "1 sample".to_owned() } else { format!("{} samples", grouped(rows)) };
+        ui.horizontal(|ui| {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let shift = DragValue::new(&mut entry.shift_s).speed(0.001).suffix(" s").max_decimals(6);
+                let shift = ui.scope(|ui| {
+                    ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
+                    ui.spacing_mut().button_padding = egui::vec2(5.0, 1.0);
+                    ui.spacing_mut().interact_size.y = 16.0;
+                    ui.add(shift)
+                });
+                let said = format!("shift of {name}");
+                shift.inner.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, true, &said));
+                shift.inner.on_hover_text("Draws this recording later or earlier, to lay it over another");
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    ui.add(egui::Label::new(RichText::new(&text).small().color(theme::weak(ui))).truncate())
+                        .on_hover_text(format!("{rows}, {text}"));
+                });
+            });
+        });
         for warning in &entry.recording.about.warnings {
             ui.label(RichText::new(warning).small().color(theme::alarm(ui)));
         }
@@ -67,11 +86,6 @@ fn one(ui: &mut Ui, index: usize, entry: &mut Entry) -> bool {
         for (_, note) in notes {
             ui.label(RichText::new(format!("note: {note}")).small());
         }
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("shift").small().color(theme::weak(ui)));
-            let shift = DragValue::new(&mut entry.shift_s).speed(0.001).suffix(" s").max_decimals(6);
-            ui.add(shift).on_hover_text("Draws this recording later or earlier, to lay it over another");
-        });
     });
     ui.add_space(4.0);
     closed
@@ -88,12 +102,7 @@ fn facts(entry: &Entry) -> String {
         1 => ", 1 gap".into(),
         more => format!(", {more} gaps"),
     };
-    let rows = if samples.rows() == 1 {
-        "1 sample".to_owned()
-    } else {
-        format!("{} samples", grouped(samples.rows()))
-    };
-    format!("{rows}{rate}, {} s{gaps}", neat(span_s))
+    format!("{} s{rate}{gaps}", neat(span_s))
 }
 
 /// Four digits, without zeros at the end.

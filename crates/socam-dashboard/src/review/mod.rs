@@ -6,10 +6,10 @@ mod list;
 
 use std::collections::BTreeSet;
 
-use egui::{Color32, Key, RichText, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Key, RichText, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, vec2};
 use socam_recording::Channel;
 
-use crate::draw::chart::{self, Chart, Curve, Flag, Seen, Style, range_of, with_room};
+use crate::draw::chart::{self, Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
 use crate::recording::{Recording, short};
 use crate::samples::envelope;
 use crate::theme;
@@ -190,7 +190,7 @@ impl Review {
         }
         let room = ui.available_size();
         let spacing = 3.0;
-        let axis = 34.0;
+        let axis = chart::X_AXIS;
         let height =
             ((room.y - axis - spacing * channels.len() as f32) / channels.len() as f32).max(LEAST_HEIGHT);
         let x = self.span(entries);
@@ -298,10 +298,9 @@ fn curves(ui: &Ui, entries: &[Entry], channel: &Channel, x: [f64; 2], pixels: us
         let shift = entry.shift_s;
         let mut line = envelope(&entry.recording.samples, index, x[0] - shift, x[1] - shift, pixels);
         line.parts.iter_mut().flatten().for_each(|point| point[0] += shift);
-        let style = match () {
-            () if line.sparse => Style::Dotted,
-            () if number >= theme::COLOURS && line.samples_per_block == 1 => Style::Dashed,
-            () => Style::Solid,
+        let style = match theme::style(number) {
+            Style::Solid if line.sparse => Style::Dotted,
+            style => style,
         };
         let name = entry.recording.about.name.clone();
         curves.push(Curve { name, colour: theme::line(ui, number), parts: line.parts, style });
@@ -332,7 +331,8 @@ fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
     for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
         for event in &entry.recording.about.events {
             let at = event.time_s + entry.shift_s;
-            if (x[0]..=x[1]).contains(&at) {
+            // That it began is no news.
+            if (x[0]..=x[1]).contains(&at) && event.kind != "start" {
                 let is_grave = event.kind == "fault" || event.kind == "stop";
                 let colour =
                     if is_grave { theme::alarm(ui) } else { theme::line(ui, number).gamma_multiply(0.75) };
@@ -345,14 +345,32 @@ fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
             }
         }
     }
-    flags.sort_by(|a, b| a.x.total_cmp(&b.x));
+    flags.sort_by(|a, b| a.x.total_cmp(&b.x).then_with(|| a.text.cmp(&b.text)));
+    // Of runs of one profile, what happens to all at once is said once.
+    let together = 1e-3 * (x[1] - x[0]);
+    flags.dedup_by(|later, earlier| later.text == earlier.text && later.x - earlier.x < together);
     flags
 }
 
-/// A small square of a line's colour.
-pub(crate) fn swatch(ui: &mut Ui, colour: Color32, name: &str) {
+/// A small square of a line's colour, with its marker where it has one.
+pub(crate) fn swatch(ui: &mut Ui, number: usize, name: &str) {
     let (rect, response) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
-    ui.painter().rect(rect, 2.0, colour, Stroke::NONE, egui::StrokeKind::Inside);
+    let painter = ui.painter();
+    let colour = theme::line(ui, number);
+    painter.rect(rect, 2.0, colour, Stroke::NONE, egui::StrokeKind::Inside);
+    let ink = ui.visuals().extreme_bg_color;
+    let corners = |corners: &[(f32, f32)]| {
+        let corners = corners.iter().map(|(x, y)| rect.center() + vec2(*x, *y)).collect();
+        painter.add(egui::Shape::convex_polygon(corners, ink, Stroke::NONE));
+    };
+    match theme::marker(number) {
+        None => {}
+        Some(MarkerShape::Diamond) => corners(&[(0.0, -4.5), (4.5, 0.0), (0.0, 4.5), (-4.5, 0.0)]),
+        Some(MarkerShape::Square) => corners(&[(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)]),
+        Some(MarkerShape::Up) => corners(&[(0.0, -4.0), (4.0, 3.0), (-4.0, 3.0)]),
+        Some(MarkerShape::Down) => corners(&[(0.0, 4.0), (-4.0, -3.0), (4.0, -3.0)]),
+        Some(_) => drop(painter.circle_filled(rect.center(), 3.0, ink)),
+    }
     let name = name.to_owned();
     response.widget_info(move || WidgetInfo::labeled(Role::Image, true, format!("colour of {name}")));
 }

@@ -9,12 +9,10 @@ pub struct Envelope {
     pub parts: Vec<Vec<[f64; 2]>>,
     /// Every point is a sample, and there are few enough for markers.
     pub sparse: bool,
-    /// Points stand for blocks of this many samples, of which least and greatest are drawn; 1: for samples.
-    pub samples_per_block: usize,
 }
 
-/// Samples per pixel below which every one is drawn.
-const DRAWN: usize = 2;
+/// Samples per pixel up to which every one is drawn; beyond, a block covers a pixel or more.
+const DRAWN: usize = 1;
 /// Pixels per sample from which each gets a marker.
 const APART: usize = 8;
 
@@ -31,12 +29,7 @@ pub fn envelope(samples: &Samples, channel: usize, from_s: f64, to_s: f64, pixel
     while rows / block > DRAWN * pixels {
         block *= 2;
     }
-    let block = if block > 1 { block.max(4) } else { 1 };
-    let mut line = Envelope {
-        sparse: block == 1 && rows <= pixels / APART,
-        samples_per_block: block,
-        ..Envelope::default()
-    };
+    let mut line = Envelope { sparse: block == 1 && rows <= pixels / APART, ..Envelope::default() };
     for segment in samples.segments() {
         let (start, end) = ((segment.first_row as usize).max(first), (segment.end_row() as usize).min(last));
         if start >= end {

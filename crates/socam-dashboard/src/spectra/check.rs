@@ -1,11 +1,8 @@
 //! Whether recordings can carry a fit: what `check` finds, in place.
 
-use std::path::PathBuf;
-
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
 use socam_model::Model;
 use socam_recording::check::{Check, CheckOptions, Severity, Verdict, check};
-use socam_recording::{Dataset, Selection};
 
 use crate::draw::chart;
 use crate::job::Job;
@@ -43,9 +40,7 @@ impl Checks {
     }
 
     pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
-        let paths: Vec<(String, Option<PathBuf>)> =
-            entries.iter().map(|e| (e.recording.about.name.clone(), e.recording.path.clone())).collect();
-        if paths.is_empty() {
+        if entries.is_empty() {
             chart::empty_state(
                 ui,
                 "No recording is open",
@@ -53,10 +48,10 @@ impl Checks {
             );
             return;
         }
-        self.work(ui, &paths, model);
+        self.work(ui, entries, model);
         ui.label(RichText::new(format!("Fit for use with the model {}?", model.name)).color(theme::weak(ui)));
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for (name, _) in &paths {
+            for name in entries.iter().map(|entry| &entry.recording.about.name) {
                 match self.known.iter().find(|(known, _)| known == name) {
                     Some((_, Ok(check))) => one(ui, name, check),
                     Some((_, Err(sentence))) => {
@@ -72,28 +67,23 @@ impl Checks {
         });
     }
 
-    fn work(&mut self, ui: &mut Ui, paths: &[(String, Option<PathBuf>)], model: &Model) {
+    fn work(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
         if let Some((name, job)) = &self.job
             && let Some(result) = job.poll()
         {
             self.known.push((name.clone(), result.and_then(|result| result)));
             self.job = None;
         }
-        let next = paths.iter().find(|(name, _)| self.known.iter().all(|(known, _)| known != name));
-        if let (None, Some((name, path))) = (&self.job, next) {
-            if path.is_none() {
-                let sentence = format!("{}: only recordings in files can be checked", short(name));
-                self.known.push((name.clone(), Err(sentence)));
-                return;
-            }
+        let unknown = |name: &str| self.known.iter().all(|(known, _)| known != name);
+        let next = entries.iter().map(|entry| &entry.recording).find(|next| unknown(&next.about.name));
+        if let (None, Some(recording)) = (&self.job, next) {
             let options = self.expect.map_or_else(CheckOptions::default, |expect| expect(model));
-            let run = name.clone();
+            let (own, name) = (recording.clone(), recording.about.name.clone());
             let work = move |_: &crate::job::Handle| {
-                let selection = Selection::parse(&run).map_err(|error| error.to_string())?;
-                let data = Dataset::open_selection(&selection).map_err(|error| error.to_string())?;
-                check(&data, &options).map_err(|error| error.to_string())
+                check(&own.dataset()?, &options).map_err(|error| error.to_string())
             };
-            self.job = Some((name.clone(), Job::start(&format!("Checking {}", short(name)), ui.ctx(), work)));
+            let title = format!("Checking {}", short(&name));
+            self.job = Some((name, Job::start(&title, ui.ctx(), work)));
         }
         if let Some((name, job)) = &self.job
             && job.ui(ui)

@@ -16,7 +16,6 @@ use crate::recording::Recording;
 use crate::review::Entry;
 use crate::samples::Samples;
 use crate::theme;
-use welch::Welch;
 
 /// What is drawn over frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,7 +25,7 @@ pub enum Kind {
     Spectrum,
     /// Output over input, with coherence.
     Response,
-    /// The model's poles.
+    /// The model's poles and zeros.
     Poles,
 }
 
@@ -34,7 +33,7 @@ pub enum Kind {
 struct Known {
     samples: Arc<Samples>,
     input: usize,
-    welch: Result<Welch, String>,
+    spectra: Result<welch::Spectra, String>,
 }
 
 /// What the view remembers.
@@ -44,6 +43,7 @@ pub struct Spectra {
     pub kind: Kind,
     input: Option<String>,
     output: Option<String>,
+    between: poles::Between,
     known: Vec<Known>,
     job: Option<Job<Known>>,
 }
@@ -64,7 +64,7 @@ impl Spectra {
     pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model, seen: &mut Vec<Seen>) {
         ui.horizontal(|ui| {
             for (kind, name) in
-                [(Kind::Spectrum, "Spectrum"), (Kind::Response, "Response"), (Kind::Poles, "Poles")]
+                [(Kind::Spectrum, "Spectrum"), (Kind::Response, "Response"), (Kind::Poles, "Poles and zeros")]
             {
                 ui.selectable_value(&mut self.kind, kind, name);
             }
@@ -73,7 +73,7 @@ impl Spectra {
             }
         });
         if self.kind == Kind::Poles {
-            poles::ui(ui, model, seen);
+            poles::ui(ui, model, &mut self.between, seen);
             return;
         }
         let shown: Vec<(usize, &Recording)> =
@@ -124,8 +124,8 @@ impl Spectra {
             let (samples, input) = (recording.samples.clone(), self.input_of(recording, model));
             let title = format!("Spectra of {}", crate::recording::short(&recording.about.name));
             self.job = Some(Job::start(&title, ui.ctx(), move |handle| {
-                let welch = welch::welch(&samples, input, handle);
-                Known { samples, input, welch }
+                let spectra = welch::spectra(&samples, input, handle);
+                Known { samples, input, spectra }
             }));
         }
         if let Some(job) = &self.job {
@@ -182,19 +182,19 @@ impl Spectra {
                 let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
                 for (number, recording) in shown {
                     let own = recording.about.channels.iter().position(|other| other == *channel);
-                    let Some((index, welch)) =
-                        own.zip(self.find(recording, model).and_then(|k| k.welch.as_ref().ok()))
+                    let Some((index, spectra)) =
+                        own.zip(self.find(recording, model).and_then(|k| k.spectra.as_ref().ok()))
                     else {
                         continue;
                     };
-                    let line = welch.density(index);
+                    let line = spectra.density(index);
                     chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
                 }
                 finish(&mut chart, x, is_last);
                 chart.scales = [Scale::Log; 2];
                 let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
                 chart.y = range_of(values.filter(|value| *value > 0.0))
-                    .map_or([0.1, 10.0], |[low, high]| [low.max(1e-7 * high) * 0.7, high * 2.0]);
+                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-7 * high), high])));
                 chart.when_empty = self.why_empty(shown, model);
                 chart.show(ui, seen);
             }
@@ -202,7 +202,8 @@ impl Spectra {
     }
 
     fn why_empty(&self, shown: &[(usize, &Recording)], model: &Model) -> &'static str {
-        let failed = shown.iter().any(|(_, r)| self.find(r, model).is_some_and(|known| known.welch.is_err()));
+        let failed =
+            shown.iter().any(|(_, r)| self.find(r, model).is_some_and(|known| known.spectra.is_err()));
         if failed { welch::TOO_SHORT } else { "no spectrum yet" }
     }
 
@@ -212,17 +213,21 @@ impl Spectra {
         let mut charts = [
             ("magnitude", format!("|{column} / input|")),
             ("phase", "phase, degrees".to_owned()),
-            ("coherence", "coherence, 1".to_owned()),
+            ("coherence", "coherence".to_owned()),
         ]
         .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
+        let mut chance: f64 = 0.0;
         for (number, recording) in shown {
             let index = recording.about.channels.iter().position(|channel| channel.column_name() == *column);
-            let Some((index, welch)) =
-                index.zip(self.find(recording, model).and_then(|k| k.welch.as_ref().ok()))
+            let Some((index, spectra)) =
+                index.zip(self.find(recording, model).and_then(|k| k.spectra.as_ref().ok()))
             else {
                 continue;
             };
-            for (chart, line) in charts.iter_mut().zip(welch.response(index, COHERENT)) {
+            chance = chance.max(spectra.chance());
+            let response = spectra.response(index);
+            let lines = [response.magnitude, response.phase, vec![response.coherence]];
+            for (chart, line) in charts.iter_mut().zip(lines) {
                 chart.curves.push(curve(ui, *number, &recording.about.name, line));
             }
         }
@@ -237,9 +242,9 @@ impl Spectra {
         }
         let height = heights(ui, 3);
         ui.label(
-            RichText::new(
-                "solid: recordings, where the coherence is above 0.5; dashed: the model at its file's values",
-            )
+            RichText::new(format!(
+                "solid: recordings, where the coherence is beyond chance (above {chance:.2}); dashed: the model at its file's values"
+            ))
             .small()
             .color(theme::weak(ui)),
         );
@@ -251,9 +256,9 @@ impl Spectra {
             let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
             chart.y = match place {
                 0 => range_of(values.filter(|v| *v > 0.0))
-                    .map_or([0.1, 10.0], |[a, b]| [a.max(1e-6 * b) * 0.7, b * 2.0]),
+                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-6 * high), high]))),
                 1 => [-190.0, 190.0],
-                _ => [-0.05, 1.08],
+                _ => [-0.05, 1.3],
             };
             chart.when_empty = self.why_empty(shown, model);
             chart.show(ui, seen);
@@ -262,15 +267,13 @@ impl Spectra {
 
     /// Frequencies of all spectra.
     fn range(&self, shown: &[(usize, &Recording)], model: &Model) -> [f64; 2] {
-        let spectra = shown.iter().filter_map(|(_, r)| self.find(r, model)?.welch.as_ref().ok());
-        let ends = spectra.flat_map(|welch| [welch.frequency_hz(1), welch.highest_hz()]);
+        let spectra = shown.iter().filter_map(|(_, r)| self.find(r, model)?.spectra.as_ref().ok());
+        let ends = spectra.flat_map(|own| [own.frequency_hz(1), own.highest_hz()]);
         range_of(ends).unwrap_or([0.1, 500.0])
     }
 }
 
-const AXIS: f32 = 34.0;
-/// Responses are drawn where at least this share of the output is the input's doing.
-const COHERENT: f64 = 0.5;
+const AXIS: f32 = chart::X_AXIS;
 
 fn heights(ui: &Ui, count: usize) -> f32 {
     let count = count.max(1) as f32;
@@ -283,7 +286,7 @@ fn finish(chart: &mut Chart, x: [f64; 2], is_last: bool) {
 }
 
 fn curve(ui: &Ui, number: usize, name: &str, parts: Vec<Vec<[f64; 2]>>) -> Curve {
-    Curve { name: name.to_owned(), colour: theme::line(ui, number), parts, style: Style::Solid }
+    Curve { name: name.to_owned(), colour: theme::line(ui, number), parts, style: theme::style(number) }
 }
 
 /// Magnitude, phase in degrees, and nothing for coherence, of the model at its file's values.

@@ -1,17 +1,44 @@
-//! The model's poles on the plane, and as a table.
+//! The model's poles, and the zeros from an input to an output, on the plane and as a table.
 
-use egui::{Grid, RichText, ScrollArea, Ui, vec2};
+use egui::{ComboBox, Grid, RichText, ScrollArea, Ui, vec2};
 use socam_model::Model;
 
-use crate::draw::chart::{Chart, Curve, Flag, Seen, Style, range_of, with_room};
+use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
 use crate::parameters::{heads, number};
 use crate::theme;
 
-pub(super) fn ui(ui: &mut Ui, model: &Model, seen: &mut Vec<Seen>) {
+/// Between which channels zeros are shown, by their places among the model's outputs and inputs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Between {
+    output: usize,
+    input: usize,
+}
+
+/// Draws them.
+pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut Vec<Seen>) {
     let Ok(equations) = model.equations(&model.values()) else {
         ui.label(RichText::new("this model has no linear part to show").color(theme::alarm(ui)));
         return;
     };
+    let outputs: Vec<&str> = model.outputs().map(|channel| channel.name.as_str()).collect();
+    let inputs: Vec<&str> = model.inputs().map(|channel| channel.name.as_str()).collect();
+    ui.horizontal(|ui| {
+        for (chosen, name, names) in
+            [(&mut between.output, "zeros of", &outputs), (&mut between.input, "over", &inputs)]
+        {
+            *chosen = (*chosen).min(names.len().saturating_sub(1));
+            let label = ui.label(name);
+            let text = names.get(*chosen).copied().unwrap_or("none");
+            let shown = ComboBox::from_id_salt(name).selected_text(text).width(160.0).show_ui(ui, |ui| {
+                for (index, name) in names.iter().enumerate() {
+                    ui.selectable_value(chosen, index, *name);
+                }
+            });
+            shown.response.labelled_by(label.id);
+        }
+    });
+    let there = between.output < outputs.len() && between.input < inputs.len();
+    let zeros = if there { equations.zeros(between.output, between.input) } else { Vec::new() };
     let modes = equations.modes();
     ui.label(
         RichText::new(format!("{} at its file's values; force laws are left out", model.name))
@@ -23,44 +50,57 @@ pub(super) fn ui(ui: &mut Ui, model: &Model, seen: &mut Vec<Seen>) {
                 heads(ui, &["pole, 1/s", "frequency, Hz", "damping ratio"]);
                 for mode in &modes {
                     let pole = mode.pole;
-                    let text = if pole.im == 0.0 {
-                        number(pole.re)
-                    } else {
-                        format!("{} +- {} i", number(pole.re), number(pole.im.abs()))
-                    };
-                    ui.label(RichText::new(text).monospace());
+                    ui.label(RichText::new(complex(pole.re, pole.im)).monospace());
                     ui.label(RichText::new(number(mode.natural_frequency_hz)).monospace());
                     ui.label(RichText::new(number(mode.damping_ratio)).monospace());
+                    ui.end_row();
+                }
+            });
+            Grid::new("zeros").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
+                heads(ui, &["zero, 1/s", "frequency, Hz"]);
+                for zero in zeros.iter().filter(|zero| zero.im >= 0.0) {
+                    ui.label(RichText::new(complex(zero.re, zero.im)).monospace());
+                    let frequency_hz = zero.norm() / std::f64::consts::TAU;
+                    ui.label(RichText::new(number(frequency_hz)).monospace());
                     ui.end_row();
                 }
             });
         });
     });
     let points: Vec<[f64; 2]> = equations.poles().iter().map(|pole| [pole.re, pole.im]).collect();
+    let zeros: Vec<[f64; 2]> = zeros.iter().map(|zero| [zero.re, zero.im]).collect();
     let mut chart = Chart::new(
         "poles",
-        "poles: imaginary part, rad/s",
+        "poles (crosses) and zeros (circles): imaginary part, rad/s",
         vec2(ui.available_width(), ui.available_height()),
     );
     chart.x_label = "real part, 1/s".into();
     // A pole that is far faster than everything that swings would press all others together.
     let swings =
         points.iter().filter(|point| point[1] != 0.0).map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
-    let near = |point: &&[f64; 2]| swings == 0.0 || point[0] > -2.0 * swings;
-    let left = points.iter().filter(|point| !near(point)).count();
+    let near = |point: &&[f64; 2]| swings == 0.0 || point[0].hypot(point[1]) < 2.0 * swings;
+    let left = points.iter().chain(&zeros).filter(|point| !near(point)).count();
     if left > 0 {
-        chart.title.push_str(&format!("; {left} further at the left, see the table"));
+        chart.title.push_str(&format!("; {left} farther out"));
     }
-    let reals = points.iter().filter(near).map(|point| point[0]).chain([0.0]);
+    let seen_ones = || points.iter().chain(&zeros).filter(near);
+    let reals = seen_ones().map(|point| point[0]).chain([0.0]);
     chart.x = range_of(reals).map_or([-1.0, 1.0], with_room);
-    chart.y = chart.fitted(range_of(points.iter().map(|point| point[1]).chain([0.0])));
+    chart.y = chart.fitted(range_of(seen_ones().map(|point| point[1]).chain([0.0])));
     chart.flags = vec![Flag { x: 0.0, text: "limit of stability".into(), colour: theme::weak(ui) }];
     chart.when_empty = "the model has no states";
-    chart.curves = vec![Curve {
-        name: "poles".into(),
-        colour: theme::line(ui, 0),
-        parts: vec![points],
-        style: Style::Markers,
-    }];
+    chart.curves = [("poles", 0, points, MarkerShape::Cross), ("zeros", 1, zeros, MarkerShape::Circle)]
+        .map(|(name, number, points, shape)| Curve {
+            name: name.into(),
+            colour: theme::line(ui, number),
+            parts: vec![points],
+            style: Style::Markers(shape),
+        })
+        .into();
     chart.show(ui, seen);
+}
+
+/// A number, or a pair of conjugate ones.
+fn complex(re: f64, im: f64) -> String {
+    if im == 0.0 { number(re) } else { format!("{} +- {} i", number(re), number(im.abs())) }
 }

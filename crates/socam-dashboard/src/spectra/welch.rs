@@ -1,7 +1,7 @@
-//! Welch's method: spectra of overlapping windows, averaged.
+//! Spectra of a recording's channels, and of each together with the one that drives it.
 
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
+use socam_recording::{Welch, without_mean};
 
 use crate::job::Handle;
 use crate::samples::Samples;
@@ -16,84 +16,85 @@ pub(super) const TOO_SHORT: &str =
     "too short for a spectrum: it takes 64 samples without a gap or a missing value";
 
 /// Averaged spectra of all channels, and of each together with the input.
-pub(super) struct Welch {
+pub(super) struct Spectra {
     step_hz: f64,
     /// Two-sided sums of squares per channel and line.
     power: Vec<Vec<f64>>,
     cross: Vec<Vec<Complex<f64>>>,
     input: usize,
+    windows: u64,
     /// From sums to densities.
     scale: f64,
 }
 
-pub(super) fn welch(samples: &Samples, input: usize, handle: &Handle) -> Result<Welch, String> {
-    let channels = samples.channels();
-    let longest = samples.segments().iter().map(|segment| segment.rows as usize).max().unwrap_or(0);
-    // About eight windows where there are few samples.
-    let length = (longest / 4).next_power_of_two().clamp(SHORTEST, LONGEST);
-    let length = if length > longest { longest.next_power_of_two() / 2 } else { length };
-    if length < SHORTEST || input >= channels {
-        return Err(TOO_SHORT.into());
-    }
+/// Output over input.
+pub(super) struct Response {
+    /// Where it is coherent beyond chance; parts that are not joined.
+    pub(super) magnitude: Vec<Vec<[f64; 2]>>,
+    /// Degrees, likewise; broken also where it wraps.
+    pub(super) phase: Vec<Vec<[f64; 2]>>,
+    /// Everywhere.
+    pub(super) coherence: Vec<[f64; 2]>,
+}
+
+/// Where windows of one length begin: half overlapping, none across a gap.
+fn starts(samples: &Samples, length: usize) -> Vec<usize> {
     let mut starts = Vec::new();
-    for segment in samples.segments() {
+    for segment in samples.segments().iter().filter(|segment| segment.rows as usize >= length) {
         let (first, rows) = (segment.first_row as usize, segment.rows as usize);
-        starts.extend(
-            (0..=rows.saturating_sub(length))
-                .step_by(length / 2)
-                .filter(|_| rows >= length)
-                .map(|s| first + s),
-        );
+        starts.extend((0..=rows - length).step_by(length / 2).map(|start| first + start));
     }
     let every = starts.len().div_ceil(WINDOWS).max(1);
-    let starts: Vec<usize> = starts.into_iter().step_by(every).collect();
+    starts.into_iter().step_by(every).collect()
+}
+
+pub(super) fn spectra(samples: &Samples, input: usize, handle: &Handle) -> Result<Spectra, String> {
+    let channels = samples.channels();
+    let longest = samples.segments().iter().map(|segment| segment.rows as usize).max().unwrap_or(0);
+    if longest < SHORTEST || input >= channels {
+        return Err(TOO_SHORT.into());
+    }
+    // Eight windows or more, so that coherence tells something; fewer only where there are few samples.
+    let length = (1_usize << (longest / 4).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+    let mut welch = Welch::new(length);
     let step_s = samples.segments().iter().map(|segment| segment.sample_time_s).fold(0.0, f64::max);
-    let window: Vec<f64> = (0..length)
-        .map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * (n as f64 + 0.5) / length as f64).cos())
-        .collect();
-    let lines = length / 2 + 1;
-    let mut result = Welch {
-        step_hz: 1.0 / (length as f64 * step_s),
-        power: vec![vec![0.0; lines]; channels],
-        cross: vec![vec![Complex::new(0.0, 0.0); lines]; channels],
+    let mut result = Spectra {
+        step_hz: welch.step_hz(step_s),
+        power: vec![vec![0.0; welch.lines()]; channels],
+        cross: vec![vec![Complex::new(0.0, 0.0); welch.lines()]; channels],
         input,
+        windows: 0,
         scale: 0.0,
     };
-    let fft = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-    let mut used = 0;
+    let starts = starts(samples, length);
     for (done, start) in starts.iter().enumerate() {
         handle.reached(done as f32 / starts.len() as f32)?;
-        let mut spectra = Vec::with_capacity(channels);
-        for channel in 0..channels {
-            let mut values = samples.values(channel, *start..start + length);
-            let mean = values.iter().sum::<f64>() / length as f64;
-            values.iter_mut().zip(&window).for_each(|(value, weight)| *value = (*value - mean) * weight);
-            let mut spectrum = fft.make_output_vec();
-            fft.process(&mut values, &mut spectrum).map_err(|error| error.to_string())?;
-            spectra.push(spectrum);
-        }
+        let mut transformed = |channel: usize| {
+            let values = samples.values(channel, *start..start + length);
+            welch.transform(without_mean(&values)).to_vec()
+        };
+        let lines: Vec<Vec<Complex<f64>>> = (0..channels).map(&mut transformed).collect();
         // A missing value makes its whole window one.
-        let whole = |spectrum: &Vec<Complex<f64>>| spectrum[0].re.is_finite();
-        if !whole(&spectra[input]) {
+        let whole = |lines: &Vec<Complex<f64>>| lines[0].re.is_finite();
+        if !whole(&lines[input]) {
             continue;
         }
-        used += 1;
-        for (channel, spectrum) in spectra.iter().enumerate().filter(|(_, spectrum)| whole(spectrum)) {
-            for (line, value) in spectrum.iter().enumerate() {
+        result.windows += 1;
+        for (channel, own) in lines.iter().enumerate().filter(|(_, own)| whole(own)) {
+            for (line, value) in own.iter().enumerate() {
                 result.power[channel][line] += value.norm_sqr();
-                result.cross[channel][line] += spectra[input][line].conj() * value;
+                result.cross[channel][line] += lines[input][line].conj() * value;
             }
         }
     }
-    if used == 0 {
+    if result.windows == 0 {
         return Err(TOO_SHORT.into());
     }
-    let weight: f64 = window.iter().map(|weight| weight * weight).sum();
-    result.scale = 2.0 * step_s / (weight * f64::from(used));
+    result.scale = welch.density_per_sum(step_s, result.windows);
     Ok(result)
 }
 
-impl Welch {
+impl Spectra {
     pub(super) fn frequency_hz(&self, line: usize) -> f64 {
         line as f64 * self.step_hz
     }
@@ -108,12 +109,19 @@ impl Welch {
         power.map(|(line, power)| [self.frequency_hz(line), (power * self.scale).sqrt()]).collect()
     }
 
-    /// Magnitude, phase in degrees and coherence of a channel over the input; the first two where they are coherent at least
-    /// so much.
-    pub(super) fn response(&self, channel: usize, coherent: f64) -> [Vec<Vec<[f64; 2]>>; 3] {
-        let mut magnitude = Vec::new();
-        let mut phase = Vec::new();
-        let mut coherence = Vec::new();
+    /// The coherence that two signals which have nothing to do with each other reach on one line in ten such pictures, from what
+    /// Carter, Knapp and Nuttall (IEEE Trans. Audio Electroacoust. 21, 1973) say of independent windows; half overlapping ones count
+    /// a little less.
+    pub(super) fn chance(&self) -> f64 {
+        let independent = self.windows as f64 / 1.056;
+        let lines = self.power.first().map_or(1, Vec::len) as f64;
+        if independent > 1.0 { 1.0 - (0.1 / lines).powf(1.0 / (independent - 1.0)) } else { 1.0 }
+    }
+
+    /// The response of a channel to the input.
+    pub(super) fn response(&self, channel: usize) -> Response {
+        let chance = self.chance();
+        let (mut magnitude, mut phase, mut coherence) = (Vec::new(), Vec::new(), Vec::new());
         for line in 1..self.power[channel].len() {
             let (input, output, cross) =
                 (self.power[self.input][line], self.power[channel][line], self.cross[channel][line]);
@@ -123,16 +131,18 @@ impl Welch {
             let frequency = self.frequency_hz(line);
             let share = cross.norm_sqr() / (input * output);
             coherence.push([frequency, share]);
-            let there = share >= coherent;
+            let there = share > chance;
             magnitude.push([frequency, if there { cross.norm() / input } else { f64::NAN }]);
             phase.push([frequency, if there { cross.arg().to_degrees() } else { f64::NAN }]);
         }
-        let parts = |line: &[[f64; 2]]| -> Vec<Vec<[f64; 2]>> {
-            line.split(|point| point[1].is_nan()).filter(|part| !part.is_empty()).map(<[_]>::to_vec).collect()
-        };
         let phase = parts(&phase).iter().flat_map(|part| unjoined(part)).collect();
-        [parts(&magnitude), phase, vec![coherence]]
+        Response { magnitude: parts(&magnitude), phase, coherence }
     }
+}
+
+/// Stretches without missing values.
+fn parts(line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+    line.split(|point| point[1].is_nan()).filter(|part| !part.is_empty()).map(<[_]>::to_vec).collect()
 }
 
 /// A phase in parts: where it wraps from one end to the other there is no line.
@@ -161,11 +171,12 @@ mod tests {
         let data = Dataset::from_columns("r", channels, time_s.clone(), vec![input.clone(), output.clone()])
             .unwrap();
         let samples = Samples::in_memory(time_s, &[input, output], data.segments().to_vec());
-        let welch = welch(&samples, 0, &Handle::default()).unwrap();
-        let density = welch.density(0);
+        let spectra = spectra(&samples, 0, &Handle::default()).unwrap();
+        let density = spectra.density(0);
         let middle = density.iter().map(|point| point[1].powi(2)).sum::<f64>() / density.len() as f64;
         assert!((middle.sqrt() / (std * (2.0 * step_s).sqrt()) - 1.0).abs() < 0.02, "{middle}");
-        let [magnitude, phase, coherence] = welch.response(1, 0.5);
+        let Response { magnitude, phase, coherence } = spectra.response(1);
+        let coherence = [coherence];
         let at = |line: &[Vec<[f64; 2]>]| {
             *line.iter().flatten().min_by(|a, b| (a[0] - 50.0).abs().total_cmp(&(b[0] - 50.0).abs())).unwrap()
         };
@@ -176,8 +187,29 @@ mod tests {
     }
 
     #[test]
+    fn signals_that_have_nothing_to_do_with_each_other_have_no_response() {
+        let mut state = 3_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+        };
+        let mut drawn = 0;
+        for _ in 0..20 {
+            let columns: Vec<Vec<f64>> = (0..2).map(|_| (0..9000).map(|_| next()).collect()).collect();
+            let time_s: Vec<f64> = (0..9000).map(|n| f64::from(n) * 1e-3).collect();
+            let channels = vec![Channel::new("u", Unit::V), Channel::new("y", Unit::V)];
+            let data = Dataset::from_columns("r", channels, time_s.clone(), columns.clone()).unwrap();
+            let samples = Samples::in_memory(time_s, &columns, data.segments().to_vec());
+            let spectra = spectra(&samples, 0, &Handle::default()).unwrap();
+            assert!((0.5..0.95).contains(&spectra.chance()), "{}", spectra.chance());
+            drawn += usize::from(!spectra.response(1).magnitude.is_empty());
+        }
+        assert!(drawn <= 6, "{drawn} of 20 pictures have stray points; two are expected");
+    }
+
+    #[test]
     fn what_is_too_short_says_so() {
         let samples = Samples::in_memory(vec![0.0], &[vec![1.0]], Vec::new());
-        assert_eq!(super::welch(&samples, 0, &Handle::default()).err().as_deref(), Some(TOO_SHORT));
+        assert_eq!(super::spectra(&samples, 0, &Handle::default()).err().as_deref(), Some(TOO_SHORT));
     }
 }

@@ -418,3 +418,25 @@ fn a_model_written_at_its_bounds_is_read_again() {
         }
     }
 }
+
+#[test]
+fn nothing_comes_through_at_a_zero() {
+    let model = Model::builtin("two-mass").unwrap();
+    let e = model.equations(&model.values()).unwrap();
+    let [k, load] = ["stiffness", "load_inertia"].map(|name| p(&model, name));
+    // What drives the motor is held still where the load alone would swing on the shaft.
+    let zeros = e.zeros(0, 0);
+    let expected = (k / load).sqrt();
+    assert_eq!(zeros.len(), 2, "{zeros:?}");
+    assert!(zeros.iter().all(|zero| (zero.norm() / expected - 1.0).abs() < 1e-6), "{zeros:?} {expected}");
+    for (name, _) in crate::BUILTIN {
+        let model = Model::builtin(name).unwrap();
+        let e = model.equations(&model.values()).unwrap();
+        for output in 0..e.output.nrows() {
+            for zero in e.zeros(output, 0) {
+                let through = |s| e.transfer(output, 0, s).unwrap().norm();
+                assert!(through(zero) < 1e-3 * through(zero * 1.1 + 1e-3), "{name} {output} {zero}");
+            }
+        }
+    }
+}

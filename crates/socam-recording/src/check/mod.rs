@@ -18,7 +18,7 @@ pub use finding::{Finding, Severity};
 use ratio::RatioFit;
 use runs::ExtremeRuns;
 pub use runs::{Saturation, saturations};
-use spectrum::{Spectrum, Welch};
+use spectrum::{Gatherer, Spectrum};
 
 /// Rows below which no dynamic model can be fitted.
 const FEWEST_ROWS: u64 = 200;
@@ -294,7 +294,7 @@ impl Pass {
                 let min = statistics.min.unwrap_or(0.0);
                 let max = statistics.max.unwrap_or(0.0);
                 Probe {
-                    welch: Welch::new(longest, data.sample_time_s()),
+                    welch: Gatherer::new(longest, data.sample_time_s()),
                     runs: ExtremeRuns::new(min, max),
                     turning: TurningPoints::new(min, max),
                     segment: 0,
@@ -329,7 +329,7 @@ impl Pass {
 
 /// What is gathered about one channel.
 struct Probe {
-    welch: Welch,
+    welch: Gatherer,
     runs: ExtremeRuns,
     turning: TurningPoints,
     segment: usize,

@@ -1,12 +1,7 @@
 //! Power over frequency by Welch's method, and what it tells: noise, band, lines, hum.
 
-use std::sync::Arc;
-
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
-
 use super::finding::Finding;
-use crate::Channel;
+use crate::{Channel, Welch, without_mean};
 
 /// Longest and shortest window, rows.
 const LONGEST: usize = 1 << 14;
@@ -31,36 +26,23 @@ const HUM_OVER_NEIGHBOURS: f64 = 6.0;
 const NEIGHBOURHOOD_HZ: f64 = 8.0;
 
 /// Gathers windows of a signal, half overlapping.
-pub(super) struct Welch {
-    fft: Option<Arc<dyn RealToComplex<f64>>>,
-    window: Vec<f64>,
+pub(super) struct Gatherer {
+    /// None where segments are too short for any window.
+    welch: Option<Welch>,
     buffer: Vec<f64>,
-    input: Vec<f64>,
-    output: Vec<Complex<f64>>,
     power: Vec<f64>,
     windows: u64,
     sample_time_s: f64,
 }
 
-impl Welch {
+impl Gatherer {
     /// For segments of at most `longest_segment` rows.
     pub(super) fn new(longest_segment: u64, sample_time_s: f64) -> Self {
         let quarter = usize::try_from(longest_segment / 4).unwrap_or(LONGEST).clamp(1, LONGEST);
         let length = 1_usize << quarter.ilog2();
-        let usable = length >= SHORTEST && sample_time_s > 0.0;
-        let fft = usable.then(|| RealFftPlanner::new().plan_fft_forward(length));
-        let length = if usable { length } else { 0 };
-        let turn = std::f64::consts::TAU / length.max(1) as f64;
-        Self {
-            window: (0..length).map(|i| 0.5 - 0.5 * (turn * i as f64).cos()).collect(),
-            buffer: Vec::with_capacity(length),
-            input: vec![0.0; length],
-            output: fft.as_ref().map(|fft| fft.make_output_vec()).unwrap_or_default(),
-            power: vec![0.0; length / 2 + 1],
-            windows: 0,
-            sample_time_s,
-            fft,
-        }
+        let welch = (length >= SHORTEST && sample_time_s > 0.0).then(|| Welch::new(length));
+        let power = welch.as_ref().map_or(Vec::new(), |welch| vec![0.0; welch.lines()]);
+        Self { welch, buffer: Vec::new(), power, windows: 0, sample_time_s }
     }
 
     /// Rows are missing here: no window reaches across.
@@ -69,37 +51,26 @@ impl Welch {
     }
 
     pub(super) fn push(&mut self, value: f64) {
-        let Some(fft) = &self.fft else {
+        let Some(welch) = &mut self.welch else {
             return;
         };
         self.buffer.push(value);
-        let length = self.window.len();
+        let length = welch.length();
         if self.buffer.len() < length {
             return;
         }
-        let mean = self.buffer.iter().sum::<f64>() / length as f64;
-        for ((input, value), weight) in self.input.iter_mut().zip(&self.buffer).zip(&self.window) {
-            *input = (value - mean) * weight;
-        }
-        // It only fails for buffers of a wrong length, and these are its own.
-        if fft.process(&mut self.input, &mut self.output).is_ok() {
-            for (power, line) in self.power.iter_mut().zip(&self.output) {
-                *power += line.norm_sqr();
-            }
-            self.windows += 1;
-        }
+        let lines = welch.transform(without_mean(&self.buffer));
+        self.power.iter_mut().zip(lines).for_each(|(power, line)| *power += line.norm_sqr());
+        self.windows += 1;
         self.buffer.drain(..length / 2);
     }
 
     /// The spectrum; `None` when no window was ever full.
     pub(super) fn finish(self) -> Option<Spectrum> {
-        if self.windows == 0 {
-            return None;
-        }
-        let weight: f64 = self.window.iter().map(|w| w * w).sum();
-        let scale = 2.0 * self.sample_time_s / (weight * self.windows as f64);
+        let welch = self.welch.filter(|_| self.windows > 0)?;
+        let scale = welch.density_per_sum(self.sample_time_s, self.windows);
         let density: Vec<f64> = self.power.iter().map(|power| power * scale).collect();
-        let step_hz = 1.0 / (self.sample_time_s * self.window.len() as f64);
+        let step_hz = welch.step_hz(self.sample_time_s);
         let mut top: Vec<f64> = density[density.len() * 3 / 4..].to_vec();
         let middle = top.len() / 2;
         let floor = *top.select_nth_unstable_by(middle, f64::total_cmp).1;

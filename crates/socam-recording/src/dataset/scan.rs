@@ -75,7 +75,7 @@ impl Dataset {
         let all_channels = scan.channels().to_vec();
         let mut first = FirstPass {
             selection,
-            file_bytes: selection.path.metadata().map_or(0, |metadata| metadata.len()),
+            file_bytes: crate::files::open(&selection.path).map_or(0, |(_, length)| length),
             tally: Tally::new(all_channels.len()),
             kept: keeping(all_channels.len()),
             marks: Vec::new(),

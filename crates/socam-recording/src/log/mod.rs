@@ -1,6 +1,8 @@
 //! MCAP logs: their schemas, the crash-safe recorder, and the streaming reader.
 
 pub(crate) mod decode;
+#[cfg(target_arch = "wasm32")]
+mod inflate;
 pub(crate) mod read;
 pub(crate) mod record;
 mod records;

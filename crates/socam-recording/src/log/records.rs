@@ -1,6 +1,5 @@
 //! Whole records of a log file, one at a time, and the records inside its chunks.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -8,6 +7,7 @@ use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::error::{RecordingError, Result};
+use crate::files::{self, File};
 
 /// Bytes asked from the system at a time.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -43,8 +43,7 @@ pub(crate) enum Next<'a> {
 impl Records {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let open = || -> io::Result<(BufReader<File>, u64, [u8; 8])> {
-            let file = File::open(path)?;
-            let length = file.metadata()?.len();
+            let (file, length) = files::open(path)?;
             let mut file = BufReader::with_capacity(BUFFER_BYTES, file);
             let mut magic = [0; 8];
             file.read_exact(&mut magic)?;
@@ -133,6 +132,9 @@ impl ChunkOpener {
 
     /// Calls `take` with each record of a chunk; `None` when the chunk or a record in it is damaged.
     pub(crate) fn open(&mut self, body: &[u8], mut take: impl FnMut(u8, &[u8]) -> Option<()>) -> Option<()> {
+        // Here the log's own library has no decompressor: it sees chunks that are not compressed.
+        #[cfg(target_arch = "wasm32")]
+        let body = &super::inflate::inflated(body)?;
         let whole = self.feed(body, &mut take);
         if whole.is_none() {
             *self = Self::new();

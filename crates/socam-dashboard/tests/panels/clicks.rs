@@ -1,9 +1,8 @@
 //! What people do with it, by the names that a screen reader would say.
 
-mod sample;
-
 use std::time::{Duration, Instant};
 
+use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::document::{Document, parse};
@@ -45,6 +44,16 @@ fn click(window: &mut Harness<'static, Dashboard>, label: &str) {
     let found = window.get_all_by_label(label).find(is_no_text);
     found.unwrap_or_else(|| panic!("nothing to click is called {label}")).click();
     window.run_steps(3);
+}
+
+/// Types a name into the dialog that is open, and saves.
+fn save_as(window: &mut Harness<'static, Dashboard>, name: &str) {
+    window.get_by_label("Name").focus();
+    window.run_steps(1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.get_by_label("Name").type_text(name);
+    window.run_steps(2);
+    click(window, "Save");
 }
 
 #[test]
@@ -202,8 +211,8 @@ fn spectra_and_poles_are_drawn() {
     until(&mut window, "spectra", |window| !window.state().is_busy());
     window.get_by_label("Chart motor_speed, rad/s per sqrt(Hz)");
     click(&mut window, "Response");
-    window.get_by_label("Chart coherence, 1");
-    click(&mut window, "Poles");
+    window.get_by_label("Chart coherence");
+    click(&mut window, "Poles and zeros");
     window.get_by_label("damping ratio");
 }
 
@@ -214,16 +223,10 @@ fn what_is_seen_is_exported() {
     dashboard.add_recording(sample::run(0, 4000));
     dashboard.layout.folder = folder.path().into();
     let mut window = window(dashboard);
-    for name in ["view.png", "view.svg", "view.csv", "view.txt"] {
+    for name in ["view.png", "view.svg", "view.csv", "view.txt", "view.csv"] {
         window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
         window.run_steps(3);
-        let field = window.get_by_label("Name");
-        field.focus();
-        window.run_steps(1);
-        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-        window.get_by_label("Name").type_text(name);
-        window.run_steps(2);
-        click(&mut window, "Save");
+        save_as(&mut window, name);
     }
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert!(read("view.png").starts_with(b"\x89PNG") && read("view.png").len() > 20_000);
@@ -236,6 +239,40 @@ fn what_is_seen_is_exported() {
         &csv[..300]
     );
     assert!(window.state().problems().any(|text| text.contains("view.txt")));
+    assert!(window.state().problems().any(|text| text.contains("view.csv exists already")));
+}
+
+#[test]
+fn a_recording_is_saved_and_opens_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut dashboard = Dashboard::default();
+    dashboard.add_recording(sample::run(0, 4000));
+    dashboard.layout.folder = folder.path().into();
+    let mut window = window(dashboard);
+    for name in ["copy.csv", "copy.m"] {
+        click(&mut window, "File");
+        click(&mut window, "Save recording as .csv or .m...");
+        save_as(&mut window, name);
+        until(&mut window, "a file", |window| !window.state().is_busy());
+        let data = socam_recording::Dataset::open(&folder.path().join(name).display().to_string()).unwrap();
+        assert_eq!((data.rows(), data.channels().len()), (4000, 5), "{name}");
+    }
+    assert_eq!(window.state().problems().count(), 0);
+}
+
+#[test]
+fn what_takes_long_can_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.csv");
+    let rows: String = (0..400_000).map(|row| format!("{row},{}\n", row % 7)).collect();
+    std::fs::write(&path, format!("t_s,motor_speed_rad_s\n{rows}")).unwrap();
+    let mut window = window(Dashboard::default());
+    window.state_mut().open([path.display().to_string()]);
+    window.run_steps(1);
+    click(&mut window, "Cancel");
+    assert!(!window.state().is_busy());
+    window.get_by_label("No recording is open");
+    assert_eq!(window.state().problems().count(), 0);
 }
 
 #[test]

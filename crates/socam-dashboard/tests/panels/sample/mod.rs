@@ -1,26 +1,30 @@
 //! Things to show, made up: recordings with gaps, spikes and missing values, and a diagnosis.
-#![allow(dead_code, missing_docs, unreachable_pub)]
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use socam_answer::Evidence;
+use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
+use socam_dashboard::diagnosis::Over;
+use socam_dashboard::document::parse;
 use socam_dashboard::recording::{About, Happening, Recording};
 use socam_dashboard::samples::Samples;
-use socam_diagnose::Evidence;
-use socam_diagnose::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
+use socam_dashboard::spectra::Kind;
+use socam_dashboard::theme::Look;
+use socam_dashboard::{Dashboard, Layout, View};
 use socam_recording::{Channel, Dataset, Unit};
 
 /// Numbers without pattern, the same on every machine.
-pub struct Noise(pub u64);
+pub(crate) struct Noise(u64);
 
 impl Noise {
-    pub fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
     }
 }
 
-pub fn channels() -> Vec<Channel> {
+pub(crate) fn channels() -> Vec<Channel> {
     vec![
         Channel::new("command", Unit::V),
         Channel::new("motor_speed", Unit::RadPerS),
@@ -31,7 +35,7 @@ pub fn channels() -> Vec<Channel> {
 }
 
 /// A run of the default bench as one might imagine it; `number` makes it differ from others.
-pub fn run(number: u32, rows: usize) -> Recording {
+pub(crate) fn run(number: u32, rows: usize) -> Recording {
     let mut noise = Noise(u64::from(number) + 1);
     let slow = 0.5 + 0.07 * f64::from(number);
     let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
@@ -48,7 +52,7 @@ pub fn run(number: u32, rows: usize) -> Recording {
     of(&format!("runs/multisine-{number}.mcap"), time_s, columns)
 }
 
-pub fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
+pub(crate) fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
     let channels: Vec<Channel> = channels().into_iter().take(columns.len()).collect();
     let data = Dataset::from_columns(name, channels.clone(), time_s.clone(), columns.clone()).unwrap();
     let about =
@@ -61,7 +65,7 @@ pub fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
 }
 
 /// With a gap, missing values, a spike, events, notes and warnings.
-pub fn troubled(rows: usize) -> Recording {
+pub(crate) fn troubled(rows: usize) -> Recording {
     let whole = run(3, rows);
     let all = 0..rows;
     let keep = |row: &usize| !(rows / 3..rows * 2 / 5).contains(row);
@@ -94,12 +98,12 @@ pub fn troubled(rows: usize) -> Recording {
 }
 
 /// A diagnosis as its file has it.
-pub const DIAGNOSIS: &str = include_str!("diagnosis.json");
+pub(crate) const DIAGNOSIS: &str = include_str!("diagnosis.json");
 /// An identification as its file has it.
-pub const IDENTIFICATION: &str = include_str!("identification.json");
+pub(crate) const IDENTIFICATION: &str = include_str!("identification.json");
 
 /// Residuals that tell of dry friction at the load's bearing.
-pub fn evidence() -> Evidence {
+pub(crate) fn evidence() -> Evidence {
     let mut noise = Noise(5);
     let stds = [("output_speed", "rad/s", 0.02), ("torque_in", "N m", 0.01), ("torque_out", "N m", 0.05)];
     let mut channels = Vec::new();
@@ -155,4 +159,97 @@ pub fn evidence() -> Evidence {
     let recordings =
         vec![RecordingTraces { name: "runs/reversals-1.mcap".into(), held_out: true, channels: traces }];
     Evidence { recordings, channels }
+}
+
+fn dashboard(look: Look, view: View) -> Dashboard {
+    Dashboard::new(Layout { look, view, ..Layout::default() })
+}
+
+fn with_runs(look: Look, view: View, runs: u32) -> Dashboard {
+    let mut dashboard = dashboard(look, view);
+    (0..runs).for_each(|number| dashboard.add_recording(run(number, 8000)));
+    dashboard
+}
+
+fn with_spectra(look: Look, kind: Kind, runs: u32) -> Dashboard {
+    let mut dashboard = with_runs(look, View::Frequency, runs);
+    dashboard.spectra.kind = kind;
+    dashboard
+}
+
+fn diagnosed(look: Look, over: Over) -> Dashboard {
+    let mut dashboard = dashboard(look, View::Diagnosis);
+    dashboard.show(parse("diagnosis.json", DIAGNOSIS).unwrap());
+    dashboard.show_evidence(evidence());
+    dashboard.diagnosis.over = over;
+    dashboard
+}
+
+/// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
+/// names, gaps, missing values and spikes, with something wrong.
+pub(crate) const STATES: [&str; 23] = [
+    "time",
+    "time-trouble",
+    "time-one-sample",
+    "time-nothing",
+    "time-differences",
+    "time-twelve",
+    "time-empty",
+    "time-wrong",
+    "spectrum",
+    "spectrum-twelve",
+    "spectrum-trouble",
+    "response",
+    "poles",
+    "check",
+    "parameters",
+    "diagnosis",
+    "diagnosis-torque",
+    "diagnosis-frequency",
+    "diagnosis-time",
+    "diagnosis-fit",
+    "diagnosis-shape",
+    "diagnosis-empty",
+    "live-empty",
+];
+
+/// A dashboard in one of the [`STATES`].
+pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
+    let mut state = match name {
+        "time" | "time-differences" => with_runs(look, View::Time, 3),
+        "time-trouble" | "time-one-sample" | "time-nothing" | "time-empty" => dashboard(look, View::Time),
+        "time-twelve" => with_runs(look, View::Time, 12),
+        "time-wrong" => with_runs(look, View::Time, 1),
+        "spectrum" => with_spectra(look, Kind::Spectrum, 2),
+        "spectrum-twelve" => with_spectra(look, Kind::Spectrum, 12),
+        "spectrum-trouble" => dashboard(look, View::Frequency),
+        "response" => with_spectra(look, Kind::Response, 2),
+        "poles" => with_spectra(look, Kind::Poles, 0),
+        "check" => with_runs(look, View::Check, 2),
+        "parameters" => dashboard(look, View::Parameters),
+        "diagnosis" => diagnosed(look, Over::Speed),
+        "diagnosis-torque" => diagnosed(look, Over::Torque),
+        "diagnosis-frequency" => diagnosed(look, Over::Frequency),
+        "diagnosis-time" => diagnosed(look, Over::Time),
+        "diagnosis-fit" => diagnosed(look, Over::Fit),
+        "diagnosis-shape" => diagnosed(look, Over::Shape),
+        "diagnosis-empty" => dashboard(look, View::Diagnosis),
+        "live-empty" => dashboard(look, View::Live),
+        _ => return None,
+    };
+    match name {
+        "time" => state.review.cursors = Some([2.5, 5.25]),
+        "time-differences" => state.review.reference = Some(0),
+        "time-trouble" | "spectrum-trouble" => state.add_recording(troubled(8000)),
+        "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),
+        "time-nothing" => {
+            state.add_recording(of("nothing.csv", vec![0.0, 1.0, 2.0], vec![vec![f64::NAN; 3]; 2]));
+        }
+        "time-wrong" => state.warn(
+            "runs/broken.mcap: this is no recording: byte 0 is not that of an MCAP log, a CSV table or a legacy log; expected one of these",
+        ),
+        "parameters" => state.show(parse("fit.json", IDENTIFICATION).unwrap()),
+        _ => {}
+    }
+    Some(state)
 }

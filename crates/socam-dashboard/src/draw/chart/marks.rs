@@ -1,0 +1,134 @@
+//! What is drawn into a chart: lines, markers, bands, and what is special about its axis.
+
+use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
+use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
+
+use super::{Curve, Flag, Style, TITLE_STRIP};
+
+/// Thinner lines fade where they pass between two rows of pixels.
+const LINE_WIDTH: f32 = 1.7;
+
+/// Markers on a line, evenly apart on the horizontal axis.
+pub(super) fn markers(
+    curve: &Curve,
+    shape: MarkerShape,
+    [first, every]: [f64; 2],
+    [log_x, log_y]: [bool; 2],
+) -> Points<'static> {
+    let scale = |value: f64, log: bool| if log { value.log10() } else { value };
+    let points =
+        curve.parts.iter().flatten().map(|[x, y]| PlotPoint::new(scale(*x, log_x), scale(*y, log_y)));
+    let mut next = first;
+    let mut chosen = Vec::new();
+    for point in points.filter(|point| point.y.is_finite()) {
+        if point.x >= next {
+            next = first + ((point.x - first) / every).floor() * every + every;
+            chosen.push(point);
+        }
+    }
+    Points::new("", PlotPoints::Owned(chosen)).color(curve.colour).radius(4.5).shape(shape).allow_hover(false)
+}
+
+pub(super) fn draw(
+    plot: &mut egui_plot::PlotUi<'_>,
+    curve: &Curve,
+    part: &[[f64; 2]],
+    [log_x, log_y]: [bool; 2],
+) {
+    let scale = |value: f64, log: bool| if log { value.log10() } else { value };
+    let point = |[x, y]: &[f64; 2]| PlotPoint::new(scale(*x, log_x), scale(*y, log_y));
+    let points: Vec<PlotPoint> =
+        part.iter().map(point).filter(|point| point.x.is_finite() && point.y.is_finite()).collect();
+    let only_markers = matches!(curve.style, Style::Markers(_));
+    if only_markers || curve.style == Style::Dotted || points.len() == 1 {
+        let markers = Points::new("", PlotPoints::Owned(points.clone())).color(curve.colour);
+        let markers = match curve.style {
+            Style::Markers(shape) => markers.shape(shape).filled(shape == MarkerShape::Cross).radius(5.0),
+            _ => markers.radius(2.5),
+        };
+        plot.points(markers.allow_hover(false));
+    }
+    if !only_markers && points.len() > 1 {
+        let line =
+            Line::new("", PlotPoints::Owned(points)).color(curve.colour).width(LINE_WIDTH).allow_hover(false);
+        plot.line(if curve.style == Style::Dashed { line.style(LineStyle::dashed_dense()) } else { line });
+    }
+}
+
+/// Fills what lies between two lines.
+pub(super) fn band(
+    painter: &Painter,
+    transform: &PlotTransform,
+    [log_x, log_y]: [bool; 2],
+    band: &[[f64; 3]],
+    colour: Color32,
+) {
+    let point = |x: f64, y: f64| {
+        let x = if log_x { x.log10() } else { x };
+        let y = if log_y { y.max(1e-300).log10() } else { y };
+        pos2(transform.position_from_point_x(x), transform.position_from_point_y(y))
+    };
+    for pair in band.windows(2).filter(|pair| pair.iter().flatten().all(|value| value.is_finite())) {
+        let [[x0, low0, high0], [x1, low1, high1]] = [pair[0], pair[1]];
+        let corners = vec![point(x0, low0), point(x1, low1), point(x1, high1), point(x0, high0)];
+        painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
+    }
+}
+
+pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
+    let galley =
+        painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), ui.visuals().text_color());
+    let at = frame.left_top() + vec2(7.0, 5.0);
+    let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
+    painter.rect_filled(Rect::from_min_size(at, galley.size()).expand2(vec2(4.0, 2.0)), 3.0, ground);
+    painter.galley(at, galley, ui.visuals().text_color());
+}
+
+/// Rows of words that are drawn at most, and letters of each; all of them are told where the pointer is.
+const WORD_ROWS: usize = 2;
+const LETTERS: usize = 52;
+
+/// Vertical lines with words: each in the first row from below in which it covers no other.
+pub(super) fn flags(
+    ui: &Ui,
+    painter: &Painter,
+    frame: Rect,
+    (flags, words): (&[Flag], bool),
+    at: impl Fn(f64) -> f32,
+) {
+    let mut free: Vec<f32> = Vec::new();
+    for flag in flags {
+        let x = at(flag.x);
+        if !x.is_finite() || !frame.x_range().contains(x) {
+            continue;
+        }
+        painter.vline(x, frame.y_range(), Stroke::new(1.0, flag.colour));
+        if flag.text.is_empty() || !words {
+            continue;
+        }
+        let word = shortened(&flag.text);
+        let galley = painter.layout_no_wrap(word, FontId::proportional(10.5), flag.colour);
+        let left = (x + 3.0).min(frame.right() - galley.size().x - 2.0).max(frame.left() + 2.0);
+        let row = free.iter().position(|free| *free <= left).unwrap_or(free.len());
+        let bottom = frame.bottom() - 2.0 - (galley.size().y + 2.0) * row as f32;
+        if row >= WORD_ROWS || bottom - galley.size().y < frame.top() + TITLE_STRIP {
+            continue;
+        }
+        let end = left + galley.size().x + 6.0;
+        match free.get_mut(row) {
+            Some(free) => *free = end,
+            None => free.push(end),
+        }
+        let place = pos2(left, bottom - galley.size().y);
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.8);
+        painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(1.0), 2.0, ground);
+        painter.galley(place, galley, flag.colour);
+    }
+}
+
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= LETTERS {
+        return text.to_owned();
+    }
+    text.chars().take(LETTERS - 3).chain("...".chars()).collect()
+}

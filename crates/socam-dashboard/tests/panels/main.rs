@@ -1,0 +1,5 @@
+//! The panels as people use and see them: driven by the names that a screen reader would say, and compared with pictures.
+
+mod clicks;
+mod pictures;
+mod sample;
