@@ -25,7 +25,7 @@ pub fn core_on_board() -> Option<PathBuf> {
 }
 
 fn build(what: &[&str], file: &str) -> Option<PathBuf> {
-    if !has_target() {
+    if !has_target(TARGET) {
         crate::skip(&format!("Rust here has no target {TARGET}, which the firmware is built for"));
         return None;
     }
@@ -45,8 +45,10 @@ fn build(what: &[&str], file: &str) -> Option<PathBuf> {
     Some(target.join(TARGET).join("release").join(file))
 }
 
-fn has_target() -> bool {
-    let output = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output();
+/// Whether the compiler here can build for a target.
+#[must_use]
+pub fn has_target(target: &str) -> bool {
+    let output = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output();
     output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 

@@ -227,7 +227,9 @@ impl Dashboard {
     /// Draws everything.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        self.take_files(&ctx);
+        #[cfg(not(target_arch = "wasm32"))]
+        self.begin_to_open(&ctx);
+        self.take_opened();
         self.take_saved();
         #[cfg(not(target_arch = "wasm32"))]
         if self.opening.is_empty()
@@ -312,20 +314,22 @@ impl Dashboard {
         self.shortcuts(ctx);
     }
 
-    fn take_files(&mut self, ctx: &egui::Context) {
-        #[cfg(not(target_arch = "wasm32"))]
-        {
-            let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-            self.waiting.extend(dropped.iter().map(|file| file.path().display().to_string()));
-            for path in std::mem::take(&mut self.waiting) {
-                if let Some(folder) = Path::new(&path).parent().filter(|folder| folder.is_dir()) {
-                    self.layout.folder = folder.into();
-                }
-                let title = format!("Opening {path}");
-                self.opening
-                    .push(Job::start(&title, ctx, move |handle| crate::document::open(&path, handle)));
+    /// Begins to open what was dropped into the window or named before.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn begin_to_open(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        self.waiting.extend(dropped.iter().map(|file| file.path().display().to_string()));
+        for path in std::mem::take(&mut self.waiting) {
+            if let Some(folder) = Path::new(&path).parent().filter(|folder| folder.is_dir()) {
+                self.layout.folder = folder.into();
             }
+            let title = format!("Opening {path}");
+            self.opening.push(Job::start(&title, ctx, move |handle| crate::document::open(&path, handle)));
         }
+    }
+
+    /// Shows what has been opened.
+    fn take_opened(&mut self) {
         // In order: what was named first gets the first colour.
         while let Some(result) = self.opening.first().and_then(Job::poll) {
             self.opening.remove(0);

@@ -1,11 +1,13 @@
 //! Whatever can be opened: recordings, models, identifications, diagnoses, input signals, each known by its content.
 
+#[cfg(not(target_arch = "wasm32"))]
 use std::path::Path;
 
 use socam_answer::Diagnosis;
 use socam_model::Model;
 use socam_recording::ProfileFile;
 
+#[cfg(not(target_arch = "wasm32"))]
 use crate::job::Handle;
 use crate::parameters::Identification;
 use crate::recording::Recording;

@@ -5,7 +5,9 @@ use std::path::Path;
 use egui::{Button, Key, KeyboardShortcut, LayerId, Modifiers, Ui};
 
 use crate::draw::{export, raster, svg};
-use crate::files::{Dialog, Purpose};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::files::Dialog;
+use crate::files::Purpose;
 use crate::live::signal::{Kind, Settings};
 use crate::theme::{self, Look};
 use crate::{Dashboard, View};

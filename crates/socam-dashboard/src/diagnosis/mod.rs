@@ -3,7 +3,9 @@
 mod drawing;
 mod evidence;
 mod findings;
-mod work;
+// In a browser none is made, only shown.
+#[cfg(not(target_arch = "wasm32"))]
+mod maker;
 
 use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
 use socam_answer::document::{Validation, Verdict};
@@ -12,8 +14,7 @@ use socam_model::Model;
 use socam_recording::ProfileFile;
 
 use crate::draw::chart::{self, Seen};
-use crate::job::{CANCELLED, Job};
-use crate::recording::{Recording, short};
+use crate::recording::Recording;
 use crate::theme;
 pub use evidence::Over;
 
@@ -41,10 +42,8 @@ pub struct DiagnosisView {
     recording: usize,
     /// The place that was clicked in the drawing.
     selected: Option<String>,
-    /// Recordings that are kept for the proof.
-    held_out: Vec<String>,
-    job: Option<Job<work::Outcome>>,
-    problem: Option<String>,
+    #[cfg(not(target_arch = "wasm32"))]
+    maker: maker::Maker,
 }
 
 /// A diagnosis and what belongs to it.
@@ -59,7 +58,10 @@ impl DiagnosisView {
     /// Whether a diagnosis is being made.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.job.is_some()
+        #[cfg(target_arch = "wasm32")]
+        return false;
+        #[cfg(not(target_arch = "wasm32"))]
+        self.maker.is_busy()
     }
 
     /// Begins a diagnosis of recordings; those that are held out are the proof.
@@ -71,16 +73,13 @@ impl DiagnosisView {
         names: Vec<String>,
         held_out: Vec<String>,
     ) {
-        self.problem = None;
-        let (kept, fitted) = names.into_iter().partition(|name| held_out.contains(name));
-        self.held_out = held_out;
-        self.job = Some(work::start(ctx, model, fitted, kept));
+        self.maker.start(ctx, model, names, held_out);
     }
 
     /// Shows a diagnosis of a model.
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
         self.selected = None;
-        (self.channel, self.recording, self.problem) = (0, 0, None);
+        (self.channel, self.recording) = (0, 0);
         // The evidence that shows the strongest finding best comes first.
         if let Some(finding) = diagnosis.findings.first() {
             let region = &finding.region;
@@ -110,19 +109,17 @@ impl DiagnosisView {
         model: &Model,
         seen: &mut Vec<Seen>,
     ) -> Option<ProfileFile> {
-        if let Some(outcome) = self.job.as_ref().and_then(Job::poll) {
-            self.job = None;
-            match outcome.and_then(|outcome| outcome) {
-                Ok(answer) => self.show(answer.diagnosis, Some(answer.evidence), answer.model),
-                Err(sentence) if sentence == CANCELLED => {}
-                Err(sentence) => self.problem = Some(sentence),
-            }
+        #[cfg(target_arch = "wasm32")]
+        let _ = (recordings, model);
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(answer) = self.maker.poll() {
+            self.show(answer.diagnosis, Some(answer.evidence), answer.model);
         }
         let mut wanted = None;
         egui::Panel::left("findings").default_size(372.0).size_range(250.0..=640.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 #[cfg(not(target_arch = "wasm32"))]
-                self.begin(ui, recordings, model);
+                self.maker.ui(ui, recordings, model, self.shown.is_none());
                 if let Some(shown) = &self.shown {
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
                 }
@@ -130,52 +127,6 @@ impl DiagnosisView {
         });
         egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen));
         wanted
-    }
-
-    /// What a new diagnosis would be made of.
-    #[cfg(not(target_arch = "wasm32"))]
-    fn begin(&mut self, ui: &mut Ui, recordings: &[&Recording], model: &Model) {
-        if let Some(job) = &self.job {
-            if job.ui(ui) {
-                self.job = None;
-            }
-            return;
-        }
-        if let Some(problem) = &self.problem {
-            ui.label(RichText::new(problem).color(theme::alarm(ui)));
-        }
-        let usable: Vec<&&Recording> =
-            recordings.iter().filter(|recording| recording.path.is_some()).collect();
-        if usable.is_empty() {
-            return;
-        }
-        egui::CollapsingHeader::new("Diagnose the open recordings").default_open(self.shown.is_none()).show(
-            ui,
-            |ui| {
-                for recording in &usable {
-                    let name = &recording.about.name;
-                    let mut out = self.held_out.contains(name);
-                    let text = format!("hold out {}", short(name));
-                    if ui
-                        .checkbox(&mut out, text)
-                        .on_hover_text("never fitted, only predicted: the proof")
-                        .changed()
-                    {
-                        if out {
-                            self.held_out.push(name.clone())
-                        } else {
-                            self.held_out.retain(|own| own != name)
-                        }
-                    }
-                }
-                let names: Vec<String> =
-                    usable.iter().map(|recording| recording.about.name.clone()).collect();
-                let any = names.iter().any(|name| !self.held_out.contains(name));
-                if ui.add_enabled(any, egui::Button::new("Diagnose")).clicked() {
-                    self.start(ui.ctx(), model.clone(), names, self.held_out.clone());
-                }
-            },
-        );
     }
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {

@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, McapError, WriteOptions, Writer};
+use mcap::{McapError, WriteOptions, Writer};
 
 use super::sample::{Event, encode_event};
 use super::sink::LogSink;
@@ -189,14 +189,16 @@ impl LogWriter {
 
 fn options() -> WriteOptions {
     // A chunk is put together in memory and written at once: the file never holds half a chunk's header.
-    WriteOptions::new()
+    let options = WriteOptions::new()
         .profile(PROFILE)
         .library(concat!("socam ", env!("CARGO_PKG_VERSION")))
-        .compression(Some(Compression::Zstd))
-        .compression_level(1)
-        .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))
-        .disable_seeking(true)
+        .disable_seeking(true);
+    // The compressor is in C.
+    #[cfg(target_arch = "wasm32")]
+    return options.compression(None);
+    #[cfg(not(target_arch = "wasm32"))]
+    options.compression(Some(mcap::Compression::Zstd)).compression_level(1).compression_threads(0)
 }
 
 fn metadata(header: &RecordingHeader) -> Metadata {
