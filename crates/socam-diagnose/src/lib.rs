@@ -16,7 +16,6 @@ mod diagnose;
 mod experiment;
 mod noise_floor;
 mod pictures;
-mod plot;
 mod race;
 mod region;
 pub mod report;

@@ -2,12 +2,10 @@
 
 use maud::{Markup, html};
 use socam_model::{Model, Motion};
+use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 use super::{drawing, page::prose, words};
-use crate::{
-    document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED},
-    plot::{Axis, COLUMNS, Mark, Plot, Series},
-};
+use crate::document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED};
 
 /// One finding, numbered from 1 as in the drawing.
 pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup {

@@ -22,7 +22,7 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { "Diagnosis of " (model.name) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(socam_plot::STYLE)) (PreEscaped(STYLE)) }
             }
             body {
                 (head(diagnosis, model))

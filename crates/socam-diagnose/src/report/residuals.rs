@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 use socam_model::{Model, Motion};
+use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 use super::words;
 use crate::{
     Evidence,
     evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
-    plot::{Axis, COLUMNS, Mark, Plot, Series},
 };
 
 /// Bytes that all traces together may take, so that a page opens at once.

@@ -1,16 +1,17 @@
 //! Axes: ranges, round ticks, and a power of ten taken out of their labels.
 
 use super::CHARACTER_WIDTH;
-use crate::report::words;
+use crate::words;
 
 /// What an axis shows.
 #[derive(Debug, Clone)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// Quantity.
-    pub(crate) quantity: String,
+    pub quantity: String,
     /// SI unit.
-    pub(crate) unit: String,
-    pub(crate) logarithmic: bool,
+    pub unit: String,
+    /// Whether decades stand at equal distances.
+    pub logarithmic: bool,
 }
 
 /// A line of the grid.
@@ -50,11 +51,15 @@ const MOST_DECADES: f64 = 8.0;
 const TICK_SPACING: f64 = 62.0;
 
 impl Axis {
-    pub(crate) fn new(quantity: &str, unit: &str) -> Self {
+    /// A linear axis.
+    #[must_use]
+    pub fn new(quantity: &str, unit: &str) -> Self {
         Self { quantity: quantity.to_owned(), unit: unit.to_owned(), logarithmic: false }
     }
 
-    pub(crate) fn logarithmic(quantity: &str, unit: &str) -> Self {
+    /// A logarithmic axis.
+    #[must_use]
+    pub fn logarithmic(quantity: &str, unit: &str) -> Self {
         Self { logarithmic: true, ..Self::new(quantity, unit) }
     }
 

@@ -60,11 +60,33 @@ pub(super) fn dots(series: &Series<'_>, frame: &Frame) -> String {
 
 /// One dot.
 pub(super) fn dot(mark: Mark, left: f64, top: f64) -> String {
-    if mark == Mark::Squares {
-        format!("M{:.1} {:.1}h5v5h-5z", left - 2.5, top - 2.5)
-    } else {
-        format!("M{:.1} {top:.1}a3 3 0 1 0 6 0a3 3 0 1 0-6 0z", left - 3.0)
+    match mark {
+        Mark::Squares => format!("M{:.1} {:.1}h5v5h-5z", left - 2.5, top - 2.5),
+        Mark::Crosses => format!("M{:.1} {:.1}l7 7m0-7l-7 7", left - 3.5, top - 3.5),
+        _ => format!("M{:.1} {top:.1}a3 3 0 1 0 6 0a3 3 0 1 0-6 0z", left - 3.0),
     }
+}
+
+/// The area between `y - spread` and `y + spread`, one piece for each stretch without missing values. What leaves the axes is cut
+/// off at their edge.
+pub(super) fn band(series: &Series<'_>, frame: &Frame) -> String {
+    let edges = series.x.iter().zip(series.y).enumerate().map(|(index, (x, y))| {
+        let spread = series.spread(index);
+        let low = frame.place(*x, y - spread).or_else(|| frame.bottom(*x));
+        Some((frame.place(*x, y + spread)?, low?))
+    });
+    let edges: Vec<_> = edges.collect();
+    let mut path = String::new();
+    for piece in edges.split(Option::is_none).filter(|piece| piece.len() > 1) {
+        let upper = piece.iter().flatten().map(|(upper, _)| upper);
+        let lower = piece.iter().rev().flatten().map(|(_, lower)| lower);
+        for (index, (left, top)) in upper.chain(lower).enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(path, "{}{left:.1} {top:.1}", if index == 0 { 'M' } else { 'L' });
+        }
+        path.push('z');
+    }
+    path
 }
 
 fn column_width(frame: &Frame, columns: usize) -> f64 {

@@ -1,22 +1,24 @@
 //! Small plots as inline SVG: lines and points with error bars over linear or logarithmic axes.
 //!
-//! Colours, dark mode and fonts come from the page's style sheet by class name; nothing here knows them. Legends stand above
+//! Colours, dark mode and fonts come from the page's style sheet ([`STYLE`]) by class name. Legends stand above
 //! the axes, so that they never cover data. Crates that were looked at: `plotters` writes fixed colours (no dark mode) and an
 //! element per dot, `poloto` has no logarithmic axes or error bars, `charming` needs JavaScript to be read.
 
 mod axis;
 mod path;
+pub mod words;
 
 #[cfg(test)]
 mod tests;
 
 use maud::{Markup, Render, html};
 
-pub(crate) use axis::{Axis, Scale};
+pub use axis::Axis;
+use axis::Scale;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Mark {
+pub enum Mark {
     /// Joined points; drawn with the extremes of every pixel column, so that spikes stay visible.
     Line,
     /// The same, interrupted where a recording has a gap.
@@ -25,34 +27,44 @@ pub(crate) enum Mark {
     Circles,
     /// The same with squares.
     Squares,
+    /// Round dots that nothing joins.
+    Points,
+    /// Crosses that nothing joins.
+    Crosses,
+    /// The area `spread` to either side, under what is drawn after it.
+    Band,
 }
 
 /// What is drawn.
 #[derive(Debug, Clone)]
-pub(crate) struct Series<'a> {
+pub struct Series<'a> {
     /// Name in the legend; none where it is empty.
-    pub(crate) label: &'a str,
+    pub label: &'a str,
     /// Class of the style sheet, which has its colour.
-    pub(crate) class: &'a str,
-    pub(crate) mark: Mark,
-    pub(crate) x: &'a [f64],
+    pub class: &'a str,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Abscissas, in the unit of the axis.
+    pub x: &'a [f64],
     /// NaN leaves a gap.
-    pub(crate) y: &'a [f64],
+    pub y: &'a [f64],
     /// Half-width of bars; may be empty.
-    pub(crate) spread: &'a [f64],
+    pub spread: &'a [f64],
 }
 
 /// One pair of axes.
 #[derive(Debug, Clone)]
-pub(crate) struct Plot<'a> {
+pub struct Plot<'a> {
     /// What a reader who can't see it is told.
-    pub(crate) title: String,
-    pub(crate) x: Axis,
-    pub(crate) y: Axis,
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
     /// Drawn in this order, the last on top.
-    pub(crate) series: Vec<Series<'a>>,
+    pub series: Vec<Series<'a>>,
     /// Most pixel columns to draw; fewer make smaller files.
-    pub(crate) columns: usize,
+    pub columns: usize,
 }
 
 /// Size of the whole plot in the units of its view box, which a screen shows at about a pixel each.
@@ -66,8 +78,12 @@ pub(crate) const CHARACTER_WIDTH: f64 = 6.2;
 /// Values beyond this are no measurements, and would overflow the arithmetic of axes.
 const LARGEST: f64 = 1e100;
 
+/// Style sheet of pages with plots: colours for light and dark, text, tables, and what plots are drawn with. Series have the
+/// classes `before`, `after`, `third` and `noise`.
+pub const STYLE: &str = include_str!("style.css");
+
 /// Pixel columns of a plot at full resolution.
-pub(crate) const COLUMNS: usize = 350;
+pub const COLUMNS: usize = 350;
 
 /// A value that can be drawn.
 pub(crate) fn usable(value: f64) -> bool {
@@ -98,6 +114,11 @@ impl Frame {
     /// Where a point stands; `None` where it has no place on the axes.
     fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         Some((self.x.place(x)?, self.y.place(y)?))
+    }
+
+    /// The lower edge of the axes at `x`: where a logarithmic axis puts what is not positive.
+    fn bottom(&self, x: f64) -> Option<(f64, f64)> {
+        Some((self.x.place(x)?, HEIGHT - BOTTOM))
     }
 }
 
@@ -167,6 +188,15 @@ impl Plot<'_> {
                 path class=(format!("line {}", series.class)) d=(path::line(series, frame, self.columns)) {}
             },
             Mark::Circles | Mark::Squares => self.dots(series, frame),
+            Mark::Points => {
+                html! { path class=(format!("dot {}", series.class)) d=(path::dots(series, frame)) {} }
+            }
+            Mark::Crosses => {
+                html! { path class=(format!("thin {}", series.class)) d=(path::dots(series, frame)) {} }
+            }
+            Mark::Band => {
+                html! { path class=(format!("band {}", series.class)) d=(path::band(series, frame)) {} }
+            }
         }
     }
 
@@ -187,10 +217,34 @@ fn sample(series: &Series<'_>, from: f64) -> Markup {
     html! {
         @match series.mark {
             Mark::Line | Mark::Trace => { path class=(format!("line key {}", series.class)) d=(line) {} }
+            Mark::Points => { path class=(format!("dot {}", series.class)) d=(path::dot(series.mark, x, y)) {} }
+            Mark::Crosses => { path class=(format!("thin {}", series.class)) d=(path::dot(series.mark, x, y)) {} }
+            Mark::Band => { path class=(format!("band {}", series.class)) d=(format!("M{from:.1} 6h16v8h-16z")) {} }
             Mark::Circles | Mark::Squares => {
                 path class=(format!("thin {}", series.class)) d=(line) {}
                 path class=(format!("dot {}", series.class)) d=(path::dot(series.mark, x, y)) {}
             }
         }
+    }
+}
+
+/// A plot as a file of its own: light colours, whatever the reader's page looks like.
+#[must_use]
+pub fn standalone(plot: &Plot<'_>) -> String {
+    let drawn = plot.render().into_string();
+    let light = STYLE.split("@media").next().unwrap_or_default();
+    let plots =
+        STYLE.split("/* plots */").nth(1).and_then(|rest| rest.split("@media").next()).unwrap_or_default();
+    let style = format!(
+        "<style>{light}svg {{ background: #fff; font-family: system-ui, \"DejaVu Sans\", sans-serif; }}\n{plots}</style>"
+    );
+    let opened = drawn.replacen(
+        "<svg ",
+        &format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" ", 2.0 * WIDTH),
+        1,
+    );
+    match opened.find('>') {
+        Some(end) => format!("{}{style}{}\n", &opened[..=end], &opened[end + 1..]),
+        None => opened,
     }
 }
