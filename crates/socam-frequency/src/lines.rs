@@ -1,0 +1,66 @@
+//! One line of a response, and what its uncertainty means.
+
+use nalgebra::Complex;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// The response at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// Output over input.
+    pub response: Complex<f64>,
+    /// Mean square of its complex error.
+    pub variance: f64,
+    /// Complex degrees of freedom that the variance was estimated with.
+    pub freedom: f64,
+    /// Share of both signals' power that is the one's response to the other, 0 to 1, as one period (or the neighbourhood that a
+    /// line is estimated from) shows it.
+    pub coherence: f64,
+}
+
+impl Line {
+    /// Half-width of the 95 % interval of the error's part in any one direction: of the magnitude, and of the phase in rad times
+    /// the magnitude, where it is small against the response.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        let quantile = StudentsT::new(0.0, 1.0, 2.0 * self.freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
+        quantile * (0.5 * self.variance).sqrt()
+    }
+
+    /// Radius of the circle about [`Self::response`] that holds the truth in 95 % of cases.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        // The ratio to the variance follows an F distribution of 2 and 2 q degrees, whose quantile is closed.
+        let q = self.freedom;
+        (self.variance * q * (0.05_f64.powf(-1.0 / q) - 1.0)).sqrt()
+    }
+
+    /// 95 % interval of the magnitude.
+    #[must_use]
+    pub fn magnitude_ci95(&self) -> [f64; 2] {
+        let (size, half) = (self.response.norm(), self.half_width());
+        [(size - half).max(0.0), size + half]
+    }
+
+    /// Half-width of the phase's 95 % interval, degrees; 180 where the response is not told from nought.
+    #[must_use]
+    pub fn phase_half_width_deg(&self) -> f64 {
+        let share = self.half_width() / self.response.norm();
+        if share < 1.0 { share.asin().to_degrees() } else { 180.0 }
+    }
+
+    /// Two independent estimates of the same line as one.
+    #[must_use]
+    pub(crate) fn joined(self, other: Self) -> Self {
+        let (mine, others) = (1.0 / self.variance, 1.0 / other.variance);
+        let total = mine + others;
+        Self {
+            frequency_hz: self.frequency_hz,
+            response: (self.response * mine + other.response * others) / total,
+            variance: 1.0 / total,
+            freedom: self.freedom + other.freedom,
+            coherence: (self.coherence * mine + other.coherence * others) / total,
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The local polynomial method: about each line, response and start-up transient are parabolas over a few bins.
+//!
+//! The transient of a stretch that starts and ends somewhere - what windows call leakage - is as smooth over frequency as the
+//! bench's response itself, and is estimated beside it. Stretches share the response and have transients of their own, so that
+//! recordings of any length, and those with gaps, are taken together.
+
+use nalgebra::{Complex, DMatrix};
+
+use crate::{least_squares, lines::Line, spectrum};
+
+type C = Complex<f64>;
+
+/// Bins to either side of a line: 17 bins less 6 coefficients leave 11 degrees of freedom.
+const REACH: usize = 8;
+/// Coefficients of a parabola.
+const PARABOLA: usize = 3;
+/// By how much the rest of the parabolas may widen a response against the mere mean over its bins. Noise as a drive gives about 3;
+/// lines that stand apart by more than the bins looked at determine no parabola.
+const MOST_WIDENED: f64 = 20.0;
+/// Power over the strongest bin's below which there is nothing but the rounding of a transform.
+const ROUNDING: f64 = 1e-22;
+/// Fewer samples have no line that far from both ends.
+pub(crate) const SHORTEST: usize = 8 * REACH;
+
+/// A stretch without gaps, transformed.
+pub(crate) struct Stretch {
+    step_hz: f64,
+    /// What drove the bench, known without noise; `None` where only the measured input is known.
+    reference: Option<Vec<C>>,
+    input: Vec<C>,
+    output: Vec<C>,
+    /// Takes out what lengths do to sizes.
+    scale: f64,
+    /// Power of the strongest bin of what drives the bench, the mean's included.
+    strongest: f64,
+}
+
+impl Stretch {
+    pub(crate) fn new(input: &[f64], output: &[f64], reference: Option<&[f64]>, sample_time_s: f64) -> Self {
+        let reference = reference.map(spectrum::transform);
+        let input_lines = spectrum::transform(input);
+        let drive = reference.as_ref().unwrap_or(&input_lines);
+        Self {
+            step_hz: 1.0 / (input.len() as f64 * sample_time_s),
+            strongest: drive.iter().map(C::norm_sqr).fold(0.0, f64::max),
+            reference,
+            input: input_lines,
+            output: spectrum::transform(output),
+            scale: 1.0 / (input.len() as f64).sqrt(),
+        }
+    }
+
+    /// The bins nearest to a frequency, never the mean's; `None` where it lies outside.
+    fn bins(&self, frequency_hz: f64) -> Option<std::ops::Range<usize>> {
+        let centre = (frequency_hz / self.step_hz).round() as usize;
+        if centre < 1 || centre + REACH >= self.input.len() {
+            return None;
+        }
+        let first = centre.saturating_sub(REACH).max(1);
+        Some(first..first + 2 * REACH + 1)
+    }
+
+    pub(crate) fn lowest_hz(&self) -> f64 {
+        self.step_hz
+    }
+}
+
+/// The response at one frequency; `None` where nothing drives the bench there.
+pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
+    let seen: Vec<(&Stretch, std::ops::Range<usize>)> =
+        stretches.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
+    let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
+    if rows == 0 {
+        return None;
+    }
+    let columns = PARABOLA * (1 + seen.len());
+    let reach_hz = seen.iter().map(|(s, _)| s.step_hz).fold(0.0, f64::max) * REACH as f64;
+    let mut design = DMatrix::from_element(rows, columns, C::default());
+    let mut wanted = DMatrix::from_element(rows, 2, C::default());
+    let mut row = 0;
+    for (own, (stretch, bins)) in seen.iter().enumerate() {
+        for bin in bins.clone() {
+            let x = (bin as f64 * stretch.step_hz - frequency_hz) / reach_hz;
+            let drive = stretch.reference.as_ref().unwrap_or(&stretch.input)[bin] * stretch.scale;
+            for (power, factor) in [1.0, x, x * x].into_iter().enumerate() {
+                design[(row, power)] = drive * factor;
+                design[(row, PARABOLA * (1 + own) + power)] = C::new(factor, 0.0);
+            }
+            wanted[(row, 0)] = stretch.output[bin] * stretch.scale;
+            wanted[(row, 1)] = stretch.input[bin] * stretch.scale;
+            row += 1;
+        }
+    }
+    let strongest = seen.iter().map(|(s, _)| s.strongest * s.scale * s.scale).fold(0.0, f64::max);
+    let drive_power = (0..rows).map(|i| design[(i, 0)].norm_sqr()).sum::<f64>() / rows as f64;
+    if drive_power <= ROUNDING * strongest {
+        return None;
+    }
+    let solved = least_squares::complex(&design, &wanted)?;
+    if solved.first_variance * drive_power * rows as f64 > MOST_WIDENED {
+        return None;
+    }
+    let freedom = (rows - columns) as f64;
+    let indirect = stretches.iter().all(|s| s.reference.is_some());
+    // With a reference: response of the output to it over that of the input to it.
+    let (response, through) = if indirect {
+        (solved.unknowns[(0, 0)] / solved.unknowns[(0, 1)], solved.unknowns[(0, 1)])
+    } else {
+        (solved.unknowns[(0, 0)], C::new(1.0, 0.0))
+    };
+    let noise_of = |error: &dyn Fn(usize) -> C| (0..rows).map(|i| error(i).norm_sqr()).sum::<f64>() / freedom;
+    let output_noise = noise_of(&|i| solved.residuals[(i, 0)]);
+    let input_noise = noise_of(&|i| solved.residuals[(i, 1)]);
+    let noise = if indirect {
+        noise_of(&|i| solved.residuals[(i, 0)] - response * solved.residuals[(i, 1)])
+    } else {
+        output_noise
+    };
+    let share = |gain: C, noise: f64| {
+        let signal = gain.norm_sqr() * drive_power;
+        if signal > 0.0 { signal / (signal + noise) } else { 0.0 }
+    };
+    let coherence = if indirect {
+        share(solved.unknowns[(0, 0)], output_noise) * share(through, input_noise)
+    } else {
+        share(response, output_noise)
+    };
+    let variance = noise * solved.first_variance / through.norm_sqr();
+    (response.re.is_finite() && response.im.is_finite() && variance.is_finite()).then_some(Line {
+        frequency_hz,
+        response,
+        variance,
+        freedom,
+        coherence,
+    })
+}

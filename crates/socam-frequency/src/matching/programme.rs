@@ -1,0 +1,195 @@
+//! Least squares of equations in positive unknowns, by sequential quadratic programmes.
+
+use clarabel::{
+    algebra::CscMatrix,
+    solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus},
+};
+use nalgebra::{DMatrix, DVector};
+
+use super::UNKNOWNS;
+
+const MOST_STEPS: usize = 2000;
+/// A step may take at most this share of an unknown away, so that all stay positive,
+const LEAST_LEFT: f64 = 0.9;
+/// and add at most this multiple of it.
+const MOST_ADDED: f64 = 3.0;
+/// A gain of less than this share of the cost in [`SLOW_STEPS`] steps is none.
+const SLOW_GAIN: f64 = 1e-9;
+const SLOW_STEPS: usize = 25;
+/// Below this sum of weighted squares the equations hold to rounding.
+const EXACT: f64 = 1e-26;
+
+/// Equations phi(x) = 0 in eight unknowns.
+pub trait Equations {
+    /// How many.
+    fn count(&self) -> usize;
+    /// phi.
+    fn errors(&self, at: &[f64; UNKNOWNS]) -> Vec<f64>;
+    /// d phi / d x.
+    fn slopes(&self, at: &[f64; UNKNOWNS]) -> Vec<[f64; UNKNOWNS]>;
+}
+
+/// Where the search ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matched {
+    /// The unknowns, all positive.
+    pub at: [f64; UNKNOWNS],
+    /// Half the weighted sum of squares (eq. 4.9).
+    pub cost: f64,
+    /// Its gradient (thesis after Table 4.5).
+    pub gradient: [f64; UNKNOWNS],
+    /// The gradient with the logarithm of each unknown over twice the cost: what is left to gain, whatever the units. Nought where an
+    /// unknown runs to zero.
+    pub relative_gradient: [f64; UNKNOWNS],
+    /// Greatest difference between this gradient and one by differences of the cost, relative to the largest entry.
+    pub gradient_check: f64,
+    /// Quadratic programmes solved.
+    pub steps: usize,
+    /// Whether nothing more was to be gained; unlike an exhausted number of steps.
+    pub converged: bool,
+    /// Singular values of the weighted slopes with the logarithms of the unknowns, the largest first: a small one is a
+    /// combination that the equations hardly determine.
+    pub singular_values: Vec<f64>,
+}
+
+/// Half the weighted sum of squares.
+fn cost(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWNS]) -> f64 {
+    equations.errors(at).iter().zip(weights).map(|(error, weight)| 0.5 * weight * error * error).sum()
+}
+
+/// Weighted errors and their slopes with the logarithms of the unknowns.
+fn linearised(
+    equations: &dyn Equations,
+    weights: &[f64],
+    at: &[f64; UNKNOWNS],
+) -> (DVector<f64>, DMatrix<f64>) {
+    let roots: Vec<f64> = weights.iter().map(|weight| weight.sqrt()).collect();
+    let errors = equations.errors(at);
+    let slopes = equations.slopes(at);
+    (
+        DVector::from_fn(errors.len(), |i, _| roots[i] * errors[i]),
+        DMatrix::from_fn(errors.len(), UNKNOWNS, |i, j| roots[i] * slopes[i][j] * at[j]),
+    )
+}
+
+/// Minimises the weighted sum of squares over positive unknowns from a start.
+#[must_use]
+pub fn solve(equations: &dyn Equations, weights: &[f64], start: &[f64; UNKNOWNS]) -> Matched {
+    let mut at = *start;
+    let mut damping = 1e-3;
+    let mut current = cost(equations, weights, &at);
+    let (mut converged, mut steps) = (false, 0);
+    let mut past = vec![current];
+    while steps < MOST_STEPS {
+        let (errors, slopes) = linearised(equations, weights, &at);
+        steps += 1;
+        let Some(step) = programme(&errors, &slopes, damping) else {
+            damping *= 10.0;
+            if damping > 1e10 {
+                break;
+            }
+            continue;
+        };
+        let next: [f64; UNKNOWNS] = std::array::from_fn(|i| at[i] * (1.0 + step[i]));
+        let there = cost(equations, weights, &next);
+        if there < current {
+            (at, current) = (next, there);
+            damping = (damping / 5.0).max(1e-16);
+            past.push(current);
+        } else if damping > 1e10 {
+            converged = true;
+            break;
+        } else {
+            damping *= 4.0;
+        }
+        let slow =
+            past.len() > SLOW_STEPS && past[past.len() - 1 - SLOW_STEPS] - current < SLOW_GAIN * current;
+        if current < EXACT || slow {
+            converged = true;
+            break;
+        }
+    }
+    report(equations, weights, &at, steps, converged)
+}
+
+fn report(
+    equations: &dyn Equations,
+    weights: &[f64],
+    at: &[f64; UNKNOWNS],
+    steps: usize,
+    converged: bool,
+) -> Matched {
+    let (errors, slopes) = linearised(equations, weights, at);
+    let cost = 0.5 * errors.norm_squared();
+    let by_logarithm = slopes.transpose() * &errors;
+    let singular_values = slopes.singular_values().iter().copied().collect();
+    Matched {
+        at: *at,
+        cost,
+        gradient: std::array::from_fn(|i| by_logarithm[i] / at[i]),
+        relative_gradient: std::array::from_fn(|i| {
+            if cost > EXACT { by_logarithm[i] / (2.0 * cost) } else { 0.0 }
+        }),
+        gradient_check: gradient_check(equations, weights, at, by_logarithm.as_slice()),
+        steps,
+        converged,
+        singular_values,
+    }
+}
+
+/// The exact gradient beside central differences of the cost.
+fn gradient_check(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWNS], gradient: &[f64]) -> f64 {
+    let step = 1e-5;
+    let largest = gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
+    let worst = (0..UNKNOWNS).map(|i| {
+        let moved = |share: f64| {
+            let mut there = *at;
+            there[i] *= 1.0 + share;
+            cost(equations, weights, &there)
+        };
+        // What rounding of the cost makes of a difference is no error of the gradient.
+        let rounding = 1e-15 * cost(equations, weights, at) / step;
+        ((moved(step) - moved(-step)) / (2.0 * step) - gradient[i]).abs() - rounding
+    });
+    let worst = worst.fold(0.0_f64, f64::max);
+    if largest > 0.0 { worst / largest } else { 0.0 }
+}
+
+/// One quadratic programme: relative steps within their limits that make the linearised errors least.
+fn programme(errors: &DVector<f64>, slopes: &DMatrix<f64>, damping: f64) -> Option<Vec<f64>> {
+    // Columns of one size for the solver, and the whole of size one.
+    let norms: Vec<f64> = slopes.column_iter().map(|c| c.norm().max(1e-150)).collect();
+    let size = errors.norm().max(1e-150);
+    let scaled = DMatrix::from_fn(slopes.nrows(), UNKNOWNS, |i, j| slopes[(i, j)] / norms[j]);
+    let curvature = scaled.transpose() * &scaled + DMatrix::identity(UNKNOWNS, UNKNOWNS) * damping;
+    let linear: Vec<f64> = (scaled.transpose() * errors / size).iter().copied().collect();
+    let upper: Vec<Vec<f64>> = (0..UNKNOWNS)
+        .map(|i| (0..UNKNOWNS).map(|j| if j >= i { curvature[(i, j)] } else { 0.0 }).collect())
+        .collect();
+    let (mut rows, mut right) = (Vec::new(), Vec::new());
+    for i in 0..UNKNOWNS {
+        let width = norms[i] / size;
+        for (sign, limit) in [(1.0, MOST_ADDED), (-1.0, LEAST_LEFT)] {
+            // Limits far beyond any step only spoil the scaling.
+            if limit * width < 1e6 {
+                let mut row = vec![0.0; UNKNOWNS];
+                row[i] = sign;
+                rows.push(row);
+                right.push(limit * width);
+            }
+        }
+    }
+    if rows.is_empty() {
+        rows.push(vec![0.0; UNKNOWNS]);
+        right.push(1.0);
+    }
+    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+    let cones = [NonnegativeConeT(rows.len())];
+    let (p, a) = (CscMatrix::from(&upper), CscMatrix::from(&rows));
+    let mut solver = DefaultSolver::new(&p, &linear, &a, &right, &cones, settings).ok()?;
+    solver.solve();
+    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    let steps = solver.solution.x.iter().zip(&norms);
+    let steps: Vec<f64> = steps.map(|(z, norm)| (z * size / norm).clamp(-LEAST_LEFT, MOST_ADDED)).collect();
+    (solved && steps.iter().all(|step| step.is_finite())).then_some(steps)
+}
