@@ -1,0 +1,36 @@
+//! Every number of X. Song, *The Parameter Identification of a Novel Speed Reducer*, McGill University, 2002, computed again from its
+//! own data: which hold, and why the others do not.
+//!
+//! What is printed there stands in `thesis.toml`; what stands here computes. [`examine`] does all of it, [`page()`] writes it down.
+
+mod data;
+mod efficiency;
+mod hardware;
+mod matching;
+mod page;
+mod printed;
+mod report;
+mod transfer;
+
+pub use data::{Thesis, thesis};
+pub use page::page;
+pub use printed::Printed;
+pub use report::{Point, Report, Row, SCHEMA, Table, Verdict};
+
+/// Computes everything again.
+///
+/// # Errors
+/// Where the embedded data cannot be read, in words.
+pub fn examine() -> Result<Report, String> {
+    let thesis = thesis()?;
+    let mut report = Report::new();
+    hardware::examine(&thesis, &mut report);
+    transfer::examine(&thesis, &mut report);
+    matching::examine(&thesis, &mut report);
+    efficiency::examine(&thesis, &mut report);
+    report.points.sort_by_key(|point| point.number);
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! The page: points first, then every number by its table.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::{Point, Report, Row, Table, Verdict, report::short};
+
+const STYLE: &str = "
+.verdict { display: inline-block; min-width: 6.2em; padding: 1px 9px; border-radius: 10px; font-size: .86rem; text-align: center; color: var(--paper); background: var(--good); }
+.verdict.refuted { background: var(--before); }
+.verdict.concealed { background: var(--accent); }
+.point { margin: 12px 0 20px; padding: 2px 18px 12px; border: 1px solid var(--rule); border-radius: 6px; break-inside: avoid; }
+.point ul { margin: 6px 0; padding-left: 20px; font-size: .93rem; font-variant-numeric: tabular-nums; color: var(--soft); }
+.n { text-align: right; }
+td.how { white-space: normal; color: var(--soft); }
+";
+
+/// The report as a page that needs nothing else.
+#[must_use]
+pub fn page(report: &Report) -> String {
+    let (holds, all) = report.counts();
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { "The thesis, computed again" }
+                style { (PreEscaped(socam_plot::STYLE)) (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "The thesis, computed again" }
+                p class="over" { "X. Song, " i { "The Parameter Identification of a Novel Speed Reducer" } ", McGill University, 2002" }
+                p class="summary" {
+                    (all) " printed numbers were computed again from the thesis' own data: " (holds) " hold, " (all - holds)
+                    " do not. What does not, and why:"
+                }
+                main {
+                    section { h2 { "Points" } @for point in &report.points { (of_point(point)) } }
+                    section { h2 { "Every number" } @for table in &report.tables { (of_table(table)) } }
+                }
+            }
+        }
+    }
+    .into_string()
+}
+
+/// Verdict in words.
+pub(crate) fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Holds => "holds",
+        Verdict::Refuted => "refuted",
+        Verdict::Concealed => "concealed",
+    }
+}
+
+fn of_point(point: &Point) -> Markup {
+    html! {
+        article class="point" id=(format!("point-{}", point.number)) {
+            h3 { span class=(format!("verdict {}", word(point.verdict))) { (word(point.verdict)) } span { (point.number) ". " (point.title) } }
+            ul { @for line in &point.calculation { li { (line) } } }
+            p { (point.conclusion) }
+        }
+    }
+}
+
+fn of_table(table: &Table) -> Markup {
+    html! {
+        h3 { (table.place) ": " (table.title) }
+        div class="scroll" { table {
+            thead { tr { th { "" } th class="n" { "printed" } th class="n" { "ours" } th { "unit" } th { "" } th { "calculation" } } }
+            tbody { @for row in &table.rows { (of_row(row)) } }
+        } }
+    }
+}
+
+fn of_row(row: &Row) -> Markup {
+    html! {
+        tr {
+            td { (row.what) }
+            td class="n" { (row.thesis) }
+            td class="n" { (row.ours.map_or_else(|| "-".to_owned(), short)) }
+            td { (row.unit) }
+            td { @if row.holds { "holds" } @else { b { "does not" } } }
+            td class="how" { (row.calculation) }
+        }
+    }
+}
