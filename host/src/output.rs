@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use anyhow::Context;
 use serde::Serialize;
 use socam_recording::{Dataset, OutputFile, RecordingError};
 
@@ -155,6 +156,13 @@ pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
         return Err(WrongArguments(problem).into());
     }
     Ok(OutputFile::create(path)?)
+}
+
+/// Writes a text file that is there whole or not at all.
+pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
+    let mut file = create(path)?;
+    file.write_all(text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
+    Ok(file.commit()?)
 }
 
 #[cfg(test)]

@@ -1,5 +1,12 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
+mod coefficient_match;
+mod etf;
+mod frf;
+mod options;
+mod pictures;
+mod signals;
+
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -17,6 +24,7 @@ use crate::{
     band::{self, BandFits},
     calibrated, model_file, table, watch,
 };
+use options::FrequencyArgs;
 
 /// Identify stiffness, damping and friction from recordings
 ///
@@ -29,7 +37,10 @@ use crate::{
   socam-host identify RUN1.mcap RUN2.mcap
   socam-host identify RUN.mcap --fix k3=52485 --write-model bench.toml
   socam-host identify train.csv --model emps --method inverse-dynamics --validate test.csv
-  socam-host identify RUN1.csv RUN2.csv --model bench.toml --validate RUN3.csv --band 2..80")]
+  socam-host identify RUN1.csv RUN2.csv --model bench.toml --validate RUN3.csv --band 2..80
+  socam-host identify RUN.mcap --method frf --report response
+  socam-host identify RUN.mcap --method etf --orders 3/6 --stable --report transfer
+  socam-host identify transfer/transfer.json --method coefficient-match")]
 pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
@@ -48,8 +59,8 @@ pub(crate) struct Args {
     /// Recordings to predict with the result, not used in the fit; may be repeated
     #[arg(long, value_name = "RUN")]
     validate: Vec<String>,
-    /// Say also how well they are predicted within this band of frequencies, in Hz
-    #[arg(long, value_name = "LOW..HIGH", value_parser = band::parse, requires = "validate")]
+    /// Say also how well they are predicted within this band of frequencies, in Hz; for the methods over frequency: look only there
+    #[arg(long, value_name = "LOW..HIGH", value_parser = band::parse)]
     band: Option<Band>,
     /// Where each recording starts from
     #[arg(long, value_enum, default_value = "free")]
@@ -78,6 +89,8 @@ pub(crate) struct Args {
     /// Say on stderr how far the fit is, also where that is no terminal
     #[arg(long)]
     progress: bool,
+    #[command(flatten)]
+    frequency: FrequencyArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -86,6 +99,12 @@ enum Method {
     OutputError,
     /// The measured force of a one-coordinate axis is regressed on its measured motion
     InverseDynamics,
+    /// The frequency response, with coherence, confidence, and how much is not linear; no parameters
+    Frf,
+    /// A transfer function fitted to recordings, or to a response that frf wrote
+    Etf,
+    /// The thesis' method: a transfer function's coefficients matched by the bench's parameters; beside it a direct fit
+    CoefficientMatch,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -114,6 +133,17 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     {
         model = calibrated::with_sensor_gains(&model, &calibration)?;
     }
+    refuse_unused(&args)?;
+    match args.method {
+        Method::Frf => return frf::run(&args, &model),
+        Method::Etf => return etf::run(&args, &model),
+        Method::CoefficientMatch => return coefficient_match::run(&args, &model),
+        Method::OutputError | Method::InverseDynamics => {}
+    }
+    if args.band.is_some() && args.validate.is_empty() {
+        let message = "--band needs --validate RUN with this method: it is the held-out fit that it bounds";
+        return Err(WrongArguments(message.into()).into());
+    }
     let mut options = options(&args, &model)?;
     let interrupt = Interrupt::listen();
     interrupt.end_after(0);
@@ -131,7 +161,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         Method::OutputError => watch::fit(&interrupt, args.progress, &mut options, |options| {
             socam_identify::output_error(&bind(&model, &datasets, options)?).map_err(anyhow::Error::from)
         })?,
-        Method::InverseDynamics => socam_identify::inverse_dynamics(&model, &datasets)?,
+        _ => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
     let validation = validate(&args, &model, &held_out, &result, &options)?;
     let force_errors = force_errors(&args, &model, &datasets, &result)?;
@@ -147,6 +177,25 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&report(&result, &validation, &force_errors))?;
     }
     Ok(Outcome::Done)
+}
+
+/// An option that a method over frequency would not use is refused rather than ignored.
+fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
+    if matches!(args.method, Method::OutputError | Method::InverseDynamics) {
+        return Ok(());
+    }
+    let unused = [
+        ("--validate", !args.validate.is_empty()),
+        ("--write-model", args.write_model.is_some()),
+        ("--noise", !args.noise.is_empty()),
+        ("--between", args.between.is_some()),
+    ];
+    match unused.iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(WrongArguments(format!(
+            "{option} belongs to --method output-error; a method over frequency does not use it"
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn bind<'a>(model: &'a Model, datasets: &'a [Dataset], options: &Options) -> anyhow::Result<Problem<'a>> {
@@ -241,10 +290,10 @@ fn validate(
             };
             let band = args.band.map(within).transpose()?;
             let force_error_percent = match args.method {
-                Method::OutputError => None,
                 Method::InverseDynamics => {
                     Some(socam_identify::force_error_percent(model, &result.point, dataset)?)
                 }
+                _ => None,
             };
             Ok(Validation { recording, fit, band, force_error_percent })
         })

@@ -18,6 +18,7 @@ mod info;
 mod record;
 mod simulate;
 mod template;
+mod thesis;
 mod virtual_board;
 
 use std::process::ExitCode;
@@ -79,5 +80,6 @@ commands! {
     Dashboard => dashboard,
     Flash => flash,
     Template => template,
+    Thesis => thesis,
     Completions => completions,
 }

@@ -1,0 +1,307 @@
+//! `identify --method etf`: a transfer function from recordings or from a frequency response.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use serde_json::{Value, json};
+use socam_frequency::{
+    Complex,
+    rational::{self, Fit, Orders, Point, TransferFunction},
+};
+use socam_model::{Model, Quantity};
+
+use super::{Args, frf, pictures};
+use crate::{
+    commands::Outcome,
+    output::{self, WrongArguments},
+    table,
+};
+
+/// Version of the document, which is also the form in which coefficient-match takes a transfer function.
+pub(super) const SCHEMA: &str = "socam.transfer-function/1";
+/// Highest order that is tried for advice: that of the thesis.
+const HIGHEST: usize = 6;
+/// Orders that are shown of those tried.
+const SHOWN: usize = 6;
+
+/// What a transfer function is fitted to.
+pub(super) struct Measured {
+    pub(super) name: String,
+    pub(super) points: Vec<Point>,
+    /// The model's own final value.
+    pub(super) expected_final: Option<f64>,
+}
+
+pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
+    let measured = measured(args, model)?;
+    let stable = args.frequency.stable;
+    let (fit, tried) = match args.frequency.orders {
+        Some(orders) => (rational::fit(&measured.points, orders, stable)?, Vec::new()),
+        None => {
+            let tried = rational::advise(&measured.points, HIGHEST, stable);
+            let best =
+                tried.first().cloned().context("no transfer function of order 1 to 6 fits these data")?;
+            (best, tried)
+        }
+    };
+    let document = json(args, model, &measured, &fit, &tried);
+    if let Some(dir) = &args.frequency.report {
+        pictures::write_all(dir, &files(args, model, &measured, &fit, &document)?)?;
+    }
+    if args.json {
+        output::print_json(&document)?;
+    } else {
+        output::print(&text(model, &measured, &fit, &tried))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Lines to fit to, of recordings or of a response that `--method frf` wrote.
+pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
+    let output = match &args.frequency.output[..] {
+        [] => {
+            let speed = model.outputs().find(|channel| channel.quantity == Quantity::Speed);
+            speed.or_else(|| model.outputs().next()).map(|channel| channel.name.clone())
+        }
+        [one] => Some(one.clone()),
+        _ => return Err(WrongArguments("a transfer function is of one --output".into()).into()),
+    };
+    let output = output.context("the model has no output")?;
+    let expected_final = expected_final(model, &output);
+    if let [only] = &args.runs[..]
+        && let Some(points) = response_file(Path::new(only), &output)?
+    {
+        return Ok(Measured { name: output, points, expected_final });
+    }
+    let datasets = super::open_all(&args.runs)?;
+    let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
+    let lines = answers.iter().flat_map(|answer| &answer.response.lines);
+    Ok(Measured { name: output, points: lines.map(Point::from).collect(), expected_final })
+}
+
+fn expected_final(model: &Model, output: &str) -> Option<f64> {
+    let equations = model.equations(&model.values()).ok()?;
+    let index = model.outputs().position(|channel| channel.name == output)?;
+    let input = model.inputs().position(|channel| !channel.quantity.is_clock())?;
+    equations
+        .transfer(index, input, Complex::default())
+        .map(|value| value.re)
+        .filter(|value| value.is_finite())
+}
+
+/// Points of a CSV with a column `frequency_hz`; `None` where the file is none.
+fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Point>>> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
+    let column = |name: &str| head.iter().position(|column| *column == name);
+    let Some(frequency) = column("frequency_hz") else { return Ok(None) };
+    let needed = |name: &str| {
+        let missing = || {
+            format!(
+                "`{}`: a response needs the columns frequency_hz, re, im; {name} is missing",
+                path.display()
+            )
+        };
+        column(name).with_context(missing)
+    };
+    let (re, im, std, of) = (needed("re")?, needed("im")?, column("std"), column("output"));
+    let mut points = Vec::new();
+    for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if of.is_some_and(|of| cells.get(of).is_some_and(|name| *name != output)) {
+            continue;
+        }
+        let number = |column: usize| {
+            let parsed =
+                cells.get(column).and_then(|cell| cell.parse::<f64>().ok()).filter(|value| value.is_finite());
+            parsed.with_context(|| {
+                format!(
+                    "`{}`, line {}: expected a number in column {}",
+                    path.display(),
+                    index + 2,
+                    head[column]
+                )
+            })
+        };
+        let response = Complex::new(number(re)?, number(im)?);
+        // Without deviations all lines count alike, for their size.
+        let std = std.map_or(Ok(0.01 * response.norm()), number)?;
+        points.push(Point {
+            frequency_hz: number(frequency)?,
+            input: Complex::new(1.0, 0.0),
+            output: response,
+            std: std.max(1e-300),
+        });
+    }
+    anyhow::ensure!(!points.is_empty(), "`{}` has no line of the output {output}", path.display());
+    Ok(Some(points))
+}
+
+/// Reads a transfer function that `--method etf` wrote, or one by hand; `None` where the file is none.
+pub(super) fn transfer_file(path: &Path) -> anyhow::Result<Option<TransferFunction>> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    if !text.trim_start().starts_with('{') {
+        return Ok(None);
+    }
+    let wrong = || {
+        format!(
+            "`{}`: a transfer function is {{\"schema\": \"{SCHEMA}\", \"numerator\": [..], \"denominator\": [..]}}, coefficients ascending",
+            path.display()
+        )
+    };
+    let document: Value = serde_json::from_str(&text).with_context(wrong)?;
+    anyhow::ensure!(document["schema"] == SCHEMA, wrong());
+    let coefficients = |name: &str| -> Option<Vec<f64>> {
+        let values: Vec<f64> = document[name].as_array()?.iter().map(Value::as_f64).collect::<Option<_>>()?;
+        values.last().is_some_and(|last| *last != 0.0).then_some(values)
+    };
+    let (numerator, denominator) =
+        coefficients("numerator").zip(coefficients("denominator")).with_context(wrong)?;
+    Ok(Some(TransferFunction { numerator, denominator }))
+}
+
+/// What is to be said of a mode.
+fn note(mode: &rational::ModeEstimate) -> &'static str {
+    match mode.mode {
+        m if m.pole.re >= 0.0 => "not stable",
+        m if m.pole.im == 0.0 => "a real pole, no resonance",
+        m if m.damping_ratio > 0.5_f64.sqrt() => "damped beyond a resonance peak",
+        _ => "",
+    }
+}
+
+fn final_value_text(measured: &Measured, fit: &Fit) -> String {
+    let value = fit.transfer.final_value();
+    let half = 1.96 * fit.final_value_std;
+    let mut text = format!("final value {} +- {}", table::number(value), table::number(half));
+    if let Some(expected) = measured.expected_final {
+        let holds = (value - expected).abs() <= half;
+        let judged = if holds { "holds it" } else { "does not hold it" };
+        let _ = write!(text, "; the model's is {}: the 95 % interval {judged}", table::number(expected));
+    }
+    text
+}
+
+fn json(args: &Args, model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> Value {
+    let roots =
+        |roots: Vec<Complex<f64>>| roots.iter().map(|root| json!([root.re, root.im])).collect::<Vec<_>>();
+    let half = 1.96 * fit.final_value_std;
+    let value = fit.transfer.final_value();
+    json!({
+        "schema": SCHEMA, "method": "etf", "model": model.name, "recordings": args.runs, "output": measured.name,
+        "orders": [fit.orders.numerator, fit.orders.denominator], "stable": fit.transfer.poles().iter().all(|p| p.re < 0.0),
+        "converged": fit.converged, "misfit": fit.misfit, "lines": measured.points.len(),
+        "numerator": fit.transfer.numerator, "numerator_std": fit.numerator_std,
+        "denominator": fit.transfer.denominator, "denominator_std": fit.denominator_std,
+        "poles": roots(fit.transfer.poles()), "zeros": roots(fit.transfer.zeros()),
+        "final_value": {"value": value, "ci95": [value - half, value + half], "model": measured.expected_final},
+        "modes": fit.modes.iter().map(|m| json!({
+            "natural_frequency_hz": m.mode.natural_frequency_hz, "natural_frequency_std_hz": m.frequency_std_hz,
+            "damping_ratio": m.mode.damping_ratio, "damping_ratio_std": m.damping_std, "note": note(m),
+        })).collect::<Vec<_>>(),
+        "orders_tried": tried.iter().map(|t| json!({
+            "orders": [t.orders.numerator, t.orders.denominator], "misfit": t.misfit, "description_length": t.description_length,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+fn text(model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> String {
+    let mut text = format!(
+        "{} by etf: {} of order {}, {} lines, misfit {:.2} (1 where orders suffice){}\n",
+        model.name,
+        measured.name,
+        fit.orders,
+        measured.points.len(),
+        fit.misfit,
+        if fit.converged { "" } else { ", not converged" }
+    );
+    if !tried.is_empty() {
+        text.push_str("\nOrders advised (least description length first)\n");
+        let mut rows = vec![["order", "misfit", "length over the best"].map(str::to_owned).to_vec()];
+        rows.extend(tried.iter().take(SHOWN).map(|t| {
+            vec![
+                t.orders.to_string(),
+                format!("{:.3}", t.misfit),
+                format!("{:.1}", t.description_length - tried[0].description_length),
+            ]
+        }));
+        text.push_str(&table::align(&rows, &[false, true, true]));
+    }
+    for table in tables(fit) {
+        text.push('\n');
+        text.push_str(&table::align(&table, &[false, true, true, true, true, false]));
+    }
+    let _ = writeln!(text, "\n  {}", final_value_text(measured, fit));
+    text
+}
+
+/// Coefficients and modes, heads first.
+fn tables(fit: &Fit) -> Vec<Vec<Vec<String>>> {
+    let head = ["power of s", "numerator", "std", "denominator", "std"].map(str::to_owned).to_vec();
+    let Orders { numerator, denominator } = fit.orders;
+    let cell = |values: &[f64], power: usize, most: usize| {
+        if power <= most {
+            values.get(power).map_or_else(String::new, |value| format!("{value:.4e}"))
+        } else {
+            String::new()
+        }
+    };
+    let row = |power: usize| {
+        vec![
+            power.to_string(),
+            cell(&fit.transfer.numerator, power, numerator),
+            cell(&fit.numerator_std, power, numerator),
+            cell(&fit.transfer.denominator, power, denominator),
+            cell(&fit.denominator_std, power, denominator),
+        ]
+    };
+    let coefficients = std::iter::once(head).chain((0..=denominator).rev().map(row)).collect();
+    let head = ["mode", "Hz", "std", "damping ratio", "std", ""].map(str::to_owned).to_vec();
+    let mode = |(index, mode): (usize, &rational::ModeEstimate)| {
+        vec![
+            (index + 1).to_string(),
+            table::number(mode.mode.natural_frequency_hz),
+            table::number(mode.frequency_std_hz),
+            table::number(mode.mode.damping_ratio),
+            table::number(mode.damping_std),
+            note(mode).to_owned(),
+        ]
+    };
+    vec![coefficients, std::iter::once(head).chain(fit.modes.iter().enumerate().map(mode)).collect()]
+}
+
+fn files(
+    args: &Args,
+    model: &Model,
+    measured: &Measured,
+    fit: &Fit,
+    document: &Value,
+) -> anyhow::Result<Vec<(String, String)>> {
+    let drawn = pictures::transfer(&measured.name, fit, &measured.points);
+    let mut files =
+        vec![("transfer.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
+    files.extend(
+        drawn
+            .iter()
+            .map(|p| (format!("{}-{}.svg", measured.name, p.name), socam_plot::standalone(&p.plot.plot()))),
+    );
+    let sentences = vec![
+        format!(
+            "Order {}, {} lines, misfit {:.2} (1 where orders suffice).",
+            fit.orders,
+            measured.points.len(),
+            fit.misfit
+        ),
+        format!("Its {}.", final_value_text(measured, fit)),
+    ];
+    let section =
+        pictures::Section { title: measured.name.clone(), sentences, pictures: drawn, tables: tables(fit) };
+    let title = format!("Transfer function of {}", model.name);
+    files.push((
+        "index.html".to_owned(),
+        pictures::page(&title, &format!("From {}.", args.runs.join(", ")), &[section]),
+    ));
+    Ok(files)
+}
