@@ -8,7 +8,6 @@ mod calibrated;
 mod cli;
 mod commands;
 mod device;
-mod expectation;
 mod interrupt;
 mod model_file;
 mod output;

@@ -11,7 +11,7 @@ use crate::draw::chart::Seen;
 use crate::files::{Answer, Dialog, Purpose};
 use crate::job::{CANCELLED, Job};
 use crate::layout::{Layout, View};
-use crate::live::Live;
+use crate::live::{self, Live};
 use crate::outside;
 use crate::parameters::{self, Identification};
 use crate::recording::Recording;
@@ -31,7 +31,7 @@ pub type Simulate = fn(&Model, &str) -> Result<Recording, String>;
 
 /// Everything that is shown.
 pub struct Dashboard {
-    simulate: Option<Simulate>,
+    pub(crate) simulate: Option<Simulate>,
     /// What is remembered.
     pub layout: Layout,
     pub(crate) entries: Vec<Entry>,
@@ -114,11 +114,6 @@ impl Dashboard {
         self.model = model;
     }
 
-    /// Says what a model expects of a recording, for the checks.
-    pub fn expect_by(&mut self, expect: crate::spectra::check::Expect) {
-        self.checks.expect_by(expect);
-    }
-
     /// Says how a model is driven by a recording's inputs.
     pub fn simulate_by(&mut self, simulate: Simulate) {
         self.simulate = Some(simulate);
@@ -199,6 +194,9 @@ impl Dashboard {
                 );
                 self.layout.view = View::Diagnosis;
             }
+            Document::Signal(_) if !live::REACHABLE => self.warn(
+                "that is an input signal: it takes a bench, which only the program on a desktop can reach",
+            ),
             Document::Signal(file) => match self.live.signal.take(&file) {
                 Ok(()) => self.layout.view = View::Live,
                 Err(sentence) => self.warn(sentence),
@@ -277,11 +275,13 @@ impl Dashboard {
         let recordings: Vec<&Recording> =
             self.entries.iter().filter(|e| e.shown).map(|e| &e.recording).collect();
         let asked = self.diagnosis.ui(ui, &recordings, &self.model, &mut self.seen);
-        if let Some(profile) = asked {
-            match self.live.signal.take(&profile) {
-                Ok(()) => self.layout.view = View::Live,
-                Err(sentence) => self.warn(sentence),
-            }
+        let Some(profile) = asked else { return };
+        if !live::REACHABLE {
+            return self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));
+        }
+        match self.live.signal.take(&profile) {
+            Ok(()) => self.layout.view = View::Live,
+            Err(sentence) => self.warn(sentence),
         }
     }
 
@@ -290,10 +290,13 @@ impl Dashboard {
         ui.horizontal(|ui| {
             self.menus(ui);
             ui.separator();
-            for view in View::ALL {
+            for view in View::reachable() {
                 if ui.selectable_label(self.layout.view == view, view.name()).clicked() {
                     self.layout.view = view;
                 }
+            }
+            if !live::REACHABLE {
+                return;
             }
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);

@@ -23,6 +23,11 @@ impl View {
     pub const ALL: [Self; 6] =
         [Self::Live, Self::Time, Self::Frequency, Self::Check, Self::Parameters, Self::Diagnosis];
 
+    /// Those that are worth a tab here.
+    pub(crate) fn reachable() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|view| crate::live::REACHABLE || *view != Self::Live)
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {

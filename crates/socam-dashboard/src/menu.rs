@@ -8,7 +8,10 @@ use crate::draw::{export, raster, svg};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::files::Dialog;
 use crate::files::Purpose;
-use crate::live::signal::{Kind, Settings};
+use crate::live::{
+    self,
+    signal::{Kind, Settings},
+};
 use crate::theme::{self, Look};
 use crate::{Dashboard, View};
 
@@ -38,9 +41,13 @@ fn enabled_item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<KeyboardSho
 impl Dashboard {
     pub(crate) fn menus(&mut self, ui: &mut Ui) {
         ui.menu_button("File", |ui| self.file_menu(ui));
-        ui.menu_button("Edit", |ui| self.edit_menu(ui));
+        if live::REACHABLE {
+            ui.menu_button("Edit", |ui| self.edit_menu(ui));
+        }
         ui.menu_button("View", |ui| self.view_menu(ui));
-        ui.menu_button("Input Signal", |ui| self.signal_menu(ui));
+        if live::REACHABLE {
+            ui.menu_button("Input Signal", |ui| self.signal_menu(ui));
+        }
         ui.menu_button("Help", |ui| {
             if item(ui, "What each control does", None) {
                 self.help = true;
@@ -49,21 +56,21 @@ impl Dashboard {
     }
 
     fn file_menu(&mut self, ui: &mut Ui) {
-        if item(ui, "New input signal", None) {
+        if live::REACHABLE && item(ui, "New input signal", None) {
             self.live.signal.change(Settings::default());
             self.layout.view = View::Live;
         }
         if item(ui, "Open...", Some(OPEN)) {
             self.ask(ui.ctx(), Purpose::Open, "");
         }
-        if item(ui, "Save input signal...", Some(SAVE)) {
+        if live::REACHABLE && item(ui, "Save input signal...", Some(SAVE)) {
             self.ask(ui.ctx(), Purpose::SaveSignal, "signal.toml");
         }
         let any = self.entries.iter().any(|entry| entry.shown);
         if enabled_item(ui, any, "Save recording as .csv or .m...", None) {
             self.ask(ui.ctx(), Purpose::SaveRecording, "recording.csv");
         }
-        if enabled_item(ui, any, "Simulate the shown recordings", None) {
+        if self.simulate.is_some() && enabled_item(ui, any, "Simulate the shown recordings", None) {
             self.simulate(ui.ctx());
         }
         ui.separator();
@@ -106,7 +113,7 @@ impl Dashboard {
     }
 
     fn view_menu(&mut self, ui: &mut Ui) {
-        for (view, key) in View::ALL.into_iter().zip(VIEWS) {
+        for (view, key) in View::reachable().zip(VIEWS) {
             if item(ui, view.name(), Some(with_ctrl(key))) {
                 self.layout.view = view;
             }
@@ -172,13 +179,13 @@ impl Dashboard {
         if pressed(OPEN) {
             self.ask(ctx, Purpose::Open, "");
         }
-        if pressed(SAVE) {
+        if live::REACHABLE && pressed(SAVE) {
             self.ask(ctx, Purpose::SaveSignal, "signal.toml");
         }
         if pressed(EXPORT) {
             self.ask(ctx, Purpose::Export, "view.png");
         }
-        for (view, key) in View::ALL.into_iter().zip(VIEWS) {
+        for (view, key) in View::reachable().zip(VIEWS) {
             if pressed(with_ctrl(key)) {
                 self.layout.view = view;
             }

@@ -11,7 +11,7 @@ use socam_recording::{Channel, Dataset};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
-use crate::{expectation, model_file, table};
+use crate::{model_file, table};
 
 /// Say whether recordings are fit for use, what stands in the way, and what to record instead
 ///
@@ -51,7 +51,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         None => Some(model_file::load(&args.model)?),
     };
     let options = match &model {
-        Some(model) => expectation::of_model(model, args.ratio_tolerance / 100.0),
+        Some(model) => socam_expectation::of_model(model, args.ratio_tolerance / 100.0),
         None => CheckOptions { input: args.input.clone(), ..CheckOptions::default() },
     };
     let check_one = |run: &String| {

@@ -28,7 +28,9 @@ pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<Str
             let profile = ProfileFile::parse(&next.profile).or_else(|_| ProfileFile::open(&next.profile));
             match profile {
                 Ok(profile) => {
-                    if ui.button("Make it the input signal").clicked() {
+                    let take =
+                        if crate::live::REACHABLE { "Make it the input signal" } else { "Save it as a file" };
+                    if ui.button(take).clicked() {
                         wanted = Some(profile);
                     }
                 }

@@ -20,6 +20,9 @@ use buffer::Buffer;
 pub use link::{Batch, Bench, Connector, Health, News, Order, Plan, Port, Presses, link};
 use signal::Signal;
 
+/// Whether a bench can be reached: not from a page in a browser.
+pub const REACHABLE: bool = cfg!(not(target_arch = "wasm32"));
+
 /// What is known of the link.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Link {

@@ -2,7 +2,7 @@
 
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
 use socam_model::Model;
-use socam_recording::check::{Check, CheckOptions, Severity, Verdict, check};
+use socam_recording::check::{Check, Severity, Verdict, check};
 
 use crate::draw::chart;
 use crate::job::Job;
@@ -10,23 +10,17 @@ use crate::recording::short;
 use crate::review::Entry;
 use crate::theme;
 
-/// What a model expects of a recording.
-pub type Expect = fn(&Model) -> CheckOptions;
+/// Averages of speeds may break their ratio by so much.
+const RATIO_TOLERANCE: f64 = 0.01;
 
 /// What is known of the recordings that are open.
 #[derive(Debug, Default)]
 pub struct Checks {
-    expect: Option<Expect>,
     known: Vec<(String, Result<Check, String>)>,
     job: Option<(String, Job<Result<Check, String>>)>,
 }
 
 impl Checks {
-    /// Says what a model expects; without it all channels are looked at by themselves.
-    pub fn expect_by(&mut self, expect: Expect) {
-        self.expect = Some(expect);
-    }
-
     /// Whether something is being checked.
     #[must_use]
     pub fn is_busy(&self) -> bool {
@@ -77,7 +71,7 @@ impl Checks {
         let unknown = |name: &str| self.known.iter().all(|(known, _)| known != name);
         let next = entries.iter().map(|entry| &entry.recording).find(|next| unknown(&next.about.name));
         if let (None, Some(recording)) = (&self.job, next) {
-            let options = self.expect.map_or_else(CheckOptions::default, |expect| expect(model));
+            let options = socam_expectation::of_model(model, RATIO_TOLERANCE);
             let (own, name) = (recording.clone(), recording.about.name.clone());
             let work = move |_: &crate::job::Handle| {
                 check(&own.dataset()?, &options).map_err(|error| error.to_string())

@@ -13,7 +13,6 @@ use socam_recording::Calibration;
 
 use super::Outcome;
 use crate::device::virtual_bench::BenchArgs;
-use crate::expectation;
 use crate::output::{self, WrongArguments};
 
 /// Show the bench live, recordings, parameters and diagnoses
@@ -95,7 +94,6 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut dashboard = Dashboard::new(layout);
     let model = crate::model_file::load(&args.bench.model)?;
     dashboard.use_model(model);
-    dashboard.expect_by(|model| expectation::of_model(model, 0.01));
     dashboard.simulate_by(bench::simulated);
     dashboard.live.record_into(args.record_into.clone());
     dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration));

@@ -1,4 +1,5 @@
-//! What a model expects of a recording that is to determine its parameters.
+//! What a model expects of a recording that is to determine its parameters: for the command `check` and for the dashboard, which knows
+//! the same in a browser, where nothing is fitted.
 
 use socam_model::{Channel, Mode, Model, Quantity, Site, Take};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
@@ -13,7 +14,8 @@ const INFLUENCE: f64 = 0.2;
 const STEP: f64 = 1e-4;
 
 /// Against what to check a recording for this model; averages of speeds may break their ratio by `ratio_tolerance`.
-pub(crate) fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
+#[must_use]
+pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     let outputs = model.outputs().count();
     let parameters = model.parameters.iter().filter(|parameter| !parameter.fixed).count();
     CheckOptions {
