@@ -236,6 +236,7 @@ impl Dashboard {
         {
             let names = self.entries.iter().map(|entry| entry.recording.about.name.clone());
             self.diagnosis.start(&ctx, self.model.clone(), names.collect(), held_out);
+            self.layout.view = View::Diagnosis;
         }
         self.live.listen();
         self.keys(&ctx);

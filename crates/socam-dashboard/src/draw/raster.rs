@@ -47,11 +47,23 @@ impl Raster {
         size: [usize; 2],
         ground: Color32,
     ) -> ColorImage {
+        self.fill(&ctx.tessellate(shapes, scale), scale, size, ground)
+    }
+
+    /// Fills triangles on a ground of `size` pixels.
+    #[must_use]
+    pub fn fill(
+        &self,
+        triangles: &[ClippedPrimitive],
+        scale: f32,
+        size: [usize; 2],
+        ground: Color32,
+    ) -> ColorImage {
         let mut image = ColorImage::filled(size, ground);
-        for ClippedPrimitive { clip_rect, primitive } in ctx.tessellate(shapes, scale) {
+        for ClippedPrimitive { clip_rect, primitive } in triangles {
             let Primitive::Mesh(mesh) = primitive else { continue };
             let Some(texture) = self.textures.get(&mesh.texture_id) else { continue };
-            let clip = pixels(clip_rect, scale, size);
+            let clip = pixels(*clip_rect, scale, size);
             for corners in mesh.indices.as_chunks::<3>().0 {
                 let corners = corners.map(|index| mesh.vertices[index as usize]);
                 triangle(&mut image, texture, corners, scale, clip);
@@ -77,6 +89,8 @@ fn pixels(rect: Rect, scale: f32, size: [usize; 2]) -> [i32; 4] {
 struct Edge {
     from: Pos2,
     along: Vec2,
+    /// Columns per row.
+    slope: f32,
     /// Of an edge that two triangles share, each pixel belongs to one of them.
     owns: bool,
 }
@@ -84,7 +98,8 @@ struct Edge {
 impl Edge {
     fn new(from: Pos2, to: Pos2, clockwise: bool) -> Self {
         let along = if clockwise { to - from } else { from - to };
-        Self { from, along, owns: along.y < 0.0 || (along.y == 0.0 && along.x > 0.0) }
+        let owns = along.y < 0.0 || (along.y == 0.0 && along.x > 0.0);
+        Self { from, along, slope: along.x / along.y, owns }
     }
 
     /// Twice the area of the triangle between the edge and the middle of a pixel; positive inside.
@@ -98,20 +113,18 @@ impl Edge {
     }
 }
 
-/// The columns of a row, whose middles are at height `y`, that lie inside of all edges. Where the edges cross it is found by division,
-/// and the pixels beside are then looked at one by one, so that neighbours agree on who has them.
-fn span(edges: &[Edge; 3], y: f32, [from, to]: [i32; 2]) -> [i32; 2] {
-    let (mut first, mut last) = (from as f32, to as f32);
+/// The columns of a row, whose middles are at height `y`, that lie inside of all edges. Where the edges cross it is found by their
+/// slopes, and the pixels beside are then looked at one by one, so that neighbours agree on who has them.
+fn span(edges: &[Edge; 3], y: f32, [mut first, mut last]: [i32; 2]) -> [i32; 2] {
     for edge in edges {
-        let Vec2 { x: dx, y: dy } = edge.along;
-        let crossing = edge.from.x + dx * (y - edge.from.y) / dy - 0.5;
-        if dy > 0.0 {
-            last = last.min(crossing.ceil() + 1.0);
-        } else if dy < 0.0 {
-            first = first.max(crossing.floor() - 1.0);
+        // Cut off, not rounded down, which takes a call: at the left border that is one pixel less to look at, and none is lost.
+        let crossing = (edge.from.x + edge.slope * (y - edge.from.y) - 0.5) as i32;
+        if edge.along.y > 0.0 {
+            last = last.min(crossing + 2);
+        } else if edge.along.y < 0.0 {
+            first = first.max(crossing - 1);
         }
     }
-    let (mut first, mut last) = (first as i32, last as i32);
     let inside = |x: i32| edges.iter().all(|edge| edge.holds(x as f32 + 0.5, y));
     while first < last && !inside(first) {
         first += 1;
@@ -148,9 +161,16 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, corners: [Vertex; 3], 
             Paint::Opaque(colour) => pixels.fill(*colour),
             Paint::Even(colour) => pixels.iter_mut().for_each(|pixel| blend(pixel, *colour)),
             Paint::Shaded(shade) => {
-                for (pixel, column) in pixels.iter_mut().zip(first..) {
+                // Even steps along a row.
+                let at = |column: i32| {
                     let x = column as f32 + 0.5;
-                    blend(pixel, shade.at(edges.map(|edge| edge.area(x, y))));
+                    shade.at(edges.map(|edge| edge.area(x, y)))
+                };
+                let (mut colour, next) = (at(first), at(first + 1));
+                let step: [f32; 4] = std::array::from_fn(|k| next[k] - colour[k]);
+                for pixel in pixels {
+                    blend(pixel, colour);
+                    colour.iter_mut().zip(step).for_each(|(part, step)| *part += step);
                 }
             }
             Paint::Textured(shade, uv) => {
@@ -226,7 +246,8 @@ fn texel(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
 fn blend(pixel: &mut Color32, source: [f32; 4]) {
     let under = pixel.to_array();
     let rest = 1.0 - source[3] / 255.0;
-    let over = [0, 1, 2, 3].map(|k| (source[k] + f32::from(under[k]) * rest + 0.5).clamp(0.0, 255.0) as u8);
+    // A number becomes a byte by being cut off at both ends.
+    let over: [u8; 4] = std::array::from_fn(|k| (source[k] + f32::from(under[k]) * rest + 0.5) as u8);
     *pixel = Color32::from_rgba_premultiplied(over[0], over[1], over[2], over[3]);
 }
 

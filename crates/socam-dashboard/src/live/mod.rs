@@ -143,7 +143,8 @@ impl Live {
         }
     }
 
-    fn connect(&mut self, ctx: &egui::Context) {
+    /// Opens the link to the device that is named in the panel.
+    pub fn connect(&mut self, ctx: &egui::Context) {
         let Some(connector) = &self.connector else {
             self.problem = Some("a board can be reached from the desktop program only".into());
             return;

@@ -144,4 +144,6 @@ fn size(text: &str) -> Result<[f32; 2], String> {
 }
 
 #[cfg(test)]
+mod diagnosis_tests;
+#[cfg(test)]
 mod tests;
