@@ -211,7 +211,7 @@ fn a_recording_dropped_into_the_page_looks_as_it_does_on_the_desktop() {
     assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
     let on_desktop = pixels(&std::fs::read(target).unwrap());
     assert_eq!(in_page.len(), on_desktop.len());
-    let differ = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 16);
+    let differ = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
     // Below the bar, which has no bench here.
     let bar = 40 * answer("size").split_once('x').unwrap().0.parse::<usize>().unwrap();
     let others = in_page[bar..].iter().zip(&on_desktop[bar..]).filter(|(a, b)| differ((a, b))).count();

@@ -52,7 +52,7 @@ fn every_view_looks_as_it_did() {
 }
 
 /// Letters may come out a shade different where another processor rounds otherwise.
-const SHADES: u8 = 24;
+const SHADES: u8 = 8;
 const OTHERS: usize = 40;
 
 /// Compares with the picture of that name, or keeps it as that when it is to be drawn anew.
