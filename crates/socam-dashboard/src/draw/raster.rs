@@ -293,7 +293,7 @@ mod tests {
         // A quarter of white, so that a pixel that is filled twice shows.
         let colour = Color32::from_rgba_premultiplied(64, 64, 64, 64);
         let corners = [[0.0, 0.0], [100.0, 1e-12], [100.0, 50.0], [0.0, 50.0], [31.7, 20.3]];
-        corners.map(|[x, y]| mesh.colored_vertex(pos2(x, y), colour));
+        corners.iter().for_each(|[x, y]| mesh.colored_vertex(pos2(*x, *y), colour));
         for side in 0..4 {
             mesh.add_triangle(side, (side + 1) % 4, 4);
         }
