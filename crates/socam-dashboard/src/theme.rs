@@ -122,6 +122,7 @@ pub fn apply(ctx: &egui::Context, look: Look) {
         style.spacing.menu_margin = Margin::same(6);
         style.spacing.scroll.floating = false;
         style.spacing.scroll.bar_width = 7.0;
+        style.spacing.scroll.foreground_color = false;
         style.text_styles = [
             (TextStyle::Heading, FontId::new(18.0, FontFamily::Proportional)),
             (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
@@ -139,6 +140,8 @@ fn light() -> Visuals {
     visuals.window_fill = rgb(0xffffff);
     visuals.extreme_bg_color = rgb(0xffffff);
     visuals.faint_bg_color = rgb(0xe9edf0);
+    // To be seen on white cards.
+    visuals.text_edit_bg_color = Some(rgb(0xeaeef1));
     visuals.selection.bg_fill = rgb(0xcfe5f5);
     visuals.selection.stroke = Stroke::new(1.0, rgb(0x00466f));
     visuals.hyperlink_color = rgb(0x0067a3);

@@ -5,10 +5,10 @@ mod marks;
 
 use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2b, WidgetInfo, vec2};
 pub use egui_plot::MarkerShape;
-use egui_plot::{AxisHints, GridMark, Plot, PlotResponse};
+use egui_plot::{AxisHints, GridMark, Plot, PlotResponse, log_grid_spacer, uniform_grid_spacer};
 
 use crate::theme;
-use axes::{decade, moved, number, padded, scaled, small, unscaled};
+use axes::{decade, moved, number, padded, scaled, small, steps, unscaled};
 pub use axes::{range_of, with_room};
 
 /// A line of a chart.
@@ -124,6 +124,8 @@ pub struct Seen {
 /// Room for the numbers beside the vertical axis: the same for all, so that stacked charts align.
 const AXIS_WIDTH: f32 = 58.0;
 const ZOOM_PER_POINT: f32 = 0.0035;
+/// Between lines of the grid, points.
+const LINES_APART: f32 = 14.0;
 /// From this height on numbers beside the vertical axis may stand farther apart.
 const TALL: f32 = 260.0;
 /// From marker to marker on a marked line, points.
@@ -223,15 +225,23 @@ impl Chart {
         let scales = self.scales.map(|scale| scale == Scale::Log);
         let axis =
             |log: bool| move |mark: GridMark, _: &_| if log { decade(mark.value) } else { number(mark) };
-        let mut x_axis =
-            AxisHints::new_x().formatter(axis(scales[0])).label_spacing(egui::Rangef::new(44.0, 80.0));
+        // Of numbers, points.
+        let apart = [44.0, if self.size.y < TALL { 16.0 } else { 26.0 }];
+        let spacing = apart.map(|least: f32| egui::Rangef::new(least, 1.1 * least));
+        let mut x_axis = AxisHints::new_x().formatter(axis(scales[0])).label_spacing(spacing[0]);
         if !self.x_label.is_empty() {
             x_axis = x_axis.label(small(&self.x_label));
         }
-        let y_axis = AxisHints::new_y().formatter(axis(scales[1])).min_thickness(AXIS_WIDTH).label_spacing(
-            if self.size.y < TALL { egui::Rangef::new(13.0, 24.0) } else { egui::Rangef::new(26.0, 60.0) },
-        );
+        let y_axis =
+            AxisHints::new_y().formatter(axis(scales[1])).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
+        let spacer = |side: usize| {
+            let numbers = 1.1 * apart[side] / LINES_APART;
+            let even = uniform_grid_spacer(move |input| steps(input, numbers));
+            if scales[side] { log_grid_spacer(10) } else { even }
+        };
         let plot = Plot::new(self.id)
+            .x_grid_spacer(spacer(0))
+            .y_grid_spacer(spacer(1))
             .width(self.size.x)
             .height(self.size.y)
             .show_axes(Vec2b::new(!self.x_label.is_empty(), true))
@@ -244,7 +254,7 @@ impl Chart {
             .allow_double_click_reset(false)
             .allow_drag(Vec2b::new(true, false))
             .allow_zoom(Vec2b::new(true, false))
-            .grid_spacing(egui::Rangef::new(14.0, 160.0))
+            .grid_spacing(egui::Rangef::new(LINES_APART, 160.0))
             .grid_color(theme::grid(ui))
             .grid_fade(0.6)
             .sense(Sense::click_and_drag());

@@ -1,6 +1,6 @@
 //! Ranges of axes, and the numbers beside them.
 
-use egui_plot::GridMark;
+use egui_plot::{GridInput, GridMark};
 
 /// A range that can be drawn: finite, and not empty.
 pub(super) fn padded([low, high]: [f64; 2]) -> [f64; 2] {
@@ -43,6 +43,20 @@ pub(super) fn number(mark: GridMark) -> String {
         );
     }
     format!("{:.*}", digits as usize, mark.value)
+}
+
+/// Steps of an even grid: the middle one, which has numbers, is the least of 1, 2, 5, 10 and so on that leaves them `apart` times as
+/// much room as there is between lines at least.
+pub(super) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
+    let least = input.base_step_size * f64::from(apart.max(1.0));
+    let decade = 10_f64.powf(least.log10().floor());
+    let steps = match least / decade {
+        ..=1.0 => [0.5, 1.0, 10.0],
+        ..=2.0 => [1.0, 2.0, 10.0],
+        ..=5.0 => [1.0, 5.0, 10.0],
+        _ => [5.0, 10.0, 100.0],
+    };
+    steps.map(|step| step * decade)
 }
 
 /// A number beside a logarithmic axis, whole decades only.

@@ -77,7 +77,12 @@ pub(super) fn band(
 
 pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
     let galley =
-        painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), ui.visuals().text_color());
+        |size| painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), ui.visuals().text_color());
+    let (size, room) = (12.5, frame.width() - 14.0);
+    let whole = galley(size);
+    // Where the chart is narrow, in smaller letters rather than cut off.
+    let narrow = whole.size().x > room;
+    let galley = if narrow { galley((size * room / whole.size().x).max(9.0)) } else { whole };
     let at = frame.left_top() + vec2(7.0, 5.0);
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
     painter.rect_filled(Rect::from_min_size(at, galley.size()).expand2(vec2(4.0, 2.0)), 3.0, ground);
