@@ -226,8 +226,8 @@ impl Chart {
         let axis =
             |log: bool| move |mark: GridMark, _: &_| if log { decade(mark.value) } else { number(mark) };
         // Of numbers, points.
-        let apart = [44.0, if self.size.y < TALL { 16.0 } else { 26.0 }];
-        let spacing = apart.map(|least: f32| egui::Rangef::new(least, 1.1 * least));
+        let apart = [48.0, if self.size.y < TALL { 17.5 } else { 28.0 }];
+        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
         let mut x_axis = AxisHints::new_x().formatter(axis(scales[0])).label_spacing(spacing[0]);
         if !self.x_label.is_empty() {
             x_axis = x_axis.label(small(&self.x_label));
@@ -235,7 +235,7 @@ impl Chart {
         let y_axis =
             AxisHints::new_y().formatter(axis(scales[1])).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
         let spacer = |side: usize| {
-            let numbers = 1.1 * apart[side] / LINES_APART;
+            let numbers = apart[side] / LINES_APART;
             let even = uniform_grid_spacer(move |input| steps(input, numbers));
             if scales[side] { log_grid_spacer(10) } else { even }
         };
