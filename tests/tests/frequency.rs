@@ -97,8 +97,14 @@ fn an_exact_transfer_function_gives_the_determined_combinations_and_the_thesis_o
     let document =
         json!({"schema": "socam.transfer-function/1", "numerator": numerator, "denominator": denominator});
     std::fs::write(&path, document.to_string()).unwrap();
-    let found =
-        run(["identify", &path, "--method", "coefficient-match", "--json"].iter().chain(&start)).json();
+    let report = folder.path("match");
+    let options = ["identify", &path, "--method", "coefficient-match", "--json", "--report", &report];
+    let found = run(options.iter().chain(&start)).json();
+    assert!(found["matched"][0]["gradient_check"].is_null());
+    for name in ["match.json", "index.html", "magnitude.svg", "phase.svg"] {
+        let text = std::fs::read_to_string(format!("{report}/{name}")).unwrap();
+        assert!(text.len() > 500 && !text.contains("NaN"), "{name}");
+    }
     let series = 1.0 / (1.0 / k[0] + 1.0 / k[1]);
     for matched in found["matched"].as_array().unwrap() {
         let value = |name: &str| {

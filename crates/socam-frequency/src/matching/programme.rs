@@ -16,8 +16,10 @@ const MOST_ADDED: f64 = 3.0;
 /// A gain of less than this share of the cost in [`SLOW_STEPS`] steps is none.
 const SLOW_GAIN: f64 = 1e-9;
 const SLOW_STEPS: usize = 25;
-/// Below this sum of weighted squares the equations hold to rounding.
+/// Below this sum of weighted squares nothing is left to search for.
 const EXACT: f64 = 1e-26;
+/// Errors of all equations below this are rounding, whatever their weights.
+const ROUNDING: f64 = 1e-12;
 
 /// Equations phi(x) = 0 in eight unknowns.
 pub trait Equations {
@@ -41,8 +43,9 @@ pub struct Matched {
     /// The gradient with the logarithm of each unknown over twice the cost: what is left to gain, whatever the units. Nought where an
     /// unknown runs to zero.
     pub relative_gradient: [f64; UNKNOWNS],
-    /// Greatest difference between this gradient and one by differences of the cost, relative to the largest entry.
-    pub gradient_check: f64,
+    /// Greatest difference between this gradient and one by differences of the cost, relative to the largest entry, rounding taken
+    /// off; `None` where the equations hold to rounding, which leaves no gradient to check.
+    pub gradient_check: Option<f64>,
     /// Quadratic programmes solved.
     pub steps: usize,
     /// Whether nothing more was to be gained; unlike an exhausted number of steps.
@@ -122,15 +125,14 @@ fn report(
     let (errors, slopes) = linearised(equations, weights, at);
     let cost = 0.5 * errors.norm_squared();
     let by_logarithm = slopes.transpose() * &errors;
+    let exact = equations.errors(at).iter().all(|error| error.abs() < ROUNDING);
     let singular_values = slopes.singular_values().iter().copied().collect();
     Matched {
         at: *at,
         cost,
         gradient: std::array::from_fn(|i| by_logarithm[i] / at[i]),
-        relative_gradient: std::array::from_fn(|i| {
-            if cost > EXACT { by_logarithm[i] / (2.0 * cost) } else { 0.0 }
-        }),
-        gradient_check: gradient_check(equations, weights, at, by_logarithm.as_slice()),
+        relative_gradient: std::array::from_fn(|i| if exact { 0.0 } else { by_logarithm[i] / (2.0 * cost) }),
+        gradient_check: (!exact).then(|| gradient_check(equations, weights, at, by_logarithm.as_slice())),
         steps,
         converged,
         singular_values,

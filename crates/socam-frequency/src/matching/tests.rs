@@ -86,6 +86,7 @@ fn an_exact_transfer_function_gives_the_determined_combinations_back() {
                 assert!((found.value / truth.value - 1.0).abs() < 1e-6, "{found:?} {truth:?}");
             }
             assert!(found.converged && found.cost < 1e-20, "{found:?}");
+            assert_eq!(found.gradient_check, None);
         }
     }
 }

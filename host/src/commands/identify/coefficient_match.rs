@@ -12,7 +12,7 @@ use socam_frequency::{
 };
 use socam_model::Model;
 
-use super::{Args, etf};
+use super::{Args, etf, pictures};
 use crate::{
     commands::Outcome,
     output::{self, WrongArguments},
@@ -27,9 +27,14 @@ const HOLDS: f64 = 0.01;
 /// An interval's half-width of at most half the value determines a parameter: this relative standard deviation.
 const DETERMINED: f64 = 0.5 / 1.96;
 
+/// Relative standard deviations beyond this are only said to be.
+const SHOWN_STD: f64 = 10.0;
+
 /// Both weightings and the direct fit.
 struct Answer {
     source: String,
+    bench: Bench,
+    points: Vec<Point>,
     transfer: TransferFunction,
     economised_bound: Option<f64>,
     names: Vec<String>,
@@ -63,9 +68,14 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     });
     let direct = matching::direct(&bench, &points, &start);
     let names = BenchEquations::names(&equations);
-    let answer = Answer { source, transfer, economised_bound, names, matched: matched.into(), direct };
+    let answer =
+        Answer { source, bench, points, transfer, economised_bound, names, matched: matched.into(), direct };
+    let document = answer.json(model);
+    if let Some(dir) = &args.frequency.report {
+        pictures::write_all(dir, &answer.files(model, &document)?)?;
+    }
     if args.json {
-        output::print_json(&answer.json(model))?;
+        output::print_json(&document)?;
     } else {
         output::print(&answer.text(model))?;
     }
@@ -151,7 +161,12 @@ impl Answer {
         sentences.extend(negative(&self.transfer.numerator, "numerator"));
         sentences.extend(negative(&self.transfer.denominator, "denominator"));
         if let Some((_, _, ratios)) = self.matched.first() {
-            let misses = self.names.iter().zip(ratios).filter(|(_, ratio)| (*ratio - 1.0).abs() > HOLDS);
+            // A ratio that is not positive is of a coefficient whose sign is said above.
+            let misses = self
+                .names
+                .iter()
+                .zip(ratios)
+                .filter(|(_, ratio)| **ratio > 0.0 && (*ratio - 1.0).abs() > HOLDS);
             sentences
                 .extend(misses.map(|(name, ratio)| {
                     format!("{name}: the best match is {ratio:.4} of the measured one")
@@ -194,65 +209,74 @@ impl Answer {
         })
     }
 
-    fn text(&self, model: &Model) -> String {
-        let mut text = format!("{} by coefficient-match with {}\n", model.name, self.source);
-        if let Some(bound) = self.economised_bound {
-            let _ = writeln!(
-                text,
-                "  numerator economised to s^3 on [-1, 1] 1/s: off by at most {bound:.3e} there, and by anything beyond"
-            );
-        }
+    /// Parameters and combinations by both weightings and the direct fit, a head first.
+    fn table(&self) -> Vec<Vec<String>> {
         let mut head = vec![String::new()];
         head.extend(self.matched.iter().map(|(weights, ..)| format!("weights {weights}")));
         head.extend(["direct fit", "its std", "unit", ""].map(str::to_owned));
         let mut rows = vec![head];
-        let combined: Vec<_> =
-            self.matched.iter().map(|(_, found, _)| matching::combinations(&found.at)).collect();
-        let direct = matching::combinations(&self.direct.at);
+        let row = |name: &str, values: Vec<f64>, std: Option<f64>, unit: &str, note: String| {
+            let mut row = vec![name.to_owned()];
+            row.extend(values.into_iter().map(table::number));
+            let std = std.map_or_else(String::new, |std| {
+                if std > SHOWN_STD { "over 1000 %".into() } else { format!("{:.1} %", 100.0 * std) }
+            });
+            row.extend([std, unit.to_owned(), note]);
+            row
+        };
         for (i, name) in NAMES.iter().enumerate() {
-            let mut row = vec![(*name).to_owned()];
-            row.extend(self.matched.iter().map(|(_, found, _)| table::number(found.at[i])));
+            let found = self.matched.iter().map(|(_, found, _)| found.at[i]);
             let std = self.direct.relative_std[i];
             let judged = if std <= DETERMINED { "" } else { "not determined" };
             let unit = if i < 4 { "N m/rad" } else { "N m s/rad" };
-            row.extend([
-                table::number(self.direct.at[i]),
-                format!("{:.1} %", 100.0 * std),
-                unit.into(),
-                judged.into(),
-            ]);
-            rows.push(row);
+            rows.push(row(name, found.chain([self.direct.at[i]]).collect(), Some(std), unit, judged.into()));
         }
-        for (i, combination) in direct.iter().enumerate().take(4) {
-            let mut row = vec![combination.name.to_owned()];
-            row.extend(combined.iter().map(|own| table::number(own[i].value)));
-            let std = if i == 0 {
-                format!("{:.1} %", 100.0 * self.direct.series_relative_std)
-            } else {
-                String::new()
-            };
-            row.extend([
-                table::number(combination.value),
-                std,
-                combination.unit.into(),
-                format!("= {}", combination.expression),
-            ]);
-            rows.push(row);
+        let of: Vec<_> = self.matched.iter().map(|(_, found, _)| matching::combinations(&found.at)).collect();
+        for (i, own) in matching::combinations(&self.direct.at).into_iter().enumerate().take(4) {
+            let values = of.iter().map(|all| all[i].value).chain([own.value]).collect();
+            let std = (i == 0).then_some(self.direct.series_relative_std);
+            rows.push(row(own.name, values, std, own.unit, format!("= {}", own.expression)));
         }
-        text.push_str(&table::align(&rows, &[false, true, true, true, true, false, false]));
+        rows
+    }
+
+    /// How each search ended, one sentence each.
+    fn ends(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        if let Some(bound) = self.economised_bound {
+            sentences.push(format!(
+                "numerator economised to s^3 on [-1, 1] 1/s: off by at most {bound:.3e} there, and by anything beyond"
+            ));
+        }
         for (weights, found, _) in &self.matched {
             let most = found.relative_gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
-            let _ = writeln!(
-                text,
-                "  weights {weights}: f = {:.4e} after {} quadratic programmes{}; gradient left {most:.1e}, beside differences {:.1e}",
+            let gradient = match found.gradient_check {
+                None => "the equations hold to rounding".into(),
+                Some(0.0) => {
+                    format!("gradient left {most:.1e} of it, as differences of f give it to their rounding")
+                }
+                Some(off) => format!(
+                    "gradient left {most:.1e} of it, {off:.1e} of its largest entry off differences of f"
+                ),
+            };
+            sentences.push(format!(
+                "weights {weights}: f = {:.4e} after {} quadratic programmes{}; {gradient}",
                 found.cost,
                 found.steps,
                 if found.converged { "" } else { " (not at rest)" },
-                found.gradient_check
-            );
+            ));
         }
-        let _ =
-            writeln!(text, "  direct fit misses the response by {:.2} of its deviations", self.direct.misfit);
+        sentences
+            .push(format!("direct fit misses the response by {:.2} of its deviations", self.direct.misfit));
+        sentences
+    }
+
+    fn text(&self, model: &Model) -> String {
+        let mut text = format!("{} by coefficient-match with {}\n", model.name, self.source);
+        text.push_str(&table::align(&self.table(), &[false, true, true, true, true, false, false]));
+        for sentence in self.ends() {
+            let _ = writeln!(text, "  {sentence}");
+        }
         let cannot = self.cannot_hold();
         if cannot.is_empty() {
             text.push_str("  every coefficient holds to 1 %\n");
@@ -264,4 +288,42 @@ impl Answer {
         }
         text
     }
+
+    /// The page, its pictures and the numbers.
+    fn files(&self, model: &Model, document: &Value) -> anyhow::Result<Vec<(String, String)>> {
+        let mut fits: Vec<(String, TransferFunction)> = self
+            .matched
+            .iter()
+            .map(|(weights, found, _)| ((*weights).to_owned(), self.bench.transfer(&found.at)))
+            .collect();
+        fits.push(("direct fit".into(), self.bench.transfer(&self.direct.at)));
+        let drawn = pictures::matched(&fits, &self.points);
+        let mut files =
+            vec![("match.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
+        files.extend(
+            drawn.iter().map(|p| (format!("{}.svg", p.name), socam_plot::standalone(&p.plot.plot()))),
+        );
+        let section = |title: &str, sentences: Vec<String>, pictures, tables| {
+            let sentences = sentences.iter().map(|text| sentence(text)).collect();
+            pictures::Section { title: title.into(), sentences, pictures, tables }
+        };
+        let found = section("Parameters", self.ends(), drawn, vec![self.table()]);
+        let cannot = match self.cannot_hold() {
+            none if none.is_empty() => vec!["every coefficient holds to 1 %".to_owned()],
+            sentences => sentences,
+        };
+        let sections = [found, section("What cannot hold", cannot, Vec::new(), Vec::new())];
+        let title = format!("Coefficients of {} matched", model.name);
+        files.push((
+            "index.html".to_owned(),
+            pictures::page(&title, &format!("From {}.", self.source), &sections),
+        ));
+        Ok(files)
+    }
+}
+
+/// A line of the terminal as a sentence of a page.
+fn sentence(line: &str) -> String {
+    let mut letters = line.chars();
+    letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
 }

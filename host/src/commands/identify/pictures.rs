@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use socam_frequency::{
     Complex,
-    rational::{Fit, Point},
+    rational::{Fit, Point, TransferFunction},
     response::{Driven, Line},
 };
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
@@ -15,7 +15,7 @@ use crate::output;
 
 /// A series that owns its numbers.
 pub(super) struct Curve {
-    label: &'static str,
+    label: String,
     class: &'static str,
     mark: Mark,
     x: Vec<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Drawn {
 impl Drawn {
     pub(super) fn plot(&self) -> Plot<'_> {
         let series = self.curves.iter().map(|curve| Series {
-            label: curve.label,
+            label: &curve.label,
             class: curve.class,
             mark: curve.mark,
             x: &curve.x,
@@ -142,7 +142,14 @@ pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
     let (output, input) = (&answer.pair.output.name, &answer.pair.input.name);
     let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
     let values: Vec<Complex<f64>> = lines.iter().map(|line| line.response).collect();
-    let curve = |label, class, mark, y, spread| Curve { label, class, mark, x: x.clone(), y, spread };
+    let curve = |label: &str, class, mark, y, spread| Curve {
+        label: label.into(),
+        class,
+        mark,
+        x: x.clone(),
+        y,
+        spread,
+    };
     let sizes =
         |values: &[Complex<f64>]| values.iter().map(|value| decibel(value.norm())).collect::<Vec<f64>>();
     let band = magnitude_band(lines);
@@ -200,13 +207,13 @@ fn magnitude_band(lines: &[Line]) -> (Vec<f64>, Vec<f64>) {
 
 fn distortion(answer: &Answer<'_>) -> Option<Picture> {
     let distortion = answer.response.distortion.as_ref()?;
-    let of = |label, class, mark, driven: Driven| {
+    let of = |label: &str, class, mark, driven: Driven| {
         let own = distortion.lines.iter().filter(|line| line.driven == driven);
         let (x, y) = own.map(|line| (line.frequency_hz, line.amplitude)).unzip();
-        Curve { label, class, mark, x, y, spread: Vec::new() }
+        Curve { label: label.into(), class, mark, x, y, spread: Vec::new() }
     };
     let (x, y) = distortion.lines.iter().map(|line| (line.frequency_hz, line.noise)).unzip();
-    let noise = Curve { label: "noise", class: "noise", mark: Mark::Line, x, y, spread: Vec::new() };
+    let noise = Curve { label: "noise".into(), class: "noise", mark: Mark::Line, x, y, spread: Vec::new() };
     let plot = Drawn {
         title: format!("Lines of {}", answer.pair.output.name),
         x: frequency(),
@@ -227,81 +234,89 @@ fn distortion(answer: &Answer<'_>) -> Option<Picture> {
 /// Magnitude and phase of a transfer function beside what it was fitted to, and its poles and zeros.
 pub(super) fn transfer(name: &str, fit: &Fit, points: &[Point]) -> Vec<Picture> {
     let transfer = &fit.transfer;
-    let ends = points.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), point| {
-        (low.min(point.frequency_hz), high.max(point.frequency_hz))
-    });
-    let grid: Vec<f64> = (0..300).map(|i| ends.0 * (ends.1 / ends.0).powf(f64::from(i) / 299.0)).collect();
-    let fitted: Vec<Complex<f64>> = grid.iter().map(|hz| transfer.response(*hz)).collect();
-    let measured: Vec<Complex<f64>> = points.iter().map(|point| point.output / point.input).collect();
-    let at: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
-    let sizes =
-        |values: &[Complex<f64>]| values.iter().map(|value| decibel(value.norm())).collect::<Vec<f64>>();
-    let phase = unwrapped(&fitted);
-    // Each measured phase on the turn of the curve beside it.
-    let beside = |hz: f64| phase[grid.partition_point(|g| *g < hz).min(grid.len() - 1)];
-    let turned = at.iter().zip(&measured).map(|(hz, value)| {
-        let own = value.arg().to_degrees();
-        own - 360.0 * ((own - beside(*hz)) / 360.0).round()
-    });
-    let both = |title: &str, y: Axis, points: Vec<f64>, line: Vec<f64>| Drawn {
-        title: format!("{title} of {name}"),
-        x: frequency(),
-        y,
-        curves: vec![
-            Curve {
-                label: "data",
-                class: "after",
-                mark: Mark::Points,
-                x: at.clone(),
-                y: points,
-                spread: Vec::new(),
-            },
-            Curve {
-                label: "fit",
-                class: "before",
-                mark: Mark::Line,
-                x: grid.clone(),
-                y: line,
-                spread: Vec::new(),
-            },
-        ],
+    let [magnitude, phase] = bode(&format!(" of {name}"), points, &[("fit", "before", transfer)], true);
+    let curve = |label: &str, class, mark, roots: Vec<Complex<f64>>| {
+        let (x, y) = roots.iter().map(|root| (root.re, root.im)).unzip();
+        Curve { label: label.into(), class, mark, x, y, spread: Vec::new() }
     };
-    let roots = |roots: Vec<Complex<f64>>| -> (Vec<f64>, Vec<f64>) {
-        roots.iter().map(|root| (root.re, root.im)).unzip()
-    };
-    let (poles, zeros) = (roots(transfer.poles()), roots(transfer.zeros()));
     let map = Drawn {
         title: format!("Poles and zeros of {name}"),
         x: Axis::new("Real part", "1/s"),
         y: Axis::new("Imaginary part", "1/s"),
         curves: vec![
-            Curve {
-                label: "poles",
-                class: "before",
-                mark: Mark::Crosses,
-                x: poles.0,
-                y: poles.1,
-                spread: Vec::new(),
-            },
-            Curve {
-                label: "zeros",
-                class: "after",
-                mark: Mark::Points,
-                x: zeros.0,
-                y: zeros.1,
-                spread: Vec::new(),
-            },
+            curve("poles", "before", Mark::Crosses, transfer.poles()),
+            curve("zeros", "after", Mark::Points, transfer.zeros()),
         ],
     };
-    vec![
-        Picture {
-            name: "magnitude",
-            plot: both("Magnitude", Axis::new("Magnitude", "dB"), sizes(&measured), sizes(&fitted)),
-        },
-        Picture {
-            name: "phase",
-            plot: both("Phase", Axis::new("Phase", "degrees"), turned.collect(), phase.clone()),
-        },
-        Picture { name: "poles-zeros", plot: map },
+    vec![magnitude, phase, Picture { name: "poles-zeros", plot: map }]
+}
+
+/// Magnitude and phase of transfer functions beside what they were all meant to be.
+pub(super) fn matched(fits: &[(String, TransferFunction)], points: &[Point]) -> Vec<Picture> {
+    let classes = ["before", "third", "noise"];
+    let fits: Vec<_> = fits
+        .iter()
+        .zip(classes)
+        .map(|((label, transfer), class)| (label.as_str(), class, transfer))
+        .collect();
+    bode("", points, &fits, false).into()
+}
+
+/// `near`: the first fit is near enough to the data to say which turn each phase belongs to, however noisy it is.
+fn bode(
+    of: &str,
+    points: &[Point],
+    fits: &[(&str, &'static str, &TransferFunction)],
+    near: bool,
+) -> [Picture; 2] {
+    let ends = points.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), point| {
+        (low.min(point.frequency_hz), high.max(point.frequency_hz))
+    });
+    let grid: Vec<f64> = (0..300).map(|i| ends.0 * (ends.1 / ends.0).powf(f64::from(i) / 299.0)).collect();
+    let at: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
+    let measured: Vec<Complex<f64>> = points.iter().map(|point| point.output / point.input).collect();
+    let sizes =
+        |values: &[Complex<f64>]| values.iter().map(|value| decibel(value.norm())).collect::<Vec<f64>>();
+    let mut phases = unwrapped(&measured);
+    if let Some((.., transfer)) = fits.first().filter(|_| near) {
+        let fitted: Vec<Complex<f64>> = at.iter().map(|hz| transfer.response(*hz)).collect();
+        let beside = unwrapped(&fitted);
+        phases.iter_mut().zip(beside).for_each(|(own, fit)| *own -= 360.0 * ((*own - fit) / 360.0).round());
+    }
+    let data = |y| Curve {
+        label: "data".into(),
+        class: "after",
+        mark: Mark::Points,
+        x: at.clone(),
+        y,
+        spread: Vec::new(),
+    };
+    let mut magnitudes = vec![data(sizes(&measured))];
+    let mut angles = vec![data(phases.clone())];
+    for (label, class, transfer) in fits {
+        let fitted: Vec<Complex<f64>> = grid.iter().map(|hz| transfer.response(*hz)).collect();
+        let mut phase = unwrapped(&fitted);
+        // On the turn of the data where they begin.
+        let off = phases
+            .first()
+            .zip(phase.first())
+            .map_or(0.0, |(data, own)| 360.0 * ((data - own) / 360.0).round());
+        phase.iter_mut().for_each(|degrees| *degrees += off);
+        let curve = |y| Curve {
+            label: (*label).to_owned(),
+            class,
+            mark: Mark::Line,
+            x: grid.clone(),
+            y,
+            spread: Vec::new(),
+        };
+        magnitudes.push(curve(sizes(&fitted)));
+        angles.push(curve(phase));
+    }
+    let drawn =
+        |title: &str, y: Axis, curves| Drawn { title: format!("{title}{of}"), x: frequency(), y, curves };
+    [
+        Picture { name: "magnitude", plot: drawn("Magnitude", Axis::new("Magnitude", "dB"), magnitudes) },
+        Picture { name: "phase", plot: drawn("Phase", Axis::new("Phase", "degrees"), angles) },
     ]
 }
