@@ -11,7 +11,7 @@ pub mod words;
 #[cfg(test)]
 mod tests;
 
-use maud::{Markup, Render, html};
+use maud::{Markup, PreEscaped, Render, html};
 
 pub use axis::Axis;
 use axis::Scale;
@@ -124,26 +124,33 @@ impl Frame {
 
 impl Render for Plot<'_> {
     fn render(&self) -> Markup {
-        let points = || self.series.iter().flat_map(Series::extent).filter(|(x, y)| usable(*x) && usable(*y));
-        if points().next().is_none() {
-            return html! { p class="none" { (self.title) ": no data." } };
-        }
-        let y = self.y.scale(points().map(|(_, y)| y), (HEIGHT - BOTTOM, TOP));
-        // Plots under one another share their left edge unless a label needs more.
-        let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
-        let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
-        let frame = Frame { x, y };
         html! {
-            svg class="plot" viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(self.title) {
-                (self.grid(&frame, left))
-                @for series in &self.series { (self.draw(series, &frame)) }
-                (self.legend(left))
+            @if let Some(drawn) = self.drawn() {
+                svg class="plot" viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(self.title) { (drawn) }
+            } @else {
+                p class="none" { (self.title) ": no data." }
             }
         }
     }
 }
 
 impl Plot<'_> {
+    /// What stands inside the view box; `None` without data.
+    fn drawn(&self) -> Option<Markup> {
+        let points = || self.series.iter().flat_map(Series::extent).filter(|(x, y)| usable(*x) && usable(*y));
+        points().next()?;
+        let y = self.y.scale(points().map(|(_, y)| y), (HEIGHT - BOTTOM, TOP));
+        // Plots under one another share their left edge unless a label needs more.
+        let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
+        let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
+        let frame = Frame { x, y };
+        Some(html! {
+            (self.grid(&frame, left))
+            @for series in &self.series { (self.draw(series, &frame)) }
+            (self.legend(left))
+        })
+    }
+
     fn grid(&self, frame: &Frame, left: f64) -> Markup {
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
         let middle = f64::midpoint(TOP, bottom);
@@ -228,23 +235,67 @@ fn sample(series: &Series<'_>, from: f64) -> Markup {
     }
 }
 
+/// Plots side by side under a title.
+#[derive(Debug, Clone)]
+pub struct Row<'a> {
+    /// What they are about.
+    pub title: String,
+    /// From left to right.
+    pub plots: Vec<Plot<'a>>,
+}
+
 /// A plot as a file of its own: light colours, whatever the reader's page looks like.
 #[must_use]
 pub fn standalone(plot: &Plot<'_>) -> String {
-    let drawn = plot.render().into_string();
-    let light = STYLE.split("@media").next().unwrap_or_default();
-    let plots =
-        STYLE.split("/* plots */").nth(1).and_then(|rest| rest.split("@media").next()).unwrap_or_default();
-    let style = format!(
-        "<style>{light}svg {{ background: #fff; font-family: system-ui, \"DejaVu Sans\", sans-serif; }}\n{plots}</style>"
-    );
-    let opened = drawn.replacen(
-        "<svg ",
-        &format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" ", 2.0 * WIDTH),
-        1,
-    );
-    match opened.find('>') {
-        Some(end) => format!("{}{style}{}\n", &opened[..=end], &opened[end + 1..]),
-        None => opened,
+    file([WIDTH, HEIGHT], &plot.title, &cell(plot, [0.0, 0.0]))
+}
+
+/// Rows of plots as one file, like [`standalone`].
+#[must_use]
+pub fn sheet(title: &str, rows: &[Row<'_>]) -> String {
+    const HEAD: f64 = 34.0;
+    let columns = rows.iter().map(|row| row.plots.len()).max().unwrap_or(0);
+    let top = |row: usize| row as f64 * (HEAD + HEIGHT);
+    let content = html! {
+        @for (index, row) in rows.iter().enumerate() {
+            text class="head" x="14" y=(top(index) + 24.0) { (row.title) }
+            @for (column, plot) in row.plots.iter().enumerate() {
+                (cell(plot, [column as f64 * WIDTH, top(index) + HEAD]))
+            }
+        }
+    };
+    file([WIDTH * columns as f64, top(rows.len())], title, &content)
+}
+
+fn cell(plot: &Plot<'_>, [left, top]: [f64; 2]) -> Markup {
+    html! {
+        g transform=(format!("translate({left} {top})")) {
+            @if let Some(drawn) = plot.drawn() {
+                (drawn)
+            } @else {
+                text class="tick" x=(WIDTH / 2.0) y=(HEIGHT / 2.0) text-anchor="middle" { (plot.title) ": no data" }
+            }
+        }
     }
+}
+
+/// Colours stand where they are used, since few programs that show such files know a style sheet's variables.
+fn file([width, height]: [f64; 2], title: &str, content: &Markup) -> String {
+    let part = |from: &str, to: &str| {
+        STYLE.split(from).nth(1).and_then(|rest| rest.split(to).next()).unwrap_or_default()
+    };
+    let colours = part(":root {", "}").split(';').filter_map(|line| line.split_once(':'));
+    let plots = colours.fold(part("/* plots */", "@media").to_owned(), |style, (name, colour)| {
+        style.replace(&format!("var({})", name.trim()), colour.trim())
+    });
+    let scale = if width > WIDTH { 1.0 } else { 2.0 };
+    let markup = html! {
+        svg xmlns="http://www.w3.org/2000/svg" class="plot" viewBox=(format!("0 0 {width} {height}"))
+            width=(scale * width) height=(scale * height) role="img" aria-label=(title) {
+            style { (PreEscaped("svg { font-family: system-ui, \"DejaVu Sans\", sans-serif; }")) (PreEscaped(plots)) }
+            rect width="100%" height="100%" fill="#fff" {}
+            (content)
+        }
+    };
+    format!("{}\n", markup.into_string())
 }

@@ -79,3 +79,19 @@ fn odd_data_are_drawn_or_said() {
         svg(&logarithmic);
     }
 }
+
+#[test]
+fn a_file_of_its_own_needs_no_page() {
+    let file = standalone(&plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Line));
+    let document = roxmltree::Document::parse(&file).unwrap();
+    let style = document.descendants().find(|node| node.has_tag_name("style")).unwrap().text().unwrap();
+    assert!(style.contains(".before { stroke: #c65102; }") && !style.contains("var("), "{style}");
+    let row = || Row {
+        title: "a <b> & c".into(),
+        plots: vec![plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Crosses), plot(&[], &[], Mark::Line)],
+    };
+    let file = sheet("two", &[row(), row()]);
+    let document = roxmltree::Document::parse(&file).unwrap();
+    let said = |text: &str| document.descendants().filter(|node| node.text() == Some(text)).count();
+    assert!(said("a <b> & c") >= 2 && file.contains("no data"), "{file}");
+}
