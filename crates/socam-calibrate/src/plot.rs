@@ -1,14 +1,8 @@
 //! A line through its pairs as a picture, and beside it what is left: the one shows that it fits, the other how well.
 
-use std::fmt::Write;
+use socam_plot::{Axis, COLUMNS, Mark, Plot, Row, Series};
 
 use crate::Line;
-
-const PANEL: (f64, f64) = (320.0, 210.0);
-const LEFT: f64 = 64.0;
-const GAP: f64 = 86.0;
-const TOP: f64 = 62.0;
-const ROW: f64 = 306.0;
 
 /// What a line is about.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,168 +17,100 @@ pub struct Titled<'a> {
     pub line: &'a Line,
 }
 
-/// Lines, one row each.
+/// Abscissas and ordinates.
+type Points = (Vec<f64>, Vec<f64>);
+
+/// The numbers of one row.
+struct Drawn {
+    line: Points,
+    inside: Points,
+    outliers: Points,
+    /// What is left, % of the span.
+    rest: Points,
+    /// The same of outliers; they stand at the edge, as they would hide what the others are scattered by.
+    edge: Points,
+    edge_label: String,
+}
+
+/// Lines, one row each, as a file.
 #[must_use]
 pub fn svg(lines: &[Titled<'_>]) -> String {
-    let (width, height) = (LEFT + 2.0 * PANEL.0 + GAP + 20.0, TOP + ROW * lines.len() as f64 - 20.0);
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"#222\"><rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>"
-    );
-    for (row, titled) in lines.iter().enumerate() {
-        draw(&mut text, titled, TOP + ROW * row as f64);
-    }
-    text.push_str("</svg>\n");
-    text
+    let drawn: Vec<Drawn> = lines.iter().map(|titled| Drawn::of(titled.line)).collect();
+    let rows: Vec<Row<'_>> = lines.iter().zip(&drawn).map(|(titled, drawn)| drawn.row(titled)).collect();
+    socam_plot::sheet("Lines through calibration pairs, and what they leave", &rows)
 }
 
-fn draw(text: &mut String, titled: &Titled<'_>, top: f64) {
-    let line = titled.line;
-    let _ = write!(
-        text,
-        "<text x=\"{LEFT}\" y=\"{}\" font-size=\"15\" font-weight=\"600\">{}</text>",
-        top - 36.0,
-        titled.title
-    );
-    let pairs = Frame::over(&line.pairs, (LEFT, top), true);
-    pairs.axes(text, &titled.over, &titled.of);
-    let ends = [pairs.x.0, pairs.x.1].map(|x| pairs.place([x, line.at(x)]));
-    let _ = write!(
-        text,
-        "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#2166ac\" stroke-width=\"1.5\"/>",
-        ends[0].0, ends[0].1, ends[1].0, ends[1].1
-    );
-    dots(text, &pairs, &line.pairs, &line.outliers);
-    // Outliers would hide what the others are scattered by; they stand at the edge.
-    let span = (line.gain.value * (line.range[1] - line.range[0])).abs().max(f64::MIN_POSITIVE);
-    let left = |pair: &[f64; 2]| [pair[0], 100.0 * (pair[1] - line.at(pair[0])) / span];
-    let inside = line.pairs.iter().enumerate().filter(|(row, _)| !line.outliers.contains(row));
-    let residuals: Vec<[f64; 2]> = inside.map(|(_, pair)| left(pair)).collect();
-    let frame = Frame::over(&residuals, (LEFT + PANEL.0 + GAP, top), false);
-    frame.axes(text, &titled.over, "What is left (% of span)");
-    let (zero, width) = (frame.place([0.0, 0.0]).1, PANEL.0);
-    let _ = write!(text, "<path d=\"M{} {zero:.1}h{width}\" stroke=\"#2166ac\"/>", frame.at.0);
-    dots(text, &frame, &residuals, &[]);
-    let outliers: Vec<[f64; 2]> = line.outliers.iter().map(|row| left(&line.pairs[*row])).collect();
-    for pair in &outliers {
-        let (x, y) = frame.place([pair[0], pair[1].clamp(frame.y.0, frame.y.1)]);
-        cross(text, x, y);
+impl Drawn {
+    fn of(line: &Line) -> Self {
+        let (outliers, inside): (Vec<usize>, Vec<usize>) =
+            (0..line.pairs.len()).partition(|row| line.outliers.contains(row));
+        let pairs =
+            |rows: &[usize]| rows.iter().map(|row| (line.pairs[*row][0], line.pairs[*row][1])).unzip();
+        let span = (line.gain.value * (line.range[1] - line.range[0])).abs().max(f64::MIN_POSITIVE);
+        let left = |row: &usize| {
+            let [x, y] = line.pairs[*row];
+            (x, 100.0 * (y - line.at(x)) / span)
+        };
+        let rest: Points = inside.iter().map(left).unzip();
+        let most = 1.1 * rest.1.iter().fold(1e-6_f64, |most, rest| most.max(rest.abs()));
+        let ends = line.pairs.iter().map(|pair| pair[0]);
+        let ends = [ends.clone().fold(f64::INFINITY, f64::min), ends.fold(f64::NEG_INFINITY, f64::max)];
+        Self {
+            line: ends.into_iter().map(|x| (x, line.at(x))).unzip(),
+            inside: pairs(&inside),
+            rest,
+            edge: outliers.iter().map(left).map(|(x, rest)| (x, rest.clamp(-most, most))).unzip(),
+            edge_label: format!("does not belong to the others ({}), at the edge", outliers.len()),
+            outliers: pairs(&outliers),
+        }
     }
-    if !line.outliers.is_empty() {
-        let _ = write!(
-            text,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"#b2182b\">\u{d7} does not belong to the others ({}), drawn at the edge</text>",
-            LEFT + 2.0 * PANEL.0 + GAP,
-            top - 30.0,
-            line.outliers.len()
-        );
-    }
-}
 
-fn dots(text: &mut String, frame: &Frame, pairs: &[[f64; 2]], outliers: &[usize]) {
-    for (row, pair) in pairs.iter().enumerate() {
-        let (x, y) = frame.place(*pair);
-        if outliers.contains(&row) {
-            cross(text, x, y);
-        } else {
-            let _ =
-                write!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"none\" stroke=\"#222\"/>");
+    fn row<'a>(&'a self, titled: &Titled<'_>) -> Row<'a> {
+        fn series<'a>(label: &'a str, class: &'a str, mark: Mark, (x, y): &'a Points) -> Series<'a> {
+            Series { label, class, mark, x, y, spread: &[] }
+        }
+        // Units stand in the words already.
+        let axis = |words: &str| Axis::new(words, "1");
+        let plot = |title: &str, y: Axis, series: Vec<Series<'a>>| Plot {
+            title: format!("{}: {title}", titled.title),
+            x: axis(&titled.over),
+            y,
+            series: series.into_iter().filter(|series| !series.x.is_empty()).collect(),
+            columns: COLUMNS,
+        };
+        let line = vec![
+            series("line", "after", Mark::Line, &self.line),
+            series("pairs", "noise", Mark::Points, &self.inside),
+            series("does not belong to the others", "before", Mark::Crosses, &self.outliers),
+        ];
+        let rest = vec![
+            series("", "noise", Mark::Points, &self.rest),
+            series(&self.edge_label, "before", Mark::Crosses, &self.edge),
+        ];
+        Row {
+            title: titled.title.clone(),
+            plots: vec![
+                plot("line", axis(&titled.of), line),
+                plot("what is left", Axis::new("What is left", "% of span"), rest),
+            ],
         }
     }
 }
 
-fn cross(text: &mut String, x: f64, y: f64) {
-    let _ = write!(
-        text,
-        "<path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#b2182b\" stroke-width=\"1.6\"/>",
-        x - 4.0,
-        y - 4.0
-    );
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-struct Frame {
-    x: (f64, f64),
-    y: (f64, f64),
-    at: (f64, f64),
-}
-
-impl Frame {
-    /// Round ends about all pairs; with `zero`, from zero where that is near.
-    fn over(pairs: &[[f64; 2]], at: (f64, f64), zero: bool) -> Self {
-        let range = |k: usize| {
-            let (low, high) = pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), pair| {
-                (low.min(pair[k]), high.max(pair[k]))
-            });
-            if low <= high { (low, high) } else { (0.0, 1.0) }
-        };
-        let rounded = |(low, high): (f64, f64), zero: bool| {
-            let (low, high) = if zero && low > 0.0 && low < 0.5 * high { (0.0, high) } else { (low, high) };
-            let step = step((high - low).max(1e-9));
-            ((low / step).floor() * step, (high / step).ceil() * step)
-        };
-        let (low, high) = range(1);
-        let y = if zero {
-            rounded((low, high), true)
-        } else {
-            let size = low.abs().max(high.abs()).max(1e-6);
-            rounded((-1.1 * size, 1.1 * size), false)
-        };
-        Self { x: rounded(range(0), true), y, at }
+    #[test]
+    fn names_are_whatever_people_wrote() {
+        let pairs: Vec<[f64; 2]> = (0..12)
+            .map(|i| [f64::from(i), 2.0 * f64::from(i) + if i == 7 { 5.0 } else { 0.01 * f64::from(i % 3) }])
+            .collect();
+        let line = Line::through("x", "y", &pairs, 0.0).unwrap();
+        assert_eq!(line.outliers, [7]);
+        let name = "a < b & \"c\"".to_owned();
+        let text = svg(&[Titled { title: name.clone(), over: name.clone(), of: name, line: &line }]);
+        assert!(text.contains("a &lt; b &amp;") && !text.contains("a < b"), "{text}");
+        assert!(text.contains("does not belong to the others (1), at the edge"));
     }
-
-    fn place(&self, pair: [f64; 2]) -> (f64, f64) {
-        let share = |value: f64, (low, high): (f64, f64)| (value - low) / (high - low);
-        (self.at.0 + PANEL.0 * share(pair[0], self.x), self.at.1 + PANEL.1 * (1.0 - share(pair[1], self.y)))
-    }
-
-    fn axes(&self, text: &mut String, over: &str, of: &str) {
-        let (left, top) = self.at;
-        let bottom = top + PANEL.1;
-        for value in ticks(self.x) {
-            let x = self.place([value, self.y.0]).0;
-            let _ = write!(
-                text,
-                "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#e4e4e4\"/><text x=\"{x:.1}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{}</text>",
-                bottom + 16.0,
-                label(value, self.x)
-            );
-        }
-        for value in ticks(self.y) {
-            let y = self.place([self.x.0, value]).1;
-            let _ = write!(
-                text,
-                "<path d=\"M{left} {y:.1}h{}\" stroke=\"#e4e4e4\"/><text x=\"{}\" y=\"{:.1}\" font-size=\"11\" text-anchor=\"end\">{}</text>",
-                PANEL.0,
-                left - 6.0,
-                y + 4.0,
-                label(value, self.y)
-            );
-        }
-        let (x, y) = (left + 0.5 * PANEL.0, bottom + 34.0);
-        let _ = write!(
-            text,
-            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{over}</text><text x=\"{left}\" y=\"{}\">{of}</text>",
-            top - 12.0
-        );
-    }
-}
-
-fn step(range: f64) -> f64 {
-    let raw = range / 5.0;
-    let decade = 10_f64.powf(raw.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().find(|factor| factor * decade >= 0.75 * raw).unwrap_or(10.0) * decade
-}
-
-fn ticks((low, high): (f64, f64)) -> Vec<f64> {
-    let step = step(high - low);
-    (0..=((high - low) / step + 1e-9) as usize).map(|k| low + k as f64 * step).collect()
-}
-
-fn label(value: f64, (low, high): (f64, f64)) -> String {
-    let digits = (-step(high - low).log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.digits$}").replace('-', "\u{2212}");
-    if value.abs() < 1e-9 * (high - low) { format!("{:.digits$}", 0.0) } else { text }
 }
