@@ -37,6 +37,16 @@ struct Judged {
     found: Estimate,
 }
 
+/// What is judged; what a bench does not determine is missing there.
+const NAMES: [&str; 6] = [
+    "loss in proportion to torque",
+    "loss in proportion to speed",
+    "constant loss",
+    "efficiency",
+    "gain of the tachometer",
+    "tachometer's error found",
+];
+
 /// The default bench with a bearing that drags.
 fn model() -> Result<Model, String> {
     let parameter =
@@ -97,16 +107,16 @@ fn bench(seed: u64, number: u64) -> Result<Vec<Judged>, String> {
     let mut judge = |name, truth, found: Option<Estimate>| {
         judged.extend(found.map(|found| Judged { name, truth, found }))
     };
-    judge("loss in proportion to torque", share, found.losses.torque_share);
-    judge("loss in proportion to speed", viscous * (1.0 - share), found.losses.viscous);
-    judge("constant loss", constant * (1.0 - share), found.losses.constant);
+    judge(NAMES[0], share, found.losses.torque_share);
+    judge(NAMES[1], viscous * (1.0 - share), found.losses.viscous);
+    judge(NAMES[2], constant * (1.0 - share), found.losses.constant);
     let point = found.points.get(2).ok_or("no operating point")?;
     let lost = share + (1.0 - share) * (viscous * point.speed_rad_s + constant) / point.torque;
-    judge("efficiency", 1.0 - lost, Some(point.efficiency));
+    judge(NAMES[3], 1.0 - lost, Some(point.efficiency));
     let tachometers = found.tachometers.ok_or("no tachometers")?;
-    judge("gain of the tachometer", tachometer, Some(tachometers.ratio));
+    judge(NAMES[4], tachometer, Some(tachometers.ratio));
     let seen = Estimate { value: f64::from(u8::from(tachometers.disagree)), std: 0.0, ci95: [0.0; 2] };
-    judge("tachometer's error found", 1.0, Some(Estimate { ci95: [seen.value; 2], ..seen }));
+    judge(NAMES[5], 1.0, Some(Estimate { ci95: [seen.value; 2], ..seen }));
     Ok(judged)
 }
 
@@ -119,15 +129,23 @@ fn main() -> Result<(), String> {
     if args.list {
         for (number, bench) in all.iter().enumerate() {
             let cell = |j: &Judged| {
-                format!("{} {:.5} ({:+.1} std)", j.name, j.truth, (j.found.value - j.truth) / j.found.std)
+                format!(
+                    "{} {:.5} ({:+.1} std of {:.1e})",
+                    j.name,
+                    j.truth,
+                    (j.found.value - j.truth) / j.found.std,
+                    j.found.std
+                )
             };
             println!("{number}: {}", bench.iter().map(cell).collect::<Vec<_>>().join("; "));
         }
     }
-    let first = all.first().map_or(&[][..], Vec::as_slice);
     println!("95 % intervals that hold the truth, {} benches", args.draws);
-    for (index, Judged { name, .. }) in first.iter().enumerate() {
-        let own: Vec<&Judged> = all.iter().filter_map(|bench| bench.get(index)).collect();
+    for name in NAMES {
+        let own: Vec<&Judged> = all.iter().flatten().filter(|judged| judged.name == name).collect();
+        if own.is_empty() {
+            continue;
+        }
         let held = own.iter().filter(|j| j.found.holds(j.truth)).count();
         let mut halves: Vec<f64> = own.iter().map(|j| 0.5 * (j.found.ci95[1] - j.found.ci95[0])).collect();
         halves.sort_by(f64::total_cmp);

@@ -7,6 +7,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A row that decides alone counts as deciding for all but this part.
 const LEAST_SHARE: f64 = 0.05;
+/// Rows before and after one whose errors are like its own.
+const NEIGHBOURS: usize = 10;
 /// Chance that a set of measurements without outliers loses any of them.
 const FALSE_ALARM: f64 = 0.01;
 /// Random subsets from which a fit to the better half starts (Rousseeuw and Van Driessen 2006, doi:10.1007/s10618-005-0024-4).
@@ -29,6 +31,10 @@ pub struct Regression {
     pub residual_std: f64,
     /// Rows that were left out, ascending.
     pub outliers: Vec<usize>,
+    /// What each row's own error adds to each coefficient; no rows where all count alike.
+    shares: DMatrix<f64>,
+    /// Rows whose errors were taken together to say how large one of them is.
+    together: f64,
 }
 
 impl Regression {
@@ -43,6 +49,23 @@ impl Regression {
     pub fn std_of(&self, weights: &[f64]) -> f64 {
         let weights = DVector::from_column_slice(weights);
         weights.dot(&(&self.covariance * &weights)).max(0.0).sqrt()
+    }
+
+    /// Degrees of freedom of [`Self::std_of`], of which a few rows that decide it leave few (Satterthwaite's).
+    #[must_use]
+    pub fn degrees_of(&self, weights: &[f64]) -> f64 {
+        if self.shares.nrows() == 0 {
+            return self.degrees;
+        }
+        let squares = (&self.shares * DVector::from_column_slice(weights)).map(|share| share * share);
+        let (sum, largest) = (squares.sum(), squares.norm_squared());
+        let total = self.std_of(weights).powi(2);
+        if largest <= 0.0 || sum <= 0.0 {
+            return self.degrees;
+        }
+        // What was known beforehand has no end of degrees, and those rows as many as were taken together.
+        let rows = (sum * sum / largest).max(1.0) * self.degrees / self.shares.nrows() as f64;
+        (rows.max(self.together) * (total / sum).max(1.0).powi(2)).min(self.degrees)
     }
 
     /// Turns a standard deviation into half of a 95 % interval.
@@ -98,6 +121,7 @@ pub fn robust(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Regressi
 /// Least squares with what is known of some coefficients beforehand (value, standard deviation), and with a covariance that
 /// neighbouring rows may make wider: rows are moments of a motion, and what the model leaves out lasts longer than one
 /// (sandwich with Bartlett's weights over `lag` neighbours; HC3 of MacKinnon and White 1985, doi:10.1016/0304-4076(85)90158-7).
+/// A row that decides alone says nothing of its own error: it counts as no better than the rows about it.
 #[must_use]
 pub fn with_knowledge(
     design: &DMatrix<f64>,
@@ -132,26 +156,42 @@ pub fn with_knowledge(
     let (coefficients, inverse, residuals, pull) = found?;
     // A row that decides alone leaves next to no residual, and its square would say that it is certain.
     let weight = 1.0 / (scale * scale);
-    let alone = |row: usize| {
-        let x = design.row(row).transpose();
-        1.0 / (1.0 - weight * x.dot(&(&inverse * &x))).max(LEAST_SHARE)
-    };
-    let honest: Vec<f64> = (0..rows).map(|row| weight * residuals[row] * alone(row)).collect();
-    let scores = DMatrix::from_fn(rows, columns, |i, j| design[(i, j)] * honest[i]);
+    let own: Vec<f64> = (0..rows)
+        .map(|row| {
+            let x = design.row(row).transpose();
+            (1.0 - weight * x.dot(&(&inverse * &x))).max(LEAST_SHARE)
+        })
+        .collect();
+    let honest: Vec<f64> = (0..rows).map(|row| residuals[row] / own[row]).collect();
+    let scores = DMatrix::from_fn(rows, columns, |i, j| design[(i, j)] * weight * honest[i]);
     let mut spread = scores.transpose() * &scores;
+    let mut sizes: Vec<f64> = honest.iter().map(|size| size * size).collect();
+    for row in 0..rows {
+        let about = row.saturating_sub(NEIGHBOURS)..(row + NEIGHBOURS + 1).min(rows);
+        let squares: f64 = residuals.as_slice()[about.clone()].iter().map(|rest| rest * rest).sum();
+        let usual = squares / own[about].iter().sum::<f64>();
+        let missing = (usual - honest[row].powi(2)).max(0.0) * (1.0 - own[row]);
+        sizes[row] += missing;
+        let x = design.row(row).transpose();
+        spread += &x * x.transpose() * (missing * weight * weight);
+    }
     for k in 1..=lag.min(rows / 4) {
         let cross = scores.rows(0, rows - k).transpose() * scores.rows(k, rows - k);
         spread += (&cross + cross.transpose()) * (1.0 - k as f64 / (lag + 1) as f64);
     }
     let spread = spread * (rows as f64 / degrees) + pull;
     let covariance = &inverse * spread * &inverse;
-    let degrees = degrees / (1.0 + 2.0 * lag as f64 / 3.0);
+    let lasting = 1.0 + 2.0 * lag as f64 / 3.0;
+    let degrees = degrees / lasting;
+    let shares = DMatrix::from_fn(rows, columns, |i, j| design[(i, j)] * weight * sizes[i].sqrt()) * &inverse;
     Some(Regression {
         coefficients: coefficients.iter().copied().collect(),
         covariance,
         degrees,
         residual_std: scale,
         outliers: Vec::new(),
+        shares,
+        together: (2 * NEIGHBOURS) as f64 / lasting,
     })
 }
 
@@ -188,6 +228,8 @@ fn on(design: &DMatrix<f64>, measured: &DVector<f64>, rows: &[usize]) -> Option<
         degrees,
         residual_std: variance.sqrt(),
         outliers: Vec::new(),
+        shares: DMatrix::zeros(0, columns),
+        together: degrees,
     })
 }
 
@@ -365,5 +407,20 @@ mod tests {
         assert!((fitted.coefficients[1] - 0.5).abs() < 1e-3);
         assert!((fitted.std(1) - 0.1).abs() < 1e-3);
         assert!(fitted.std_of(&[1.0, 1.0]) < 1e-3);
+    }
+
+    #[test]
+    fn a_row_that_decides_alone_is_no_better_than_those_about_it() {
+        let mut held = 0;
+        for seed in 0..400 {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let design = DMatrix::from_fn(40, 2, |i, j| f64::from(u8::from(j == 0 || i == 20)));
+            let measured = DVector::from_fn(40, |_, _| StandardNormal.sample(&mut random));
+            let fitted = with_knowledge(&design, &measured, &[None, None], 0).unwrap();
+            let degrees = fitted.degrees_of(&[0.0, 1.0]);
+            assert!((10.0..30.0).contains(&degrees), "{degrees}");
+            held += i32::from(fitted.coefficients[1].abs() < quantile95(degrees) * fitted.std(1));
+        }
+        assert!((364..=396).contains(&held), "{held} of 400");
     }
 }

@@ -9,8 +9,8 @@ use crate::{EfficiencyError, Section, moments::Moment};
 
 /// Moments overlap by half, and what a model leaves out lasts longer than one.
 const LAG: usize = 3;
-/// Times that the loss in proportion to torque is put back into what it is in proportion to.
-const STRETCHES: usize = 3;
+/// Steps of Gauss and Newton; only the share of the torque that is lost is not linear, and hardly.
+const STEPS: usize = 6;
 /// Columns that others explain but for this part of their size say nothing of their own.
 const LEAST_OWN: f64 = 1e-4;
 /// Estimates correlated more than this cannot be told apart.
@@ -79,24 +79,53 @@ enum Term {
     Zero,
 }
 
-impl Term {
-    /// At a torque share `f` that is lost, of which the part `w` of the inertia lies before what loses: sensors share in the torque
-    /// there ([`Moment::size`]) but for what is lost itself, forward (1 - w f) of it, and backward (1 + w f).
-    fn column(self, moment: &Moment, (f, w): (f64, f64)) -> f64 {
-        let (along, beside) = if moment.is_driven {
-            (1.0 / (1.0 - w * f), 1.0 / (1.0 - w * f))
+/// What a loss in proportion to torque, of share `f`, makes of the other losses, and how that changes with it. Sensors share in the
+/// torque before and after what loses ([`Moment::size`]) but for what is lost itself: of the part `w` of the inertia that lies before
+/// it, forward (1 - w f) of the torque, and backward (1 + w f).
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    /// Factor of the torque's size, and its slope with `f`.
+    along: [f64; 2],
+    /// Factor of what is lost before the loss in proportion, and its slope with `f`.
+    beside: [f64; 2],
+}
+
+impl Stretch {
+    fn of(moment: &Moment, f: f64, w: f64) -> Self {
+        if moment.is_driven {
+            let rest = 1.0 / (1.0 - w * f);
+            Self { along: [rest, w * rest * rest], beside: [rest, w * rest * rest] }
         } else {
-            (1.0 / (1.0 + w * f), (1.0 + f) / ((1.0 + w * f) * (1.0 - f)))
-        };
+            let rest = 1.0 / (1.0 + w * f);
+            let beside = (1.0 + f) / (1.0 - f) * rest;
+            let slope = beside * (1.0 / (1.0 + f) + 1.0 / (1.0 - f) - w * rest);
+            Self { along: [rest, -w * rest * rest], beside: [beside, slope] }
+        }
+    }
+}
+
+impl Term {
+    /// What one unit of the coefficient adds to the torque that is lost.
+    fn column(self, moment: &Moment, stretch: Stretch) -> f64 {
         match self {
-            Self::Share => moment.size * moment.direction * along,
-            Self::Viscous => moment.speed * beside,
-            Self::Constant => moment.direction * beside,
+            Self::Share => moment.size * moment.direction * stretch.along[0],
+            Self::Viscous => moment.speed * stretch.beside[0],
+            Self::Constant => moment.direction * stretch.beside[0],
             Self::Inertia => moment.acceleration,
             Self::Twist => -moment.torque_in_curvature,
             Self::GainIn => moment.torque_in,
             Self::GainOut => -moment.torque_out,
             Self::Zero => 1.0,
+        }
+    }
+
+    /// How its column changes with the share.
+    fn bend(self, moment: &Moment, stretch: Stretch) -> f64 {
+        match self {
+            Self::Share => moment.size * moment.direction * stretch.along[1],
+            Self::Viscous => moment.speed * stretch.beside[1],
+            Self::Constant => moment.direction * stretch.beside[1],
+            _ => 0.0,
         }
     }
 
@@ -157,17 +186,28 @@ impl Losses {
             DVector::from_iterator(moments.len(), moments.iter().map(|m| m.torque_in - m.torque_out));
         let known: Vec<_> = kept.iter().map(|(_, known)| *known).collect();
         let at = terms.iter().position(|term| *term == Term::Share);
-        let fit = |share: f64| {
-            let stretch = (share, section.share_before);
-            let design =
-                DMatrix::from_fn(moments.len(), terms.len(), |i, j| terms[j].column(&moments[i], stretch));
-            regression::with_knowledge(&design, &measured, &known, LAG).ok_or_else(too_few)
-        };
-        let mut regression = fit(0.0)?;
-        for _ in 0..STRETCHES {
-            let share = at.map_or(0.0, |at| regression.coefficients[at].clamp(0.0, 0.9));
-            regression = fit(share)?;
+        let mut regression: Option<Regression> = None;
+        for _ in 0..STEPS {
+            let values = regression.as_ref().map_or(vec![0.0; terms.len()], |r| r.coefficients.clone());
+            let share = at.map_or(0.0, |at| values[at].clamp(0.0, 0.9));
+            let mut design = DMatrix::zeros(moments.len(), terms.len());
+            let mut wanted = measured.clone();
+            for (row, moment) in moments.iter().enumerate() {
+                let stretch = Stretch::of(moment, share, section.share_before);
+                let mut bend = 0.0;
+                for (column, (term, value)) in terms.iter().zip(&values).enumerate() {
+                    design[(row, column)] = term.column(moment, stretch);
+                    bend += value * term.bend(moment, stretch);
+                }
+                // The share also stretches the other losses: without that slope its uncertainty would not reach theirs.
+                if let Some(at) = at {
+                    design[(row, at)] += bend;
+                    wanted[row] += bend * share;
+                }
+            }
+            regression = Some(regression::with_knowledge(&design, &wanted, &known, LAG).ok_or_else(too_few)?);
         }
+        let regression = regression.ok_or_else(too_few)?;
         let fitted = Fitted { regression, terms };
         let estimate = |term| fitted.estimate(term);
         Ok(Self {
@@ -194,7 +234,7 @@ impl Losses {
         let slopes: Vec<f64> = self.fitted.terms.iter().map(slope).collect();
         let lost: f64 = slopes.iter().zip(&self.fitted.regression.coefficients).map(|(s, c)| s * c).sum();
         let std = self.fitted.regression.std_of(&slopes);
-        Estimate::new(1.0 + lost, std, self.fitted.regression.degrees)
+        Estimate::new(1.0 + lost, std, self.fitted.regression.degrees_of(&slopes))
     }
 }
 
@@ -202,7 +242,9 @@ impl Fitted {
     fn estimate(&self, term: Term) -> Option<Estimate> {
         let index = self.terms.iter().position(|known| *known == term)?;
         let regression = &self.regression;
-        Some(Estimate::new(regression.coefficients[index], regression.std(index), regression.degrees))
+        let unit: Vec<f64> = (0..self.terms.len()).map(|i| f64::from(u8::from(i == index))).collect();
+        let degrees = regression.degrees_of(&unit);
+        Some(Estimate::new(regression.coefficients[index], regression.std(index), degrees))
     }
 
     fn entangled(&self) -> Vec<[&'static str; 2]> {
@@ -228,7 +270,7 @@ fn independent(moments: &[Moment], wanted: &[(Term, Option<(f64, f64)>)]) -> Vec
     for (term, known) in wanted {
         let column = DVector::from_iterator(
             moments.len(),
-            moments.iter().map(|moment| term.column(moment, (0.0, 0.0))),
+            moments.iter().map(|moment| term.column(moment, Stretch::of(moment, 0.0, 0.0))),
         );
         let size = column.norm();
         let mut own = column;
