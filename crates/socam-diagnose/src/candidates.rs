@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model,
-    effects::{ActsAt, CATALOGUE, Effect, Form},
+    effects::{ActsAt, CATALOGUE, Effect, Form, Sight},
 };
 
 use crate::scales::Scales;
@@ -32,6 +32,11 @@ impl Candidate {
     /// Whether the grid's points are of some strength already.
     pub(crate) fn is_full(&self) -> bool {
         matches!(self.effect.id, "coupling_slip" | "sensor_saturation")
+    }
+
+    /// Whether the other one is this effect at this place too, whatever its values.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id && self.place == other.place
     }
 
     pub(crate) fn with(&self, name: &str, value: f64) -> Self {
@@ -183,6 +188,11 @@ fn is_by_turn(effect: &Effect) -> bool {
 /// Whether an effect changes the network itself, so that it is tried in a model without others of its kind.
 pub(crate) fn is_structural(effect: &Effect) -> bool {
     !matches!(effect.form, Form::Laws(_)) || effect.acts_at == ActsAt::Gear
+}
+
+/// Whether its laws see a state of their own.
+pub(crate) fn has_memory(effect: &Effect) -> bool {
+    matches!(effect.form, Form::Laws(laws) if laws.iter().any(|law| law.sights.contains(&Sight::State)))
 }
 
 /// Stiffness of a shaft that gives as much as a change of the rigid one's by so much.

@@ -28,6 +28,9 @@ const DOUBT_SHARE: f64 = 2e-3;
 const MISFIT: f64 = 1.05;
 /// From where on parameters may have been bent so far that they do not find back by themselves.
 const BENT: f64 = 2.0;
+/// So many iterations from the file's values must come within so many times the sum of squares of the fit there is.
+const AFRESH: usize = 10;
+const HOPEFUL: f64 = 2.0;
 /// A named effect that explains less than this share of what a curve at one place would is not believed.
 const NEARLY: f64 = 0.6;
 /// Least share of the misfit on held-out recordings, per cent, that an effect or a curve must carry: where much is left, almost
@@ -90,7 +93,7 @@ pub(crate) fn run(
         let problem = bench.problem(&course.last.model)?;
         let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
         let mut all = candidates::all(&course.last.model, &scales);
-        all.retain(|candidate| !course.steps.iter().any(|step| is_same(&step.candidate, candidate)));
+        all.retain(|candidate| !course.steps.iter().any(|step| step.candidate.is_same(candidate)));
         let mut seen = screen::screen(
             &course.last.model,
             bench.training,
@@ -161,7 +164,13 @@ fn afresh(bench: &Bench<'_>, course: &Course, fitted: Fitted) -> Result<Fitted, 
             values[index] = parameter.value;
         }
     }
-    let other = bench.fitted(&fitted.model, &values, None, &course.yardstick)?;
+    let problem = bench.problem(&fitted.model)?;
+    let trial = compare::descend(&problem, &course.yardstick, &values, None, (compare::COARSE, AFRESH))?;
+    let Some(trial) = trial.filter(|trial| trial.total() < HOPEFUL * fitted.at.total()) else {
+        return Ok(fitted);
+    };
+    let trial = Fitted { at: trial, ..fitted.clone() };
+    let other = bench.fitted(&trial.model, &trial.at.values, Some(&trial), &course.yardstick)?;
     Ok(other.filter(|other| other.at.total() < fitted.at.total()).unwrap_or(fitted))
 }
 
@@ -192,10 +201,6 @@ fn unnamed(
     Ok(found.filter(|found| by_name < NEARLY * found.gain && found.misfit_percent > LEAST_SHARE))
 }
 
-fn is_same(a: &Candidate, b: &Candidate) -> bool {
-    a.effect.id == b.effect.id && a.place == b.place
-}
-
 /// The candidates that promise most, each effect and place once.
 fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     let mut tried: Vec<(Candidate, f64)> = Vec::new();
@@ -203,7 +208,7 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     for one in &course.screened {
         let significant = one.promise.p_value < threshold && one.promise.gain > least;
         // Where a fit may end depends on where it starts in what the effect is not linear in.
-        let starts = tried.iter().filter(|(candidate, _)| is_same(candidate, &one.start)).count();
+        let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
         let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };
         if one.possible && significant && starts < most && tried.len() < TRIED {
             tried.push((one.start.clone(), one.promise.p_value));
@@ -233,7 +238,7 @@ fn best(
     if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale || held_gain_percent < LEAST_SHARE {
         return Ok(None);
     }
-    let is_other = |other: usize| !is_same(&tried[other].0, &tried[index].0);
+    let is_other = |other: usize| !tried[other].0.is_same(&tried[index].0);
     let rivals = fits.iter().filter(|(other, fit)| is_other(*other) && fit.held_chi2() < before.held_chi2());
     // Neighbouring residuals are alike, and no law is obeyed to the last per mille: a likelihood would be far too sure of itself.
     let doubt = DOUBT.max(DOUBT_SHARE * held_gain / scale);

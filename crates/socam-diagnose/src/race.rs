@@ -62,6 +62,7 @@ pub(crate) fn race(
         let share = IN_THE_RACE[leg.min(1)];
         let line = (before.at.total() - share * (before.at.total() - least)).max(least + NEAR);
         runners.retain(|runner| runner.at.total() < line);
+        one_each(&mut runners, tried);
         let next = runners.into_par_iter().map(|runner| further(bench, runner, yardstick));
         runners = next.collect::<Result<_, IdentifyError>>()?;
     }
@@ -70,6 +71,17 @@ pub(crate) fn race(
     });
     let all: Result<Vec<_>, IdentifyError> = each.collect();
     Ok(all?.into_iter().flatten().collect())
+}
+
+/// Where an effect was begun in several ways, the one that came furthest goes on.
+fn one_each(runners: &mut Vec<Runner>, tried: &[(Candidate, f64)]) {
+    runners.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
+    let mut known: Vec<usize> = Vec::new();
+    runners.retain(|runner| {
+        let is_new = known.iter().all(|other| !tried[*other].0.is_same(&tried[runner.index].0));
+        known.push(runner.index);
+        is_new
+    });
 }
 
 fn further(bench: &Bench<'_>, runner: Runner, yardstick: &Yardstick) -> Result<Runner, IdentifyError> {

@@ -37,8 +37,11 @@ pub(crate) fn screen(
         all.iter().partition(|candidate| candidate.is_full());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         linear.into_iter().partition(|candidate| candidates::is_structural(candidate.effect));
+    // What has a memory answers the motion even at no strength, and several of them each other.
+    let (remembering, laws): (Vec<&Candidate>, Vec<&Candidate>) =
+        laws.into_iter().partition(|candidate| candidates::has_memory(candidate.effect));
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
-    batches.extend(full.into_iter().map(|candidate| vec![candidate]));
+    batches.extend(full.into_iter().chain(remembering).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
     let each = batches.par_iter().map(|batch| together(model, datasets, options, yardstick, at, batch));
     let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();

@@ -162,6 +162,17 @@ pub(crate) fn run(
     point: &Point,
     weights: &Weights,
 ) -> Result<PassResult, IdentifyError> {
+    run_below(problem, point, weights, f64::INFINITY)
+}
+
+/// The same, given up as soon as one stretch alone has a sum of squares of more than `most`: what leads there is not wanted, and often
+/// takes the shortest steps that there are.
+pub(crate) fn run_below(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    most: f64,
+) -> Result<PassResult, IdentifyError> {
     let Ok((equations, slopes)) = problem.model.equations_with_slopes(&point.values, &problem.free) else {
         // A step beyond what physics allows; the solver will shorten it.
         return Ok(None);
@@ -191,6 +202,7 @@ pub(crate) fn run(
         let colour = colours.iter().find(|colour| colour.sample_time_s == time_s);
         let mut rows = Rows::new(problem, time_s, weights, colour, point.locals[index].len());
         rows.still.clone_from(&still);
+        rows.most = most;
         let stepper = || steppers.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
@@ -272,6 +284,8 @@ pub(crate) struct Rows<'w> {
     present: Vec<bool>,
     /// Local columns that are not to be moved.
     still: Vec<usize>,
+    /// Sum of squares at which there is no going on.
+    most: f64,
 }
 
 impl<'w> Rows<'w> {
@@ -308,6 +322,7 @@ impl<'w> Rows<'w> {
             }),
             present: Vec::new(),
             still: Vec::new(),
+            most: f64::INFINITY,
         }
     }
 
@@ -371,7 +386,7 @@ impl<'w> Rows<'w> {
         if let Some(scores) = &mut self.scores {
             scores.take(target.as_ref(), rows, &self.present, skipped);
         }
-        finite
+        finite && self.weighted_squares <= self.most
     }
 
     /// `None` where slopes overflowed.

@@ -143,7 +143,7 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     let still = vec![0.0; problem.free.len()];
     for _ in 0..MOST_START_STEPS {
         let trial = moved(problem, at, &still);
-        let Some(passed) = pass::run(problem, &trial, &at.weights)? else { break };
+        let Some(passed) = pass::run_below(problem, &trial, &at.weights, at.cost)? else { break };
         let cost = squares(&passed);
         if cost >= at.cost * (1.0 - 1e-9) {
             break;
@@ -485,7 +485,7 @@ pub(crate) fn descend(
             break;
         };
         let trial = moved(problem, &at, &step);
-        let gained = match pass::run(problem, &trial, &at.weights)? {
+        let gained = match pass::run_below(problem, &trial, &at.weights, at.cost)? {
             Some(passed) => {
                 let cost = total_cost(problem, &trial, &at.weights, &passed);
                 Some((passed, cost)).filter(|_| cost < at.cost)
@@ -506,6 +506,11 @@ pub(crate) fn descend(
         } else {
             damping *= growth;
             growth *= 2.0;
+            // A sum of squares that rises along so short a step is rough, and smaller steps would only follow its folds.
+            if predicted <= tolerance * unit {
+                at.end = End::Converged;
+                break;
+            }
             if damping > 1e9 {
                 at.end = if predicted <= 1e-6 * at.cost { End::Converged } else { End::Stalled };
                 break;
