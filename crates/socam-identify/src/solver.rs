@@ -46,6 +46,9 @@ const MOST_ROUNDS: usize = 6;
 const MOST_CLEANINGS: usize = 3;
 /// Steps of the start states when only they are fitted.
 const MOST_START_STEPS: usize = 20;
+/// Share of such a step that is taken when the whole of it leads up, again and again down to the least.
+const SHORTER: f64 = 0.25;
+const LEAST_SHARE: f64 = 1e-2;
 /// Samples per recording, and recordings, on which starts compete.
 const RACE_ROWS: u64 = 4000;
 const RACE_STRETCHES: usize = 4;
@@ -141,14 +144,24 @@ pub(crate) fn squares(results: &[StretchResult]) -> f64 {
 /// bends the motion needs a few.
 fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyError> {
     let still = vec![0.0; problem.free.len()];
+    let mut share = 1.0;
     for _ in 0..MOST_START_STEPS {
-        let trial = moved(problem, at, &still);
-        let Some(passed) = pass::run_below(problem, &trial, &at.weights, at.cost)? else { break };
+        let trial = moved(problem, at, &still, share);
+        let passed = pass::run_below(problem, &trial, &at.weights, at.cost)?;
+        let passed = passed.filter(|passed| squares(passed) < at.cost);
+        let Some(passed) = passed else {
+            share *= SHORTER;
+            if share < LEAST_SHARE {
+                break;
+            }
+            continue;
+        };
         let cost = squares(&passed);
-        if cost >= at.cost * (1.0 - 1e-9) {
+        let is_over = cost >= at.cost * (1.0 - 1e-9);
+        (at.point, at.passed, at.cost) = (trial, passed, cost);
+        if is_over {
             break;
         }
-        (at.point, at.passed, at.cost) = (trial, passed, cost);
     }
     Ok(())
 }
@@ -484,7 +497,8 @@ pub(crate) fn descend(
             at.end = End::Stalled;
             break;
         };
-        let trial = moved(problem, &at, &step);
+        // Start states follow in full where steps are trusted, and are held where these are short: a law may bend at rest.
+        let trial = moved(problem, &at, &step, 1.0 / (1.0 + damping * damping));
         let gained = match pass::run_below(problem, &trial, &at.weights, at.cost)? {
             Some(passed) => {
                 let cost = total_cost(problem, &trial, &at.weights, &passed);
@@ -530,8 +544,8 @@ fn promised_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
     (0..free).map(row).sum()
 }
 
-/// The point after a step, local unknowns following.
-fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
+/// The point after a step, local unknowns following, and going so large a share of the way to where residuals want them.
+fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f64) -> Point {
     let mut point = at.point.clone();
     for (j, index) in problem.free.iter().enumerate() {
         if step[j] == 0.0 {
@@ -546,7 +560,7 @@ fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64]) -> Point {
         let (r, count) = (result.factor.as_ref(), result.locals());
         let change = result.solve_locals(|row| {
             let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();
-            -moved - r[(row, count + step.len())]
+            -moved - share * r[(row, count + step.len())]
         });
         locals.iter_mut().zip(change).for_each(|(local, change)| *local += change);
     }
