@@ -1,23 +1,22 @@
 //! The challenge as a user would run it: twenty random benches, physics hidden in twelve of them by other laws than those that are fitted.
 
 use serde_json::Value;
-use socam_tests::{run, socam_host};
+use socam_tests::run;
+
+fn count(value: &Value) -> u64 {
+    value.as_u64().unwrap_or_else(|| panic!("{value} is no number of cases"))
+}
 
 /// Rates over more cases are in docs/diagnosis.md; of these, none may get worse.
 #[test]
 fn hidden_physics_is_found_in_twenty_benches() {
-    let output = run(socam_host().args(["challenge", "--cases", "0..20", "--json"]));
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let mut cases = 0;
-    let mut wrong_names = 0;
+    let document = run(["challenge", "--cases", "0..20", "--json"]).json();
+    let (mut cases, mut wrong_names) = (0, 0);
     for kind in document["kinds"].as_array().unwrap() {
         let name = kind["kind"].as_str().unwrap();
-        let count = |value: &Value| value.as_u64().unwrap();
         let (right, detectable) = (count(&kind["right"]["hits"]), count(&kind["detectable"]));
         println!("measured: challenge, {name}: {right} right of {detectable} that can be detected");
         assert_eq!(right, detectable, "{name}: {kind:#}");
-        assert_eq!(count(&kind["right"]["of"]), detectable, "{name}");
         assert_eq!(count(&kind["failed"]), 0, "{name}");
         cases += count(&kind["cases"]);
         wrong_names += count(&kind["wrong_name"]["hits"]);

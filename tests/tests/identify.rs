@@ -79,6 +79,45 @@ fn identify_says_what_a_recording_determines_and_what_not() {
     }
 }
 
+/// At rest the law has its bend: start states must not be moved as if it were straight, or no step of the others leads down.
+#[test]
+fn a_loss_in_the_mesh_is_identified_from_a_start_at_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let (recording, model) = (file("steps.csv"), file("model.toml"));
+    let mut simulate: Vec<&str> = "simulate --profile steps --duration 6s --seed 102 -o".split(' ').collect();
+    simulate.extend([recording.as_str(), "--hide", "mesh_loss@mesh:fraction=0.05"]);
+    let truth = ["k1=75", "k2=50", "k4=120", "c2=0.03", "c3=0.015", "c4=0.1", "c5=0.04"];
+    simulate.extend(truth.iter().flat_map(|setting| ["--set", setting]));
+    run(simulate).done();
+    let (_, text) = socam_model::BUILTIN.iter().find(|(name, _)| *name == "speed-o-cam").unwrap();
+    let starts = [
+        ("1.24", "1.237"),
+        ("0.95", "0.908"),
+        ("916", "1413"),
+        ("1.92", "2.093"),
+        ("0.08", "0.0999"),
+        ("0.05", "0.03995"),
+    ];
+    let text = starts.iter().fold((*text).to_owned(), |text, (file, near)| {
+        text.replacen(&format!("value = {file},"), &format!("value = {near},"), 1)
+    });
+    let law = r#"
+[parameters.share]
+value = 0.03
+unit = "1"
+bounds = [0, 1]
+[[effects]]
+effect = "mesh_loss"
+at = "mesh"
+parameters = { fraction = "share" }
+"#;
+    std::fs::write(&model, text + law).unwrap();
+    let result = run(["identify", &recording, "--model", &model, "--starts", "1", "--json"]).json();
+    let share = by_name(&result["parameters"])["share"];
+    assert!(holds(share, 0.05), "{share:#}");
+}
+
 #[test]
 fn identify_prints_the_same_digits_whatever_the_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
