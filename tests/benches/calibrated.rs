@@ -12,7 +12,7 @@ use socam_calibrate::tasks::{Assumed, Task};
 use socam_calibrate::{Line, steady};
 use socam_core::scaling::MotorCalibration;
 use socam_model::Model;
-use socam_recording::{Calibration, ProfileFile};
+use socam_recording::{Calibration, Course, ProfileFile};
 use socam_sim::{Override, Setup, Truth};
 
 /// Of the default motor, (rad/s)/(N m): see the simulator's drive.
@@ -78,7 +78,8 @@ fn sensor(draw: &mut Draw) -> Held {
     ]
 }
 
-/// A virtual bench, recorded over the thesis' steps.
+/// A virtual bench, recorded over a staircase of commands: what a drive's and a converter's last digits do to one of them is the same
+/// every time, and would be judged as if it were chance.
 fn bench(draw: &mut Draw) -> Result<Held, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let model = Model::builtin("speed-o-cam").ok_or("no default model")?;
@@ -92,8 +93,13 @@ fn bench(draw: &mut Draw) -> Result<Held, String> {
     let truth =
         Truth::new(&model, &[Override { name: "c5".into(), value: load }], &hidden).map_err(|e| text(&e))?;
     let setup = Setup::new(truth, Calibration::default(), draw.between(0.0, 1e9) as u64);
+    let (first, last) = (draw.between(0.5, 0.8), draw.between(1.3, 1.7));
+    let count = draw.between(5.0, 11.0) as u16;
+    let step = (last - first) / f64::from(count - 1);
+    let dwell_s = 10.0 / f64::from(count);
     let mut profile = ProfileFile::open("steps").map_err(|e| text(&e))?;
     profile.duration_s = 10.0;
+    profile.course = Course::Staircase { first, step, count, dwell_s, and_back: false };
     let course = profile.profile(1000).map_err(|e| text(&e))?;
     let data = setup.record("steps", &course, 1000).map_err(|e| text(&e))?;
     let found = steady::of(&[data], &model, &Assumed::default()).map_err(|e| text(&e))?;

@@ -89,7 +89,7 @@ fn a_loss_in_the_mesh_is_identified_from_a_start_at_rest() {
     simulate.extend([recording.as_str(), "--hide", "mesh_loss@mesh:fraction=0.05"]);
     let truth = ["k1=75", "k2=50", "k4=120", "c2=0.03", "c3=0.015", "c4=0.1", "c5=0.04"];
     simulate.extend(truth.iter().flat_map(|setting| ["--set", setting]));
-    run(simulate).done();
+    let _ = run(simulate).done();
     let (_, text) = socam_model::BUILTIN.iter().find(|(name, _)| *name == "speed-o-cam").unwrap();
     let starts = [
         ("1.24", "1.237"),

@@ -472,6 +472,7 @@ pub(crate) fn descend(
     let cost = total_cost(problem, &point, &weights, &passed);
     let mut at = Descent { point, weights, passed, cost, iterations: 0, end: End::IterationLimit };
     let (mut damping, mut growth) = (1e-3_f64, 2.0);
+    let mut refused = 0;
     let mut factor = global_factor(problem, &at.point, &at.weights, &at.passed);
     let mut costs = vec![at.cost];
     while at.iterations < max_iterations {
@@ -497,8 +498,8 @@ pub(crate) fn descend(
             at.end = End::Stalled;
             break;
         };
-        // Start states follow in full where steps are trusted, and are held where these are short: a law may bend at rest.
-        let trial = moved(problem, &at, &step, 1.0 / (1.0 + damping * damping));
+        // Start states go all the way where that leads down, and less far each time that it does not: a law may bend at rest.
+        let trial = moved(problem, &at, &step, SHORTER.powi(refused));
         let gained = match pass::run_below(problem, &trial, &at.weights, at.cost)? {
             Some(passed) => {
                 let cost = total_cost(problem, &trial, &at.weights, &passed);
@@ -509,7 +510,7 @@ pub(crate) fn descend(
         if let Some((passed, cost)) = gained {
             let ratio = (at.cost - cost) / predicted;
             damping = (damping * (1.0 - (2.0 * ratio - 1.0).powi(3)).max(LARGEST_RELIEF)).max(LEAST_DAMPING);
-            growth = 2.0;
+            (growth, refused) = (2.0, 0);
             (at.point, at.passed, at.cost) = (trial, passed, cost);
             factor = global_factor(problem, &at.point, &at.weights, &at.passed);
             costs.push(cost);
@@ -520,6 +521,7 @@ pub(crate) fn descend(
         } else {
             damping *= growth;
             growth *= 2.0;
+            refused += 1;
             // A sum of squares that rises along so short a step is rough, and smaller steps would only follow its folds.
             if predicted <= tolerance * unit {
                 at.end = End::Converged;
