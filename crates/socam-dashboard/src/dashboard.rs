@@ -19,6 +19,9 @@ use crate::review::{Entry, Review};
 use crate::spectra::Spectra;
 use crate::theme;
 
+/// Width of menus, tabs, the state of the bench and the emergency stop, points.
+const ONE_ROW: f32 = 1060.0;
+
 /// Something that went wrong or is worth knowing; it stays until it is put away.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Notice {
@@ -139,6 +142,7 @@ impl Dashboard {
     pub fn set_up(&self, ctx: &egui::Context) {
         theme::apply(ctx, self.layout.look);
         ctx.set_zoom_factor(self.layout.zoom);
+        crate::layout::set_panels(ctx, &self.layout.panels);
     }
 
     /// Opens files with the next pass.
@@ -222,6 +226,11 @@ impl Dashboard {
         }
     }
 
+    /// Opens the window that explains each control.
+    pub fn show_help(&mut self) {
+        self.help = true;
+    }
+
     /// Draws everything.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
@@ -269,6 +278,7 @@ impl Dashboard {
         }
         self.dialogs(&ctx);
         crate::help::window(&ctx, &mut self.help);
+        self.layout.panels = crate::layout::panels(&ctx);
         self.export(&ctx);
     }
 
@@ -286,15 +296,14 @@ impl Dashboard {
         }
     }
 
-    /// Menus and tabs at the left, the emergency stop at the right.
+    /// Menus and tabs at the left, the emergency stop at the right; in two rows where there is no room for one.
     fn bar(&mut self, ui: &mut Ui) {
+        let is_one_row = ui.available_width() >= ONE_ROW;
         ui.horizontal(|ui| {
             self.menus(ui);
-            ui.separator();
-            for view in View::reachable() {
-                if ui.selectable_label(self.layout.view == view, view.name()).clicked() {
-                    self.layout.view = view;
-                }
+            if is_one_row {
+                ui.separator();
+                self.tabs(ui);
             }
             if !live::REACHABLE {
                 return;
@@ -305,9 +314,28 @@ impl Dashboard {
                 if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
                     self.live.emergency_stop();
                 }
-                self.live.lamp(ui);
+                if is_one_row {
+                    self.live.lamp(ui);
+                }
             });
         });
+        if !is_one_row {
+            ui.horizontal_wrapped(|ui| {
+                self.tabs(ui);
+                if live::REACHABLE {
+                    ui.separator();
+                    self.live.lamp(ui);
+                }
+            });
+        }
+    }
+
+    fn tabs(&mut self, ui: &mut Ui) {
+        for view in View::reachable() {
+            if ui.selectable_label(self.layout.view == view, view.name()).clicked() {
+                self.layout.view = view;
+            }
+        }
     }
 
     fn keys(&mut self, ctx: &egui::Context) {

@@ -1,7 +1,9 @@
 //! Which view is shown, and what else is remembered from one start to the next.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
 use crate::theme::Look;
@@ -56,8 +58,10 @@ pub struct Layout {
     pub folder: PathBuf,
     /// The device that was last connected to.
     pub device: String,
-    /// Size of the window, points.
+    /// Size of the window, points of a normal size of everything.
     pub window: [f32; 2],
+    /// Widths of the panels at the left, points, by name.
+    pub panels: BTreeMap<String, f32>,
 }
 
 impl Default for Layout {
@@ -69,6 +73,34 @@ impl Default for Layout {
             folder: PathBuf::from("."),
             device: "sim".into(),
             window: [1280.0, 800.0],
+            panels: BTreeMap::new(),
         }
     }
+}
+
+/// Widths of panels, where whoever draws one finds them.
+type Panels = BTreeMap<String, f32>;
+
+fn place() -> Id {
+    Id::unique("widths of panels")
+}
+
+/// Has panels be as wide as they were.
+pub(crate) fn set_panels(ctx: &egui::Context, panels: &Panels) {
+    ctx.data_mut(|data| data.insert_temp(place(), panels.clone()));
+}
+
+/// How wide panels are.
+pub(crate) fn panels(ctx: &egui::Context) -> Panels {
+    ctx.data(|data| data.get_temp(place())).unwrap_or_default()
+}
+
+/// How wide a panel is at first.
+pub(crate) fn panel(ui: &Ui, name: &str, usual: f32) -> f32 {
+    panels(ui.ctx()).get(name).copied().unwrap_or(usual)
+}
+
+/// Keeps how wide a panel is.
+pub(crate) fn keep_panel(ui: &Ui, name: &str, width: f32) {
+    ui.ctx().data_mut(|data| data.get_temp_mut_or_default::<Panels>(place()).insert(name.to_owned(), width));
 }

@@ -12,7 +12,7 @@ pub mod document;
 pub mod draw;
 pub mod files;
 mod headless;
-mod help;
+pub mod help;
 pub mod job;
 mod layout;
 pub mod live;

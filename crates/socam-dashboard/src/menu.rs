@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use egui::{Button, Key, KeyboardShortcut, LayerId, Modifiers, Ui};
+use egui::{Button, Key, KeyboardShortcut, LayerId, Modifiers, Role, Ui, WidgetInfo};
 
 use crate::draw::{export, raster, svg};
 #[cfg(not(target_arch = "wasm32"))]
@@ -24,6 +24,7 @@ const SAVE: KeyboardShortcut = with_ctrl(Key::S);
 const EXPORT: KeyboardShortcut = with_ctrl(Key::E);
 const UNDO: KeyboardShortcut = with_ctrl(Key::Z);
 const REDO: KeyboardShortcut = with_ctrl(Key::Y);
+const HELP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F1);
 const VIEWS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
 
 fn item(ui: &mut Ui, text: &str, keys: Option<KeyboardShortcut>) -> bool {
@@ -35,7 +36,10 @@ fn enabled_item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<KeyboardSho
     if let Some(keys) = keys {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
-    ui.add_enabled(enabled, button).clicked()
+    let response = ui.add_enabled(enabled, button);
+    // Without its keys, which are no part of its name.
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
+    response.clicked()
 }
 
 impl Dashboard {
@@ -49,7 +53,7 @@ impl Dashboard {
             ui.menu_button("Input Signal", |ui| self.signal_menu(ui));
         }
         ui.menu_button("Help", |ui| {
-            if item(ui, "What each control does", None) {
+            if item(ui, "What each control does", Some(HELP)) {
                 self.help = true;
             }
         });
@@ -68,7 +72,11 @@ impl Dashboard {
         }
         let any = self.entries.iter().any(|entry| entry.shown);
         if enabled_item(ui, any, "Save recording as .csv or .m...", None) {
-            self.ask(ui.ctx(), Purpose::SaveRecording, "recording.csv");
+            let first = self.entries.iter().find(|entry| entry.shown);
+            let name =
+                first.map_or("recording", |entry| crate::recording::short(&entry.recording.about.name));
+            let name = Path::new(name).with_extension("csv").display().to_string();
+            self.ask(ui.ctx(), Purpose::SaveRecording, &name);
         }
         if self.simulate.is_some() && enabled_item(ui, any, "Simulate the shown recordings", None) {
             self.simulate(ui.ctx());
@@ -100,15 +108,19 @@ impl Dashboard {
             self.live.signal.redo();
         }
         ui.separator();
-        if item(ui, "Cut input signal", None) {
+        // They act on what the live view shows, so that it is seen what they did.
+        if item(ui, "Cut input signal", Some(with_ctrl(Key::X))) {
             ui.ctx().copy_text(self.live.signal.text());
             self.live.signal.change(Settings::default());
+            self.layout.view = View::Live;
         }
-        if item(ui, "Copy input signal", None) {
+        if item(ui, "Copy input signal", Some(with_ctrl(Key::C))) {
             ui.ctx().copy_text(self.live.signal.text());
+            self.layout.view = View::Live;
         }
-        if item(ui, "Paste input signal", None) {
+        if item(ui, "Paste input signal", Some(with_ctrl(Key::V))) {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+            self.layout.view = View::Live;
         }
     }
 
@@ -184,6 +196,9 @@ impl Dashboard {
         }
         if pressed(EXPORT) {
             self.ask(ctx, Purpose::Export, "view.png");
+        }
+        if pressed(HELP) {
+            self.help = true;
         }
         for (view, key) in View::reachable().zip(VIEWS) {
             if pressed(with_ctrl(key)) {

@@ -76,6 +76,10 @@ impl Maker {
         let usable = recordings.iter().filter(|recording| recording.path.is_some());
         let names: Vec<String> = usable.map(|recording| recording.about.name.clone()).collect();
         if names.is_empty() {
+            if is_first {
+                let advice = "A diagnosis takes recordings that are files: drop some here, or press Ctrl+O.";
+                ui.label(RichText::new(advice).color(theme::weak(ui)));
+            }
             return;
         }
         let header = egui::CollapsingHeader::new("Diagnose the open recordings").default_open(is_first);

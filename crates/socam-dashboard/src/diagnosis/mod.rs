@@ -15,7 +15,7 @@ use socam_recording::ProfileFile;
 
 use crate::draw::chart::{self, Seen};
 use crate::recording::Recording;
-use crate::theme;
+use crate::{layout, theme};
 pub use evidence::Over;
 
 /// Which residuals are drawn.
@@ -84,7 +84,9 @@ impl DiagnosisView {
         if let Some(finding) = diagnosis.findings.first() {
             let region = &finding.region;
             self.over = match () {
-                () if finding.curve.is_some() && evidence.is_none() => Over::Shape,
+                // A file has no residuals, but it has these.
+                () if evidence.is_none() && finding.curve.is_some() => Over::Shape,
+                () if evidence.is_none() => Over::Fit,
                 // A band is worth a spectrum where it is narrow.
                 () if region.frequency_hz.is_some_and(|[low, high]| high < 4.0 * low) => Over::Frequency,
                 () if region.torque_nm.is_some() => Over::Torque,
@@ -116,7 +118,9 @@ impl DiagnosisView {
             self.show(answer.diagnosis, Some(answer.evidence), answer.model);
         }
         let mut wanted = None;
-        egui::Panel::left("findings").default_size(372.0).size_range(250.0..=640.0).show(ui, |ui| {
+        let width = layout::panel(ui, "findings", 372.0);
+        let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
+        let panel = panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 #[cfg(not(target_arch = "wasm32"))]
                 self.maker.ui(ui, recordings, model, self.shown.is_none());
@@ -125,6 +129,7 @@ impl DiagnosisView {
                 }
             });
         });
+        layout::keep_panel(ui, "findings", panel.response.rect.width());
         egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen));
         wanted
     }

@@ -5,10 +5,10 @@ mod marks;
 
 use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2b, WidgetInfo, vec2};
 pub use egui_plot::MarkerShape;
-use egui_plot::{AxisHints, GridMark, Plot, PlotResponse, log_grid_spacer, uniform_grid_spacer};
+use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, uniform_grid_spacer};
 
 use crate::theme;
-use axes::{decade, moved, number, padded, scaled, small, steps, unscaled};
+use axes::{at_an_end, decade, decades, moved, number, padded, scaled, small, steps, unscaled};
 pub use axes::{range_of, with_room};
 
 /// A line of a chart.
@@ -223,21 +223,34 @@ impl Chart {
     /// Axes, grid and lines.
     fn plot(&self, ui: &mut Ui, x: [f64; 2], y: [f64; 2]) -> PlotResponse<()> {
         let scales = self.scales.map(|scale| scale == Scale::Log);
-        let axis =
-            |log: bool| move |mark: GridMark, _: &_| if log { decade(mark.value) } else { number(mark) };
+        let text = |log: bool, mark: GridMark| if log { decade(mark) } else { number(mark) };
         // Of numbers, points.
-        let apart = [48.0, if self.size.y < TALL { 17.5 } else { 28.0 }];
+        let apart = [56.0, if self.size.y < TALL { 17.5 } else { 32.0 }];
         let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
-        let mut x_axis = AxisHints::new_x().formatter(axis(scales[0])).label_spacing(spacing[0]);
+        // Beyond the greatest number ends the picture, or stand those beside the next chart.
+        let width = self.size.x - AXIS_WIDTH;
+        let below = move |mark: GridMark, range: &_| {
+            if at_an_end(mark.value, range, width, [0.0, 14.0]) {
+                String::new()
+            } else {
+                text(scales[0], mark)
+            }
+        };
+        let mut x_axis = AxisHints::new_x().formatter(below).label_spacing(spacing[0]);
         if !self.x_label.is_empty() {
             x_axis = x_axis.label(small(&self.x_label));
         }
-        let y_axis =
-            AxisHints::new_y().formatter(axis(scales[1])).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
+        let length = self.size.y - if self.x_label.is_empty() { 0.0 } else { X_AXIS };
+        // Below the lowest number stand those of the other axis, or of the next chart.
+        let beside = move |mark: GridMark, range: &_| {
+            if at_an_end(mark.value, range, length, [7.0; 2]) { String::new() } else { text(scales[1], mark) }
+        };
+        let y_axis = AxisHints::new_y().formatter(beside).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
         let spacer = |side: usize| {
             let numbers = apart[side] / LINES_APART;
             let even = uniform_grid_spacer(move |input| steps(input, numbers));
-            if scales[side] { log_grid_spacer(10) } else { even }
+            let by_decades = Box::new(move |input: GridInput| decades(&input, numbers));
+            if scales[side] { by_decades } else { even }
         };
         let plot = Plot::new(self.id)
             .x_grid_spacer(spacer(0))

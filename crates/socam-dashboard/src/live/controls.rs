@@ -10,19 +10,23 @@ use socam_recording::ProfileFile;
 use super::signal::{self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, Kind, LIMIT_V};
 use super::{Link, Live, Order, Plan};
 use crate::draw::chart::{Chart, Curve, Style, range_of};
-use crate::theme;
+use crate::{layout, theme};
 
 /// Draws it. Returns a recording that is to be looked at.
 pub(super) fn panel(live: &mut Live, ui: &mut Ui) -> Option<String> {
     let mut wanted = None;
-    egui::Panel::left("bench").default_size(318.0).size_range(270.0..=480.0).show(ui, |ui| {
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.add_space(2.0);
-            card(ui, "Board", |ui| link(live, ui));
-            card(ui, "Input Signal", |ui| input_signal(live, ui));
-            card(ui, "Run", |ui| wanted = run(live, ui));
+    let shown = egui::Panel::left("bench")
+        .default_size(layout::panel(ui, "bench", 318.0))
+        .size_range(270.0..=480.0)
+        .show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                ui.add_space(2.0);
+                card(ui, "Board", |ui| link(live, ui));
+                card(ui, "Input Signal", |ui| input_signal(live, ui));
+                card(ui, "Run", |ui| wanted = run(live, ui));
+            });
         });
-    });
+    layout::keep_panel(ui, "bench", shown.response.rect.width());
     wanted
 }
 
@@ -48,8 +52,8 @@ fn link(live: &mut Live, ui: &mut Ui) {
                 let ctx = ui.ctx().clone();
                 live.connect(&ctx);
             }
-        } else if ui.button("Disconnect").clicked() {
-            live.order(Order::Disconnect);
+        } else if ui.button(if live.link == Link::Opening { "Cancel" } else { "Disconnect" }).clicked() {
+            live.disconnect();
         }
     });
     if let Some(problem) = &live.problem {
@@ -163,7 +167,7 @@ fn preview(live: &mut Live, ui: &mut Ui) {
     let Some((_, line)) = &live.preview else { return };
     match line {
         Ok(line) => {
-            let mut chart = Chart::new("preview", "command, V", vec2(ui.available_width(), 118.0));
+            let mut chart = Chart::new("preview", "command, V", vec2(ui.available_width(), 96.0));
             chart.x = [0.0, line.last().map_or(1.0, |[time, _]| *time)];
             chart.x_label = "s".into();
             chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));
@@ -213,17 +217,14 @@ fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
             .on_hover_text("Load the signal and watch all limits; nothing moves")
             .clicked()
         {
-            let plan = live.plan();
-            live.ended = None;
-            live.problem = None;
-            live.order(Order::Arm(Box::new(plan)));
+            live.arm();
         }
         if ui
             .add_enabled(state == Some(State::Armed), big("Run"))
             .on_hover_text("The bench moves, and is recorded")
             .clicked()
         {
-            live.order(Order::Run);
+            live.run();
         }
         let moves = matches!(state, Some(State::Armed | State::Running | State::Stopping));
         if ui.add_enabled(moves, big("Stop")).on_hover_text("Ramps down gently").clicked() {
@@ -248,7 +249,7 @@ fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
 
 impl Live {
     /// The next run: its file has the first free number after its name.
-    fn plan(&self) -> Plan {
+    pub(super) fn plan(&self) -> Plan {
         let name = self.name.trim();
         let name = if name.is_empty() { "run" } else { name };
         let file = |number: u32| self.folder.join(format!("{name}-{number}.mcap"));

@@ -130,6 +130,34 @@ impl Live {
         }
     }
 
+    /// What does not work, in one sentence.
+    #[must_use]
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// Loads the signal and has the board watch all limits; nothing moves.
+    pub fn arm(&mut self) {
+        let plan = self.plan();
+        self.ended = None;
+        self.problem = None;
+        self.order(Order::Arm(Box::new(plan)));
+    }
+
+    /// Starts what is armed, and its recording.
+    pub fn run(&mut self) {
+        self.order(Order::Run);
+    }
+
+    /// Closes the link. One that is still being opened is given up: whoever opens it finds nobody there, and ends.
+    fn disconnect(&mut self) {
+        if self.link == Link::Opening {
+            (self.link, self.port) = (Link::Closed, None);
+        } else {
+            self.order(Order::Disconnect);
+        }
+    }
+
     fn stop(&mut self) {
         if let Some(port) = &self.port {
             port.presses.fetch_max(1, Ordering::SeqCst);
@@ -237,7 +265,7 @@ impl Live {
             chart::empty_state(ui, title, advice);
             return;
         }
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.toggle_value(&mut self.paused, "Hold picture")
                 .on_hover_text("The bench and the recording go on");
             ui.label("Window");
@@ -245,9 +273,9 @@ impl Live {
                 ui.selectable_value(&mut self.window_s, window_s, format!("{window_s} s"));
             }
             if self.buffer.missed() > 0 {
-                let text =
-                    format!("{} samples were not drawn (the recording has them)", self.buffer.missed());
-                ui.label(RichText::new(text).small().color(theme::weak(ui)));
+                let text = format!("{} samples were not drawn", self.buffer.missed());
+                let why = "The window was slow, or the board was being set up. A recording does not pass through the window: what it has is said at the left.";
+                ui.label(RichText::new(text).small().color(theme::weak(ui))).on_hover_text(why);
             }
         });
         let channels = self.buffer.channels().to_vec();
@@ -255,8 +283,9 @@ impl Live {
         let axis = chart::X_AXIS;
         let count = channels.len().max(1) as f32;
         let height = ((room.y - axis - 4.0 * count) / count).max(70.0);
-        let to_s = self.buffer.end_s();
-        let x = [to_s - self.window_s, to_s];
+        // Until there are enough samples they come in from the left.
+        let from_s = (self.buffer.end_s() - self.window_s).max(0.0);
+        let x = [from_s, from_s + self.window_s];
         ui.spacing_mut().item_spacing.y = 3.0;
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (index, channel) in channels.iter().enumerate() {

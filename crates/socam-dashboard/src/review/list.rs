@@ -4,12 +4,14 @@ use egui::{Button, DragValue, RichText, ScrollArea, Ui};
 
 use super::{Entry, Review, channels, swatch};
 use crate::recording::short;
-use crate::theme;
+use crate::{layout, theme};
 
 /// Draws it at the left. Returns the recording that was closed.
 pub(super) fn panel(review: &mut Review, ui: &mut Ui, entries: &mut [Entry]) -> Option<usize> {
     let mut closed = None;
-    egui::Panel::left("recordings").default_size(252.0).size_range(170.0..=520.0).show(ui, |ui| {
+    let width = layout::panel(ui, "recordings", 252.0);
+    let panel = egui::Panel::left("recordings").default_size(width).size_range(170.0..=520.0);
+    let panel = panel.show(ui, |ui| {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.add_space(4.0);
             ui.label(RichText::new("Recordings").strong());
@@ -40,6 +42,7 @@ pub(super) fn panel(review: &mut Review, ui: &mut Ui, entries: &mut [Entry]) -> 
             }
         });
     });
+    layout::keep_panel(ui, "recordings", panel.response.rect.width());
     closed
 }
 

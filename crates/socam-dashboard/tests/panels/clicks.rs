@@ -6,7 +6,7 @@ use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::document::{Document, parse};
-use socam_dashboard::{Dashboard, View};
+use socam_dashboard::{Dashboard, Layout, View};
 
 fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     let harness =
@@ -280,7 +280,7 @@ fn help_explains_each_control() {
     let mut window = with(View::Live, 0);
     click(&mut window, "Help");
     click(&mut window, "What each control does");
-    window.get_by_label("EMERGENCY STOP, Esc");
+    window.get_by_label("EMERGENCY STOP; Esc");
 }
 
 #[test]
@@ -293,4 +293,117 @@ fn the_menus_choose_a_signal_and_undo() {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
     assert_eq!(window.state().live.signal.settings, before);
+}
+
+#[test]
+fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
+    let mut window = with(View::Time, 0);
+    let before = window.state().live.signal.settings.clone();
+    click(&mut window, "Input Signal");
+    click(&mut window, "Constant");
+    let constant = window.state().live.signal.text();
+    let copied = |window: &Harness<'static, Dashboard>| {
+        window.output().platform_output.commands.iter().find_map(|command| match command {
+            egui::OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        })
+    };
+    window.event(egui::Event::Cut);
+    window.run_steps(1);
+    assert_eq!(copied(&window), Some(constant.clone()));
+    assert_eq!(window.state().live.signal.settings, before);
+
+    // From another view, where a menu leads to the signal.
+    click(&mut window, "Time");
+    click(&mut window, "Edit");
+    click(&mut window, "Paste input signal");
+    window.event(egui::Event::Paste(constant.clone()));
+    window.run_steps(2);
+    assert_eq!(window.state().live.signal.text(), constant);
+    window.event(egui::Event::Copy);
+    window.run_steps(1);
+    assert_eq!(copied(&window), Some(constant.clone()));
+    window.event(egui::Event::Paste("a shopping list".into()));
+    window.run_steps(2);
+    assert!(window.state().problems().any(|text| text.contains("no input signal")));
+    assert_eq!(window.state().live.signal.text(), constant);
+}
+
+#[test]
+fn files_are_dropped_into_the_window() {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            Err("it is opened by its path".into())
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let drop = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).unwrap();
+        std::sync::Arc::new(Dropped(folder.path().join(name))) as egui::DroppedFileHandle
+    };
+    let mut window = window(Dashboard::default());
+    let csv = "t_s,motor_speed_rad_s\n0,1\n0.001,2\n0.002,4\n";
+    window.input_mut().dropped_files = vec![drop("dropped.csv", csv), drop("foreign.png", "\u{89}PNG")];
+    window.run_steps(1);
+    until(&mut window, "files", |window| !window.state().is_busy());
+    window.run_steps(2);
+    window.get_by_label("dropped.csv");
+    let problems: Vec<&str> = window.state().problems().collect();
+    assert!(problems.len() == 1 && problems[0].contains("foreign.png"), "{problems:?}");
+}
+
+#[test]
+fn panels_are_as_wide_as_they_were() {
+    let layout = Layout { panels: [("recordings".into(), 333.0)].into(), ..Layout::default() };
+    let mut dashboard = Dashboard::new(layout);
+    dashboard.add_recording(sample::run(0, 100));
+    let harness = Harness::builder().with_size([1280.0, 800.0]);
+    let mut is_new = true;
+    let mut window = harness.build_ui_state(
+        move |ui, dashboard: &mut Dashboard| {
+            if std::mem::take(&mut is_new) {
+                dashboard.set_up(ui.ctx());
+            }
+            dashboard.ui(ui);
+        },
+        dashboard,
+    );
+    window.run_steps(4);
+    assert_eq!(window.state().layout.panels["recordings"], 333.0);
+}
+
+/// Whatever can be pressed, pulled or typed into, in all states.
+#[test]
+fn help_names_each_control() {
+    let mut unnamed = std::collections::BTreeSet::new();
+    for name in sample::STATES {
+        let mut window = window(sample::state(name, socam_dashboard::theme::Look::Dark).unwrap());
+        until(&mut window, "a view", |window| !window.state().is_busy());
+        window.run_steps(2);
+        for node in window.root().children_recursive() {
+            let node = node.accesskit_node();
+            let is_control = matches!(
+                node.role(),
+                egui::Role::Button
+                    | egui::Role::CheckBox
+                    | egui::Role::Slider
+                    | egui::Role::SpinButton
+                    | egui::Role::ComboBox
+                    | egui::Role::TextInput
+            );
+            let label = node.label().unwrap_or_default();
+            // Recordings, channels and elements of the bench have names of their own.
+            let is_theirs = [": ", ", V", ", rad/s", ", N m"].iter().any(|part| label.contains(part))
+                || (!label.contains(' ') && label.contains('.'));
+            if is_control && !is_theirs && !socam_dashboard::help::names(&label) {
+                unnamed.insert(label);
+            }
+        }
+    }
+    assert!(unnamed.is_empty(), "help says nothing of {unnamed:?}");
 }

@@ -13,10 +13,12 @@ use socam_dashboard::{Sight, picture};
 use crate::sample;
 
 const SMALL: Sight = Sight { size: [1280.0, 800.0], scale: 1.0 };
+/// A small window in which everything is a quarter larger.
+const NARROW: Sight = Sight { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Sight = Sight { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// How each state is drawn here; example `gallery` draws all of them in all looks.
-const DRAWN: [(&str, Look, Sight); 20] = [
+const DRAWN: [(&str, Look, Sight); 25] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),
@@ -36,7 +38,12 @@ const DRAWN: [(&str, Look, Sight); 20] = [
     ("diagnosis-time", Look::Dark, SMALL),
     ("diagnosis-fit", Look::Light, SMALL),
     ("diagnosis-shape", Look::Dark, SMALL),
+    ("time-nothing", Look::Dark, SMALL),
+    ("diagnosis-angle", Look::Light, SMALL),
+    ("diagnosis-empty", Look::Light, SMALL),
     ("live-empty", Look::Dark, SMALL),
+    ("live", Look::Light, LARGE),
+    ("live-fault", Look::Dark, NARROW),
 ];
 
 #[test]

@@ -59,15 +59,63 @@ pub(super) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
     steps.map(|step| step * decade)
 }
 
-/// A number beside a logarithmic axis, whole decades only.
-pub(super) fn decade(log: f64) -> String {
-    if (log - log.round()).abs() > 1e-6 {
+/// Decades between 1 and 2, and between 9 and 10: how far apart numbers may stand on a logarithmic axis for those between to have room.
+const ROOM_FOR_SOME: f64 = 0.301;
+const ROOM_FOR_ALL: f64 = 0.0457;
+
+/// Lines of a logarithmic grid: every decade, or every few where they are close, and 2, 3 .. 9 between them. Numbers are `apart` times as
+/// far from each other as lines at least; the step says which lines have one.
+pub(super) fn decades(input: &GridInput, apart: f32) -> Vec<GridMark> {
+    let least = input.base_step_size * f64::from(apart.max(1.0));
+    let every =
+        [1, 2, 3, 5, 10, 20, 50, 100].into_iter().find(|every| f64::from(*every) >= least).unwrap_or(200);
+    let (from, to) = (input.bounds.0.floor() as i32, input.bounds.1.ceil() as i32);
+    let mut marks = Vec::new();
+    for power in from..=to {
+        let whole = if power.rem_euclid(every) == 0 { f64::from(every) } else { 0.0 };
+        let mut mark = |value: f64, step_size: f64| marks.push(GridMark { value, step_size });
+        // A line without a number is as faint as those between decades.
+        mark(f64::from(power), if whole > 0.0 { whole } else { NO_NUMBER });
+        for digit in (2..=9).filter(|_| every == 1) {
+            let some = digit == 2 || digit == 5;
+            let room = least <= if some { ROOM_FOR_SOME } else { ROOM_FOR_ALL };
+            mark(
+                f64::from(power) + f64::from(digit).log10(),
+                if room { least.max(ROOM_FOR_ALL) } else { NO_NUMBER },
+            );
+        }
+    }
+    marks
+}
+
+/// The step of lines without a number.
+const NO_NUMBER: f64 = 0.111_111;
+
+/// A number beside a line of a logarithmic grid.
+pub(super) fn decade(mark: GridMark) -> String {
+    if mark.step_size == NO_NUMBER {
         return String::new();
     }
-    match log.round() as i32 {
-        power @ -3..=4 => format!("{}", 10_f64.powi(power)),
-        power => format!("1e{power}"),
+    let power = (mark.value + 1e-9).floor();
+    let digit = 10_f64.powf(mark.value - power).round();
+    match power as i32 {
+        power @ -3..=4 => {
+            format!("{digit}e{power}").parse().map_or_else(|_| String::new(), |value: f64| value.to_string())
+        }
+        power => format!("{digit}e{power}"),
     }
+}
+
+/// Whether a number stands less than so many points from either end of its axis, which is `length` points long: it would touch what
+/// stands beyond.
+pub(super) fn at_an_end(
+    value: f64,
+    range: &std::ops::RangeInclusive<f64>,
+    length: f32,
+    [low, high]: [f64; 2],
+) -> bool {
+    let per_point = (range.end() - range.start()) / f64::from(length.max(1.0));
+    value - range.start() < low * per_point || range.end() - value < high * per_point
 }
 
 /// A range with room to both sides.
@@ -89,4 +137,32 @@ pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
         None => Some([value; 2]),
         Some([low, high]) => Some([value.min(low), value.max(high)]),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(bounds: (f64, f64), points: f64) -> Vec<String> {
+        let input = GridInput { bounds, base_step_size: 14.0 * (bounds.1 - bounds.0) / points };
+        let inside = |mark: &GridMark| (bounds.0..=bounds.1).contains(&mark.value);
+        let marks = decades(&input, 17.5 / 14.0).into_iter().filter(inside).map(decade);
+        marks.filter(|text| !text.is_empty()).collect()
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_numbers_however_many_decades_it_shows() {
+        assert_eq!(numbers((-7.9, 0.5), 130.0), ["1e-6", "1e-4", "0.01", "1"]);
+        assert_eq!(numbers((-1.5, 2.5), 130.0), ["0.1", "1", "10", "100"]);
+        assert_eq!(numbers((-0.1, 1.1), 130.0), ["1", "2", "5", "10"]);
+        assert_eq!(numbers((1.45, 1.8), 400.0), ["30", "40", "50", "60"]);
+        assert_eq!(numbers((-300.0, 0.0), 60.0), ["1e-300", "1e-200", "1e-100", "1"]);
+    }
+
+    #[test]
+    fn numbers_at_the_ends_of_an_axis_are_left_out() {
+        let at_an_end = |value: f64, apart: [f64; 2]| at_an_end(value, &(-2.0..=2.0), 100.0, apart);
+        assert!(at_an_end(-1.99, [7.0; 2]) && at_an_end(1.9, [7.0; 2]) && !at_an_end(-1.6, [7.0; 2]));
+        assert!(!at_an_end(-2.0, [0.0, 14.0]) && at_an_end(1.5, [0.0, 14.0]));
+    }
 }

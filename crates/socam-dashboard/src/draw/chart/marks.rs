@@ -102,15 +102,13 @@ pub(super) fn flags(
     at: impl Fn(f64) -> f32,
 ) {
     let mut free: Vec<f32> = Vec::new();
-    for flag in flags {
-        let x = at(flag.x);
-        if !x.is_finite() || !frame.x_range().contains(x) {
-            continue;
-        }
-        painter.vline(x, frame.y_range(), Stroke::new(1.0, flag.colour));
-        if flag.text.is_empty() || !words {
-            continue;
-        }
+    let places = flags.iter().map(|flag| (at(flag.x), flag));
+    let visible: Vec<_> = places.filter(|(x, _)| x.is_finite() && frame.x_range().contains(*x)).collect();
+    // No line is to run through a word.
+    for (x, flag) in &visible {
+        painter.vline(*x, frame.y_range(), Stroke::new(1.0, flag.colour));
+    }
+    for (x, flag) in visible.into_iter().filter(|(_, flag)| words && !flag.text.is_empty()) {
         let word = shortened(&flag.text);
         let galley = painter.layout_no_wrap(word, FontId::proportional(10.5), flag.colour);
         let left = (x + 3.0).min(frame.right() - galley.size().x - 2.0).max(frame.left() + 2.0);
@@ -125,7 +123,7 @@ pub(super) fn flags(
             None => free.push(end),
         }
         let place = pos2(left, bottom - galley.size().y);
-        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.8);
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.92);
         painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(1.0), 2.0, ground);
         painter.galley(place, galley, flag.colour);
     }
