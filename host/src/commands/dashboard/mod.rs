@@ -1,6 +1,7 @@
 //! `dashboard`: the bench and its recordings in a window, or as a picture.
 
 mod bench;
+mod rehearsal;
 mod window;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, Sight, View, picture};
 use socam_recording::Calibration;
 
+use self::rehearsal::Rehearsal;
 use super::Outcome;
 use crate::device::virtual_bench::BenchArgs;
 use crate::output::{self, WrongArguments};
@@ -61,6 +63,13 @@ pub(crate) struct Args {
     /// Device to connect to: sim, serial, serial:PATH, tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
+    /// Samples per second of a run
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Run the virtual bench at once for so many seconds and record it, then say how many pictures a second were drawn and close the
+    /// window; a picture is drawn while it runs
+    #[arg(long, value_name = "SECONDS", conflicts_with = "diagnose", value_parser = rehearsed)]
+    rehearse: Option<f64>,
     /// Calibration of the bench; the default bench's when not given
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
@@ -90,12 +99,23 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(device) = &args.device {
         layout.device.clone_from(device);
     }
+    if args.rehearse.is_some() {
+        layout.view = View::Live;
+        if layout.device != "sim" {
+            let message =
+                format!("--rehearse moves the virtual bench only; arm and run `{}` by hand", layout.device);
+            return Err(WrongArguments(message).into());
+        }
+    }
     let size = layout.window;
     let mut dashboard = Dashboard::new(layout);
     let model = crate::model_file::load(&args.bench.model)?;
     dashboard.use_model(model);
     dashboard.simulate_by(bench::simulated);
     dashboard.live.record_into(args.record_into.clone());
+    if let Some(rate_hz) = args.rate {
+        dashboard.live.sample_at(rate_hz);
+    }
     dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration));
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
@@ -106,13 +126,25 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         dashboard.review.cursors = Some([a, b]);
     }
     dashboard.review.reference = args.difference.then_some(0);
+    let length = args.rehearse.map(Duration::from_secs_f64);
+    let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
     let Some(target) = args.screenshot else {
-        window::show(dashboard)?;
+        window::show(dashboard, rehearsal)?;
         return Ok(Outcome::Done);
     };
     if target.extension().is_none_or(|extension| extension != "png") {
         let message = format!("`{}`: a picture is written as .png", target.display());
         return Err(WrongArguments(message).into());
+    }
+    if let Some(rehearsal) = &mut rehearsal {
+        let ctx = egui::Context::default();
+        while !rehearsal.is_in_sight() {
+            dashboard.live.listen();
+            if rehearsal.go_on(&mut dashboard, &ctx)? {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
     let sight = Sight { size, scale: args.scale };
     let mut image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
@@ -135,6 +167,11 @@ fn view(text: &str) -> Result<View, String> {
     let names = View::ALL.map(|view| view.name().to_lowercase());
     let found = names.iter().position(|name| name == text).map(|index| View::ALL[index]);
     found.ok_or_else(|| format!("expected one of {}", names.join(", ")))
+}
+
+fn rehearsed(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (1.0..=600.0).contains(seconds));
+    seconds.ok_or_else(|| "expected 1 to 600 seconds".into())
 }
 
 fn size(text: &str) -> Result<[f32; 2], String> {

@@ -1,27 +1,48 @@
 //! The dashboard in a window of the desktop, and what is remembered of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use socam_dashboard::{Dashboard, Layout};
 
-struct Window(Dashboard);
+use super::rehearsal::Rehearsal;
+use crate::output;
+
+struct Window {
+    dashboard: Dashboard,
+    rehearsal: Option<Rehearsal>,
+}
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        let size = ui.ctx().content_rect().size();
-        self.0.layout.window = [size.x, size.y];
-        self.0.ui(ui);
+        // A window that opens does not know yet how large everything is to be.
+        let size = ui.ctx().content_rect().size() * ui.ctx().zoom_factor();
+        self.dashboard.layout.window = [size.x, size.y];
+        if let Some(rehearsal) = &mut self.rehearsal {
+            match rehearsal.go_on(&mut self.dashboard, ui.ctx()) {
+                Ok(false) => {}
+                Ok(true) => {
+                    println!("live: {:.1} frames/s", rehearsal.frames_per_s());
+                    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                    self.rehearsal = None;
+                }
+                Err(error) => {
+                    output::warn(format_args!("{error:#}"));
+                    self.rehearsal = None;
+                }
+            }
+        }
+        self.dashboard.ui(ui);
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
         // Where it cannot be written, the next start looks as the first.
-        let _ = remember(&self.0.layout);
+        let _ = path().map(|path| remember(&path, &self.dashboard.layout));
     }
 }
 
 /// Shows it until it is closed.
-pub(super) fn show(dashboard: Dashboard) -> anyhow::Result<()> {
+pub(super) fn show(dashboard: Dashboard, rehearsal: Option<Rehearsal>) -> anyhow::Result<()> {
     let [width, height] = dashboard.layout.window;
     let viewport = egui::ViewportBuilder::default()
         .with_title("socam")
@@ -31,7 +52,7 @@ pub(super) fn show(dashboard: Dashboard) -> anyhow::Result<()> {
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let start = move |context: &eframe::CreationContext<'_>| {
         dashboard.set_up(&context.egui_ctx);
-        Ok(Box::new(Window(dashboard)) as Box<dyn eframe::App>)
+        Ok(Box::new(Window { dashboard, rehearsal }) as Box<dyn eframe::App>)
     };
     eframe::run_native("socam", options, Box::new(start)).map_err(|error| {
         anyhow!("no window can be opened here: {error}; --screenshot FILE.png draws without a display (Linux needs libGL and X11 or Wayland)")
@@ -46,16 +67,52 @@ fn path() -> Option<PathBuf> {
     Some(folder.join("socam").join("dashboard.json"))
 }
 
-/// The layout of the last window; the default one where there was none or it is of another version.
+/// The layout of the last window.
 pub(super) fn remembered() -> Layout {
-    let text = path().and_then(|path| std::fs::read_to_string(path).ok());
+    path().map_or_else(Layout::default, |path| recall(&path))
+}
+
+/// What was remembered there; the default where there is nothing, or it is of another version.
+fn recall(path: &Path) -> Layout {
+    let text = std::fs::read_to_string(path).ok();
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
-fn remember(layout: &Layout) -> anyhow::Result<()> {
-    let path = path().ok_or_else(|| anyhow!("there is no home"))?;
+fn remember(path: &Path, layout: &Layout) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
-    Ok(std::fs::write(path, serde_json::to_vec_pretty(layout)?)?)
+    let mut file = output::create(path)?;
+    serde_json::to_writer_pretty(&mut file, layout)?;
+    file.commit()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use socam_dashboard::View;
+    use socam_dashboard::theme::Look;
+
+    use super::*;
+
+    #[test]
+    fn a_layout_is_remembered_and_what_is_none_is_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("socam/dashboard.json");
+        let layout = Layout {
+            view: View::Check,
+            look: Look::Light,
+            zoom: 1.5,
+            device: "tcp:bench:4711".into(),
+            window: [900.0, 700.0],
+            panels: [("recordings".into(), 333.0)].into(),
+            ..Layout::default()
+        };
+        remember(&path, &layout).unwrap();
+        assert_eq!(recall(&path), layout);
+        std::fs::write(&path, "{\"view\": \"Check\", \"of another version\": 1}").unwrap();
+        assert_eq!(recall(&path), Layout { view: View::Check, ..Layout::default() });
+        std::fs::write(&path, "{\"view\": \"Nowhere\"}").unwrap();
+        assert_eq!(recall(&path), Layout::default());
+    }
 }

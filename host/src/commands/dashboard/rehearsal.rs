@@ -1,0 +1,77 @@
+//! A run of the virtual bench that begins by itself: for pictures of a bench that moves, and to measure what showing it costs.
+
+use std::time::{Duration, Instant};
+
+use anyhow::bail;
+use socam_core::State;
+use socam_dashboard::Dashboard;
+use socam_dashboard::live::signal::Settings;
+
+/// How long a bench may take for each step.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A run that nobody clicks.
+pub(super) struct Rehearsal {
+    length: Duration,
+    asked: Option<State>,
+    is_connecting: bool,
+    since: Instant,
+    runs_since: Option<Instant>,
+    /// Of the second half of the run, when the picture is full.
+    frames: u32,
+}
+
+impl Rehearsal {
+    /// A run of the default input signal for so long.
+    pub(super) fn new(dashboard: &mut Dashboard, length: Duration) -> Self {
+        let signal = Settings { duration_s: length.as_secs_f64(), ..Settings::default() };
+        dashboard.live.signal.change(signal);
+        let (asked, runs_since) = (None, None);
+        Self { length, asked, is_connecting: false, since: Instant::now(), runs_since, frames: 0 }
+    }
+
+    /// Before each picture: takes the next step. `true` once the run has ended.
+    ///
+    /// # Errors
+    /// When the bench does not do what it is told; one sentence.
+    pub(super) fn go_on(&mut self, dashboard: &mut Dashboard, ctx: &egui::Context) -> anyhow::Result<bool> {
+        let live = &mut dashboard.live;
+        if let Some((_, text, _)) = live.ended() {
+            println!("{text}");
+            return Ok(true);
+        }
+        if let Some(problem) = live.problem() {
+            bail!("{problem}");
+        }
+        if self.runs_since.is_none() && self.since.elapsed() > PATIENCE {
+            bail!("the bench did not run within {} s", PATIENCE.as_secs());
+        }
+        if !self.is_connecting {
+            self.is_connecting = true;
+            live.connect(ctx);
+        }
+        let state = live.state();
+        match state {
+            Some(State::Idle) if self.asked.is_none() => live.arm(),
+            Some(State::Armed) if self.asked == Some(State::Idle) => live.run(),
+            Some(State::Running) => {
+                let runs_since = *self.runs_since.get_or_insert_with(Instant::now);
+                self.frames += u32::from(2 * runs_since.elapsed() > self.length);
+                return Ok(false);
+            }
+            _ => return Ok(false),
+        }
+        self.asked = state;
+        Ok(false)
+    }
+
+    /// Whether the picture shows a good part of the run, which goes on.
+    pub(super) fn is_in_sight(&self) -> bool {
+        self.runs_since.is_some_and(|since| since.elapsed() > self.length.mul_f64(0.8))
+    }
+
+    /// Pictures per second while the second half of the run was shown.
+    pub(super) fn frames_per_s(&self) -> f64 {
+        f64::from(self.frames) / (0.5 * self.length.as_secs_f64())
+    }
+}
