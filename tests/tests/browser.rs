@@ -170,6 +170,8 @@ fn a_recording_dropped_into_the_page_looks_as_it_does_on_the_desktop() {
     let _running = Running(
         Command::new(browser)
             .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,900"])
+            // Containers have little shared memory; and newer browsers draw without a graphics card only when asked to.
+            .args(["--disable-dev-shm-usage", "--enable-unsafe-swiftshader", "--no-first-run"])
             .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
             .arg(format!("http://{address}/"))
             .stdin(Stdio::null())
