@@ -47,8 +47,10 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
     if extension != "toml" && extension != "json" {
         return Recording::open(path, handle).map(Document::Recording);
     }
-    let text = std::fs::read_to_string(place).map_err(|error| format!("cannot read {path}: {error}"))?;
-    let mut document = parse(path, &text)?;
+    let bytes = std::fs::read(place).map_err(|error| format!("cannot read {path}: {error}"))?;
+    let no_text =
+        |_| format!("{path} is no text; expected a socam model, profile, identification or diagnosis");
+    let mut document = parse(path, &String::from_utf8(bytes).map_err(no_text)?)?;
     if let Document::Diagnosis(diagnosis, model) = &mut document {
         let builtin = || Model::builtin(&diagnosis.model);
         *model = beside(place).or_else(builtin).map(Box::new);

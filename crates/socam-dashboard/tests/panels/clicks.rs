@@ -80,12 +80,13 @@ fn files_open_by_dialog_and_what_is_foreign_says_so_in_place() {
     std::fs::write(folder.path().join("good.csv"), format!("t_s,motor_speed_rad_s\n{csv}")).unwrap();
     std::fs::write(folder.path().join("foreign.json"), "{\"hello\": 1}").unwrap();
     std::fs::write(folder.path().join("broken.mcap"), "not a log at all").unwrap();
+    std::fs::write(folder.path().join("picture.toml"), b"\x89PNG\r\n\xff").unwrap();
     let mut dashboard = Dashboard::default();
     dashboard.layout.folder = folder.path().into();
     let mut window = window(dashboard);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
     window.run_steps(3);
-    for name in ["good.csv", "foreign.json", "broken.mcap"] {
+    for name in ["good.csv", "foreign.json", "broken.mcap", "picture.toml"] {
         click(&mut window, name);
     }
     click(&mut window, "Open selected");
@@ -94,7 +95,8 @@ fn files_open_by_dialog_and_what_is_foreign_says_so_in_place() {
     window.get_by_label("good.csv");
     window.get_by_label("Chart motor_speed, rad/s");
     let problems: Vec<String> = window.state().problems().map(str::to_owned).collect();
-    assert!(problems.len() == 2, "{problems:?}");
+    assert!(problems.len() == 3, "{problems:?}");
+    assert!(problems.iter().any(|text| text.contains("picture.toml is no text")), "{problems:?}");
     assert!(
         problems.iter().any(|text| text.contains("foreign.json") && text.contains("schema")),
         "{problems:?}"
@@ -102,7 +104,7 @@ fn files_open_by_dialog_and_what_is_foreign_says_so_in_place() {
     assert!(problems.iter().any(|text| text.contains("broken.mcap")), "{problems:?}");
     window.get_all_by_label("Dismiss").next().unwrap().click();
     window.run_steps(2);
-    assert_eq!(window.state().problems().count(), 1);
+    assert_eq!(window.state().problems().count(), 2);
 }
 
 #[test]

@@ -28,6 +28,7 @@ fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let bench =
         BenchArgs { model: model.into(), set: Vec::new(), hide: Vec::new(), seed: 1, no_noise: false };
     dashboard.live.connect_by(bench::connector(bench, None));
+    dashboard.simulate_by(bench::simulated);
     dashboard.live.record_into(folder.into());
     dashboard.live.sample_at(rate_hz);
     let harness = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02);
@@ -260,10 +261,57 @@ fn fills_up(folder: &Path) {
     assert!(!well && text.contains("disk is full") && text.contains("run-1.mcap"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 1000 && data.lost_samples() == 0, "{}", data.rows());
+    // There is no room for a copy either, and nothing is left of it.
+    let name = path.display().to_string();
+    window.state_mut().open([name]);
+    until(&mut window, "the recording", |window| !window.state().is_busy());
+    window.state_mut().layout.folder = folder.into();
+    click(&mut window, "File");
+    click(&mut window, "Save recording as .csv or .m...");
+    click(&mut window, "Save");
+    until(&mut window, "a sentence", |window| window.state().problems().count() > 0);
+    let problems: Vec<&str> = window.state().problems().collect();
+    assert!(problems[0].contains("run-1.csv") && problems[0].contains("space"), "{problems:?}");
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1);
+    click(&mut window, "Live");
     // The bench must not go on unobserved, and the window does.
     until(&mut window, "rest", |window| state(window) == Some(State::Idle));
     let shown = window.state().live.samples_shown();
     until(&mut window, "samples", |window| window.state().live.samples_shown() > shown);
+}
+
+#[test]
+fn what_the_model_makes_of_a_recordings_inputs_lies_over_it_and_differs_by_its_noise() {
+    #[derive(clap::Parser)]
+    struct Simulation {
+        #[command(flatten)]
+        args: crate::commands::simulate::Args,
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap").display().to_string();
+    let words = ["", "--profile", "steps", "--duration", "4s", "-o", &path];
+    crate::commands::simulate::run(<Simulation as clap::Parser>::parse_from(words).args).unwrap();
+    let mut window = window("sim", folder.path(), 1000.0);
+    window.state_mut().open([path.clone()]);
+    until(&mut window, "the recording", |window| !window.state().is_busy());
+    click(&mut window, "File");
+    click(&mut window, "Simulate the shown recordings");
+    until(&mut window, "the simulation", |window| !window.state().is_busy());
+    window.run_steps(2);
+    assert_eq!(window.state().problems().collect::<Vec<_>>(), Vec::<&str>::new());
+    window.get_by_label("run.mcap simulated by speed-o-cam");
+    window.state_mut().review.reference = Some(0);
+    window.run_steps(2);
+    window.get_by_label("Chart torque_out minus run.mcap, N m");
+
+    let model = socam_model::Model::builtin("speed-o-cam").unwrap();
+    let simulated = bench::simulated(&model, &path).unwrap();
+    let channel = simulated.about.channels.iter().position(|channel| channel.name == "torque_out").unwrap();
+    let values = simulated.samples.values(channel, 0..simulated.samples.rows());
+    let recorded = Dataset::open(&path).unwrap().load(&["torque_out"]).unwrap();
+    let squares = recorded.columns[0].values().iter().zip(&values).map(|(a, b)| (a - b).powi(2));
+    let rms = (squares.sum::<f64>() / values.len() as f64).sqrt();
+    assert!(values.len() > 3900 && rms < 0.03, "{rms} N m over {} samples", values.len());
 }
 
 /// Prints frames per second in software rendering while six channels at ten thousand samples a second are recorded and shown.
@@ -293,6 +341,8 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
         frames += 1;
     }
     let rate = f64::from(frames) / begin.elapsed().as_secs_f64();
+    // A window that hangs misses samples; the recording does not.
+    std::thread::sleep(Duration::from_secs(4));
     let own_ms = 1e3 * spent.as_secs_f64() / f64::from(frames);
     click(&mut window, "Stop");
     until(&mut window, "the end", |window| window.state().live.ended().is_some());
