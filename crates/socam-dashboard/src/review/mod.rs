@@ -181,11 +181,12 @@ impl Review {
             .filter(|channel| !self.hidden.contains(&channel.column_name()))
             .collect();
         if channels.is_empty() {
-            chart::empty_state(
-                ui,
-                "Every channel is hidden",
-                "Tick a channel in the list at the left to draw it.",
-            );
+            let (title, advice) = if entries.iter().any(|entry| entry.shown) {
+                ("Every channel is hidden", "Tick a channel in the list at the left to draw it.")
+            } else {
+                ("Every recording is hidden", "Tick a recording in the list at the left to draw it.")
+            };
+            chart::empty_state(ui, title, advice);
             return;
         }
         let room = ui.available_size();

@@ -119,6 +119,11 @@ fn recordings_lie_over_each_other_and_differ() {
     window.run_steps(2);
     click(&mut window, "torque_out, N m");
     assert!(window.query_by_label("Chart torque_out, N m").is_none());
+    let names = ["multisine-0.mcap", "multisine-1.mcap"];
+    names.iter().for_each(|name| click(&mut window, name));
+    window.get_by_label("Every recording is hidden");
+    names.iter().for_each(|name| click(&mut window, name));
+    window.get_by_label("Chart torque_in, N m");
     click(&mut window, "Close multisine-0.mcap");
     assert!(window.query_by_label("multisine-0.mcap").is_none());
     window.get_by_label("multisine-1.mcap");
