@@ -137,14 +137,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return Err(WrongArguments(message).into());
     }
     if let Some(rehearsal) = &mut rehearsal {
-        let ctx = egui::Context::default();
-        while !rehearsal.is_in_sight() {
-            dashboard.live.listen();
-            if rehearsal.go_on(&mut dashboard, &ctx)? {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        rehearsal.go_on_until(&mut dashboard, Rehearsal::is_in_sight)?;
     }
     let sight = Sight { size, scale: args.scale };
     let mut image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
@@ -160,6 +153,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut file = output::create(&target)?;
     std::io::Write::write_all(&mut file, &bytes)?;
     file.commit()?;
+    // The bench stops, and its file is closed, before this program ends.
+    rehearsal.map_or(Ok(()), |mut rehearsal| rehearsal.go_on_until(&mut dashboard, |_| false))?;
     Ok(Outcome::Done)
 }
 

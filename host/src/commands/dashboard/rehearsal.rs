@@ -65,6 +65,23 @@ impl Rehearsal {
         Ok(false)
     }
 
+    /// The same without a window, until something is true or the run has ended.
+    pub(super) fn go_on_until(
+        &mut self,
+        dashboard: &mut Dashboard,
+        is: impl Fn(&Self) -> bool,
+    ) -> anyhow::Result<()> {
+        let ctx = egui::Context::default();
+        while !is(self) {
+            dashboard.live.listen();
+            if self.go_on(dashboard, &ctx)? {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Ok(())
+    }
+
     /// Whether the picture shows a good part of the run, which goes on.
     pub(super) fn is_in_sight(&self) -> bool {
         self.runs_since.is_some_and(|since| since.elapsed() > self.length.mul_f64(0.8))

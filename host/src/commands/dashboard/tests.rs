@@ -149,6 +149,30 @@ fn a_device_that_is_not_there_and_a_folder_that_is_not_there_are_said_in_place()
 }
 
 #[test]
+fn a_rehearsal_moves_the_virtual_bench_only_and_is_recorded_and_drawn() {
+    #[derive(clap::Parser)]
+    struct Words {
+        #[command(flatten)]
+        args: super::Args,
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let (picture, records) = (place("live.png"), place(""));
+    let dashboard = |device: &str| {
+        let words =
+            ["", "--rehearse", "2", "--screenshot", &picture, "--record-into", &records, "--device", device];
+        super::run(<Words as clap::Parser>::parse_from(words).args)
+    };
+    let refused = dashboard("tcp:127.0.0.1:1").unwrap_err().to_string();
+    assert!(refused.contains("virtual bench only"), "{refused}");
+    assert!(!Path::new(&picture).exists());
+    dashboard("sim").unwrap();
+    assert!(std::fs::read(&picture).unwrap().len() > 50_000);
+    let data = Dataset::open(&place("run-1.mcap")).unwrap();
+    assert!(data.rows() >= 2000 && data.cut().is_none() && data.lost_samples() == 0, "{}", data.rows());
+}
+
+#[test]
 fn a_link_that_nobody_answers_is_given_up_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let silent = TcpListener::bind("127.0.0.1:0").unwrap();
