@@ -4,9 +4,6 @@
 //! `cargo bench -p socam-tests --bench calibrated -- --draws 300` prints the table.
 
 use clap::Parser;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use socam_calibrate::tasks::{Assumed, Task};
 use socam_calibrate::{Line, steady};
@@ -14,6 +11,7 @@ use socam_core::scaling::MotorCalibration;
 use socam_model::Model;
 use socam_recording::{Calibration, Course, ProfileFile};
 use socam_sim::{Override, Setup, Truth};
+use socam_tests::Draw;
 
 /// Of the default motor, (rad/s)/(N m): see the simulator's drive.
 const DROOP: f64 = 1.5;
@@ -34,24 +32,6 @@ struct Args {
 /// What was judged, and whether its interval held.
 type Held = Vec<(&'static str, bool)>;
 
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn new(seed: u64, number: u64) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(number);
-        Self(random)
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0.random_range(low..high)
-    }
-
-    fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.0)
-    }
-}
-
 /// A sensor, calibrated by hand.
 fn sensor(draw: &mut Draw) -> Held {
     let (gain, offset) = (draw.between(0.01, 3.0), draw.between(-0.1, 0.1));
@@ -60,12 +40,12 @@ fn sensor(draw: &mut Draw) -> Held {
     let span = gain * (high - low);
     let noise = span * draw.between(0.0005, 0.005);
     let wrong = draw.between(0.0, 0.15);
-    let accuracy = if draw.between(0.0, 1.0) < 0.5 { 0.0 } else { draw.between(0.001, 0.01) };
+    let accuracy = if draw.chance(0.5) { 0.0 } else { draw.between(0.001, 0.01) };
     let instrument = 1.0 + accuracy * draw.normal();
     let pairs: Vec<[f64; 2]> = (0..count)
         .map(|i| {
             let truth = low + (high - low) * i as f64 / (count - 1) as f64;
-            let slip = if draw.between(0.0, 1.0) < wrong { span * draw.between(-0.3, 0.3) } else { 0.0 };
+            let slip = if draw.chance(wrong) { span * draw.between(-0.3, 0.3) } else { 0.0 };
             [truth * instrument, offset + gain * truth + noise * draw.normal() + slip]
         })
         .collect();
@@ -96,7 +76,8 @@ fn bench(draw: &mut Draw) -> Result<Held, String> {
     let (first, last) = (draw.between(0.5, 0.8), draw.between(1.3, 1.7));
     let count = draw.between(5.0, 11.0) as u16;
     let step = (last - first) / f64::from(count - 1);
-    let dwell_s = 10.0 / f64::from(count);
+    // A whole number of samples.
+    let dwell_s = 1e-3 * (10e3 / f64::from(count)).floor();
     let mut profile = ProfileFile::open("steps").map_err(|e| text(&e))?;
     profile.duration_s = 10.0;
     profile.course = Course::Staircase { first, step, count, dwell_s, and_back: false };

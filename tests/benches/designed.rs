@@ -5,14 +5,13 @@
 //! `cargo bench -p socam-tests --bench designed -- --benches 20` prints the table.
 
 use clap::Parser;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use socam_core::Command;
 use socam_design::{Limits, Rig, sharpest};
 use socam_identify::{Identification, Options, Problem, Source, output_error};
 use socam_model::Model;
 use socam_recording::{Calibration, Course, Dataset, ProfileFile};
 use socam_sim::{Override, Setup, SimError, Truth};
+use socam_tests::Draw;
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -75,16 +74,11 @@ fn identify(model: &Model, data: &Dataset) -> Result<Identification, String> {
 /// `None` where the board ends the five steps: the drawn bench turns faster on them than the board allows.
 fn bench(args: &Args, number: u64) -> Result<Option<Outcome>, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let mut random = ChaCha8Rng::seed_from_u64(args.seed);
-    random.set_stream(number);
+    let mut draw = Draw::new(args.seed, number);
     let mut model = Model::builtin("speed-o-cam").ok_or("no default model")?;
     let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
-    let overrides: Vec<Override> = free
-        .map(|p| Override {
-            name: p.name.clone(),
-            value: p.value * SPREAD.powf(random.random_range(-1.0..1.0)),
-        })
-        .collect();
+    let overrides: Vec<Override> =
+        free.map(|p| Override { name: p.name.clone(), value: p.value * draw.factor(SPREAD) }).collect();
     let truth = Truth::new(&model, &overrides, &[]).map_err(|e| text(&e))?;
     let calibration = Calibration::default();
     let bench = Setup::new(truth, calibration.clone(), number);

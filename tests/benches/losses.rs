@@ -4,15 +4,13 @@
 //! `cargo bench -p socam-tests --bench losses -- --draws 300` prints the table.
 
 use clap::Parser;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use socam_calibrate::Estimate;
 use socam_efficiency::{SensorStd, Sensors, measure};
 use socam_model::{BUILTIN, Model};
 use socam_recording::{Calibration, ProfileFile};
 use socam_sim::{Concealed, Override, Setup, Truth};
+use socam_tests::Draw;
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -30,22 +28,12 @@ struct Args {
     bench: bool,
 }
 
-/// One quantity of one bench.
+/// One quantity of one bench; what a bench does not determine is missing there.
 struct Judged {
     name: &'static str,
     truth: f64,
     found: Estimate,
 }
-
-/// What is judged; what a bench does not determine is missing there.
-const NAMES: [&str; 6] = [
-    "loss in proportion to torque",
-    "loss in proportion to speed",
-    "constant loss",
-    "efficiency",
-    "gain of the tachometer",
-    "tachometer's error found",
-];
 
 /// The default bench with a bearing that drags.
 fn model() -> Result<Model, String> {
@@ -64,16 +52,13 @@ const GAIN_STD: f64 = 0.002;
 const TACHOMETER_ERROR: f64 = 0.02;
 
 fn bench(seed: u64, number: u64) -> Result<Vec<Judged>, String> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(number);
-    let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let share = between(0.01, 0.12);
-    let (viscous, load) = (between(0.0, 3e-4), between(0.02, 0.1));
-    let constant = if between(0.0, 1.0) < 0.5 { 0.0 } else { between(2e-3, 2e-2) };
-    let tachometer = if between(0.0, 1.0) < 0.5 { 1.0 - TACHOMETER_ERROR } else { 1.0 + TACHOMETER_ERROR };
-    let noise = between(0.0, 1e9) as u64;
-    let normal: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
-    let gains = normal.map(|normal| 1.0 + GAIN_STD * normal);
+    let mut draw = Draw::new(seed, number);
+    let share = draw.between(0.01, 0.12);
+    let (viscous, load) = (draw.between(0.0, 3e-4), draw.between(0.02, 0.1));
+    let constant = if draw.chance(0.5) { 0.0 } else { draw.between(2e-3, 2e-2) };
+    let tachometer = if draw.chance(0.5) { 1.0 - TACHOMETER_ERROR } else { 1.0 + TACHOMETER_ERROR };
+    let noise = draw.between(0.0, 1e9) as u64;
+    let gains = [draw.normal(), draw.normal()].map(|normal| 1.0 + GAIN_STD * normal);
     let mut hidden = vec![
         format!("mesh_loss@mesh:fraction={share},transition_torque=0.01"),
         format!("sensor_gain@output_speed:gain={tachometer}"),
@@ -107,16 +92,16 @@ fn bench(seed: u64, number: u64) -> Result<Vec<Judged>, String> {
     let mut judge = |name, truth, found: Option<Estimate>| {
         judged.extend(found.map(|found| Judged { name, truth, found }))
     };
-    judge(NAMES[0], share, found.losses.torque_share);
-    judge(NAMES[1], viscous * (1.0 - share), found.losses.viscous);
-    judge(NAMES[2], constant * (1.0 - share), found.losses.constant);
+    judge("loss in proportion to torque", share, found.losses.torque_share);
+    judge("loss in proportion to speed", viscous * (1.0 - share), found.losses.viscous);
+    judge("constant loss", constant * (1.0 - share), found.losses.constant);
     let point = found.points.get(2).ok_or("no operating point")?;
     let lost = share + (1.0 - share) * (viscous * point.speed_rad_s + constant) / point.torque;
-    judge(NAMES[3], 1.0 - lost, Some(point.efficiency));
+    judge("efficiency", 1.0 - lost, Some(point.efficiency));
     let tachometers = found.tachometers.ok_or("no tachometers")?;
-    judge(NAMES[4], tachometer, Some(tachometers.ratio));
+    judge("gain of the tachometer", tachometer, Some(tachometers.ratio));
     let seen = Estimate { value: f64::from(u8::from(tachometers.disagree)), std: 0.0, ci95: [0.0; 2] };
-    judge(NAMES[5], 1.0, Some(Estimate { ci95: [seen.value; 2], ..seen }));
+    judge("tachometer's error found", 1.0, Some(Estimate { ci95: [seen.value; 2], ..seen }));
     Ok(judged)
 }
 
@@ -141,11 +126,14 @@ fn main() -> Result<(), String> {
         }
     }
     println!("95 % intervals that hold the truth, {} benches", args.draws);
-    for name in NAMES {
-        let own: Vec<&Judged> = all.iter().flatten().filter(|judged| judged.name == name).collect();
-        if own.is_empty() {
-            continue;
+    let mut names: Vec<&str> = Vec::new();
+    all.iter().flatten().for_each(|judged| {
+        if !names.contains(&judged.name) {
+            names.push(judged.name)
         }
+    });
+    for name in names {
+        let own: Vec<&Judged> = all.iter().flatten().filter(|judged| judged.name == name).collect();
         let held = own.iter().filter(|j| j.found.holds(j.truth)).count();
         let mut halves: Vec<f64> = own.iter().map(|j| 0.5 * (j.found.ci95[1] - j.found.ci95[0])).collect();
         halves.sort_by(f64::total_cmp);

@@ -1,10 +1,12 @@
 //! What the end-to-end tests share: the program as a process, and recordings that none of its crates has made.
 
 pub mod bench;
+mod draw;
 pub mod emulator;
 pub mod firmware;
 mod process;
 
+pub use draw::Draw;
 pub use process::{Ran, program, run, socam_host};
 
 use std::path::PathBuf;

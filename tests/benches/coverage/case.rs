@@ -1,11 +1,9 @@
 //! What a random bench is: drawn from the seed and its number alone.
 
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use socam_core::{Command, scaling::MotorCalibration};
 use socam_model::Model;
 use socam_recording::{Course, ProfileFile};
+use socam_tests::Draw;
 
 /// The kind of bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
@@ -146,9 +144,7 @@ pub(crate) struct Run {
 impl Case {
     /// Case `number` of those that belong to a seed.
     pub(crate) fn draw(seed: u64, number: u64) -> Result<Self, String> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(number);
-        let mut draw = Draw(random);
+        let mut draw = Draw::new(seed, number);
         // Both halves of the cases get all noise levels and kinds of benches in turn.
         let place = number / 2;
         let level = (place % LEVELS as u64) as usize;
@@ -225,7 +221,7 @@ fn run(family: Family, draw: &mut Draw) -> Result<Run, String> {
         Family::Axis => spare_the_servo(&mut profile),
         Family::Chain | Family::Friction | Family::TwoMass => {}
     }
-    Ok(Run { name, profile, seed: draw.0.next_u64() })
+    Ok(Run { name, profile, seed: draw.seed() })
 }
 
 /// The same course as a motor speed, by the motor's calibration.
@@ -278,31 +274,5 @@ pub(crate) fn soften(profile: &mut ProfileFile, factor: f64) {
             *step *= factor;
         }
         Course::Constant { level } => *level *= factor,
-    }
-}
-
-/// Random numbers as a case needs them.
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0.random_range(low..high)
-    }
-
-    fn whole(&mut self, low: u64, high: u64) -> u64 {
-        self.0.random_range(low..=high)
-    }
-
-    fn chance(&mut self, part: f64) -> bool {
-        self.between(0.0, 1.0) < part
-    }
-
-    /// From 1/`spread` to `spread`, as likely below one as above.
-    fn factor(&mut self, spread: f64) -> f64 {
-        spread.powf(self.between(-1.0, 1.0))
-    }
-
-    fn one_of<'l>(&mut self, list: &[&'l str]) -> &'l str {
-        list[self.whole(0, list.len() as u64 - 1) as usize]
     }
 }
