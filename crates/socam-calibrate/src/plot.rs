@@ -1,6 +1,6 @@
 //! A line through its pairs as a picture, and beside it what is left: the one shows that it fits, the other how well.
 
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Row, Series};
+use socam_plot::{Axis, COLUMNS, Mark, Panel, Plot, Row, Series};
 
 use crate::Line;
 
@@ -89,9 +89,9 @@ impl Drawn {
         ];
         Row {
             title: titled.title.clone(),
-            plots: vec![
-                plot("line", axis(&titled.of), line),
-                plot("what is left", Axis::new("What is left", "% of span"), rest),
+            panels: vec![
+                Panel::Plot(plot("line", axis(&titled.of), line)),
+                Panel::Plot(plot("what is left", Axis::new("What is left", "% of span"), rest)),
             ],
         }
     }

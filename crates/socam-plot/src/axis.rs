@@ -77,26 +77,30 @@ impl Axis {
 
     /// The scale that holds all values, which are usable.
     pub(crate) fn scale(&self, values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Scale {
-        let ticks = ((to - from).abs() / TICK_SPACING).round().max(2.0);
-        // Vertical room is scarce but text is low: more ticks fit.
-        let ticks = if to < from { ticks + 2.0 } else { ticks };
+        let ticks = ticks(from, to);
         if self.logarithmic {
             Scale::logarithmic(values, (from, to), ticks)
         } else {
-            Scale::linear(values, (from, to), ticks)
+            Scale::linear(values, (from, to), ticks, if to < from { 0.05 } else { 0.0 })
         }
+    }
+
+    /// The linear scale that begins and ends where it is told to.
+    pub(crate) fn exact(&self, ends: [f64; 2], (from, to): (f64, f64)) -> Scale {
+        Scale::linear(ends.into_iter(), (from, to), ticks(from, to), 0.0)
     }
 }
 
 impl Scale {
-    fn linear(values: impl Iterator<Item = f64>, (from, to): (f64, f64), ticks: f64) -> Self {
+    /// `margin`: room at both ends, as a share of the range.
+    fn linear(values: impl Iterator<Item = f64>, (from, to): (f64, f64), ticks: f64, margin: f64) -> Self {
         let (mut low, mut high) = range(values);
         if high - low <= 1e-9 * high.abs().max(low.abs()) {
             let margin = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
             (low, high) = (low - margin, high + margin);
         }
-        let margin = if to < from { 0.05 * (high - low) } else { 0.0 };
-        (low, high) = (low - margin, high + margin);
+        let room = margin * (high - low);
+        (low, high) = (low - room, high + room);
         let step = round_step((high - low) / ticks);
         let largest = high.abs().max(low.abs());
         let exponent = power_taken_out(largest);
@@ -123,6 +127,16 @@ impl Scale {
         Self { logarithmic: true, low, high, from, to, values, exponent: 0, digits: 0 }
     }
 
+    /// Values of the ticks.
+    pub(crate) fn levels(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().map(|value| value * 10_f64.powi(self.exponent))
+    }
+
+    /// How far along the scale a value is, 0 to 1.
+    pub(crate) fn share(&self, value: f64) -> f64 {
+        ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
+    }
+
     /// Its length in the view box.
     pub(crate) fn length(&self) -> f64 {
         (self.to - self.from).abs()
@@ -134,8 +148,7 @@ impl Scale {
             return None;
         }
         let value = if self.logarithmic { value.log10() } else { value };
-        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
-        Some(self.from + share * (self.to - self.from))
+        Some(self.from + self.share(value) * (self.to - self.from))
     }
 
     pub(crate) fn ticks(&self) -> impl Iterator<Item = Tick> {
@@ -150,6 +163,13 @@ impl Scale {
             Tick { place: self.from + share * (self.to - self.from), label, is_zero }
         })
     }
+}
+
+/// Ticks to aim at.
+fn ticks(from: f64, to: f64) -> f64 {
+    let ticks = ((to - from).abs() / TICK_SPACING).round().max(2.0);
+    // Vertical room is scarce but text is low: more ticks fit.
+    if to < from { ticks + 2.0 } else { ticks }
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -5,6 +5,7 @@
 //! element per dot, `poloto` has no logarithmic axes or error bars, `charming` needs JavaScript to be read.
 
 mod axis;
+mod heat;
 mod path;
 pub mod words;
 
@@ -15,6 +16,7 @@ use maud::{Markup, PreEscaped, Render, html};
 
 pub use axis::Axis;
 use axis::Scale;
+pub use heat::{Cell, Contour, Heat};
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,32 +147,10 @@ impl Plot<'_> {
         let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
         let frame = Frame { x, y };
         Some(html! {
-            (self.grid(&frame, left))
+            (axes([&self.x, &self.y], &frame, [left, WIDTH - RIGHT]))
             @for series in &self.series { (self.draw(series, &frame)) }
             (self.legend(left))
         })
-    }
-
-    fn grid(&self, frame: &Frame, left: f64) -> Markup {
-        let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-        let middle = f64::midpoint(TOP, bottom);
-        html! {
-            @for tick in frame.y.ticks() {
-                path class=(if tick.is_zero { "zero" } else { "grid" }) d=(format!("M{left:.1} {:.1}H{right}", tick.place)) {}
-                text class="tick" x=(format!("{:.1}", left - 5.0)) y=(format!("{:.1}", tick.place + 3.5)) text-anchor="end" { (tick.label) }
-            }
-            @for tick in frame.x.ticks() {
-                path class="grid" d=(format!("M{:.1} {TOP}V{bottom}", tick.place)) {}
-                text class="tick" x=(format!("{:.1}", tick.place)) y=(bottom + 14.0) text-anchor="middle" { (tick.label) }
-            }
-            path class="axis" d=(format!("M{left:.1} {TOP}V{bottom}H{right}")) {}
-            text class="title" x=(format!("{:.1}", f64::midpoint(left, right))) y=(HEIGHT - 8.0) text-anchor="middle" {
-                (self.x.title(&frame.x))
-            }
-            text class="title" transform=(format!("translate(11 {middle:.1}) rotate(-90)")) text-anchor="middle" {
-                (self.y.title(&frame.y))
-            }
-        }
     }
 
     /// One row above the axes.
@@ -217,6 +197,29 @@ impl Plot<'_> {
     }
 }
 
+/// Grid, ticks and titles of both axes.
+fn axes([x, y]: [&Axis; 2], frame: &Frame, [left, right]: [f64; 2]) -> Markup {
+    let bottom = HEIGHT - BOTTOM;
+    let middle = f64::midpoint(TOP, bottom);
+    html! {
+        @for tick in frame.y.ticks() {
+            path class=(if tick.is_zero { "zero" } else { "grid" }) d=(format!("M{left:.1} {:.1}H{right}", tick.place)) {}
+            text class="tick" x=(format!("{:.1}", left - 5.0)) y=(format!("{:.1}", tick.place + 3.5)) text-anchor="end" { (tick.label) }
+        }
+        @for tick in frame.x.ticks() {
+            path class="grid" d=(format!("M{:.1} {TOP}V{bottom}", tick.place)) {}
+            text class="tick" x=(format!("{:.1}", tick.place)) y=(bottom + 14.0) text-anchor="middle" { (tick.label) }
+        }
+        path class="axis" d=(format!("M{left:.1} {TOP}V{bottom}H{right}")) {}
+        text class="title" x=(format!("{:.1}", f64::midpoint(left, right))) y=(HEIGHT - 8.0) text-anchor="middle" {
+            (x.title(&frame.x))
+        }
+        text class="title" transform=(format!("translate(11 {middle:.1}) rotate(-90)")) text-anchor="middle" {
+            (y.title(&frame.y))
+        }
+    }
+}
+
 /// A series as its legend shows it.
 fn sample(series: &Series<'_>, from: f64) -> Markup {
     let (x, y) = (from + 8.0, 10.0);
@@ -235,45 +238,63 @@ fn sample(series: &Series<'_>, from: f64) -> Markup {
     }
 }
 
-/// Plots side by side under a title.
+/// A picture of a [`Row`].
+#[derive(Debug, Clone)]
+pub enum Panel<'a> {
+    /// Lines and points.
+    Plot(Plot<'a>),
+    /// Colours.
+    Heat(Heat<'a>),
+}
+
+impl Panel<'_> {
+    fn parts(&self) -> (&str, Option<Markup>) {
+        match self {
+            Self::Plot(plot) => (&plot.title, plot.drawn()),
+            Self::Heat(heat) => (&heat.title, heat.drawn()),
+        }
+    }
+}
+
+/// Pictures side by side under a title.
 #[derive(Debug, Clone)]
 pub struct Row<'a> {
     /// What they are about.
     pub title: String,
     /// From left to right.
-    pub plots: Vec<Plot<'a>>,
+    pub panels: Vec<Panel<'a>>,
 }
 
 /// A plot as a file of its own: light colours, whatever the reader's page looks like.
 #[must_use]
 pub fn standalone(plot: &Plot<'_>) -> String {
-    file([WIDTH, HEIGHT], &plot.title, &cell(plot, [0.0, 0.0]))
+    file([WIDTH, HEIGHT], &plot.title, &placed((&plot.title, plot.drawn()), [0.0, 0.0]))
 }
 
 /// Rows of plots as one file, like [`standalone`].
 #[must_use]
 pub fn sheet(title: &str, rows: &[Row<'_>]) -> String {
     const HEAD: f64 = 34.0;
-    let columns = rows.iter().map(|row| row.plots.len()).max().unwrap_or(0);
+    let columns = rows.iter().map(|row| row.panels.len()).max().unwrap_or(0);
     let top = |row: usize| row as f64 * (HEAD + HEIGHT);
     let content = html! {
         @for (index, row) in rows.iter().enumerate() {
             text class="head" x="14" y=(top(index) + 24.0) { (row.title) }
-            @for (column, plot) in row.plots.iter().enumerate() {
-                (cell(plot, [column as f64 * WIDTH, top(index) + HEAD]))
+            @for (column, panel) in row.panels.iter().enumerate() {
+                (placed(panel.parts(), [column as f64 * WIDTH, top(index) + HEAD]))
             }
         }
     };
     file([WIDTH * columns as f64, top(rows.len())], title, &content)
 }
 
-fn cell(plot: &Plot<'_>, [left, top]: [f64; 2]) -> Markup {
+fn placed((title, drawn): (&str, Option<Markup>), [left, top]: [f64; 2]) -> Markup {
     html! {
         g transform=(format!("translate({left} {top})")) {
-            @if let Some(drawn) = plot.drawn() {
+            @if let Some(drawn) = drawn {
                 (drawn)
             } @else {
-                text class="tick" x=(WIDTH / 2.0) y=(HEIGHT / 2.0) text-anchor="middle" { (plot.title) ": no data" }
+                text class="tick" x=(WIDTH / 2.0) y=(HEIGHT / 2.0) text-anchor="middle" { (title) ": no data" }
             }
         }
     }

@@ -88,10 +88,43 @@ fn a_file_of_its_own_needs_no_page() {
     assert!(style.contains(".before { stroke: #c65102; }") && !style.contains("var("), "{style}");
     let row = || Row {
         title: "a <b> & c".into(),
-        plots: vec![plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Crosses), plot(&[], &[], Mark::Line)],
+        panels: [plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Crosses), plot(&[], &[], Mark::Line)]
+            .map(Panel::Plot)
+            .into(),
     };
     let file = sheet("two", &[row(), row()]);
     let document = roxmltree::Document::parse(&file).unwrap();
     let said = |text: &str| document.descendants().filter(|node| node.text() == Some(text)).count();
     assert!(said("a <b> & c") >= 2 && file.contains("no data"), "{file}");
+}
+
+#[test]
+fn colours_have_axes_and_a_bar() {
+    let heat = Heat {
+        title: "a & b".into(),
+        x: (Axis::new("Speed", "rad/s"), 120.0),
+        y: (Axis::new("Torque", "N m"), 0.1),
+        value: Axis::new("Efficiency", "%"),
+        colours: [80.0, 95.0],
+        size: [3, 2],
+        cells: vec![
+            Cell { column: 0, row: 0, value: 80.0 },
+            Cell { column: 2, row: 1, value: 99.0 },
+            Cell { column: 1, row: 1, value: f64::NAN },
+        ],
+        contours: vec![Contour { level: Heat::levels([80.0, 95.0])[1], ends: [[0.0, 0.02], [120.0, 0.08]] }],
+        dots: &[[60.0, 0.05]],
+    };
+    let text = sheet("map", &[Row { title: "first".into(), panels: vec![Panel::Heat(heat.clone())] }]);
+    roxmltree::Document::parse(&text).unwrap();
+    assert!(
+        !text.contains("NaN") && text.contains("Efficiency (%)") && text.contains("Torque (N m)"),
+        "{text}"
+    );
+    // The ends of the colours, each once in a cell and beyond it in the bar.
+    assert!(text.contains("#440154") && text.contains("#fde725"), "{text}");
+    assert_eq!(text.matches("class=\"contour\"").count(), 1);
+    let empty = Heat { cells: Vec::new(), ..heat };
+    let text = sheet("map", &[Row { title: "first".into(), panels: vec![Panel::Heat(empty)] }]);
+    assert!(text.contains("a &amp; b: no data"), "{text}");
 }
