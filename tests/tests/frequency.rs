@@ -62,6 +62,12 @@ fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_functi
     }
     assert_eq!(output["distortion"]["even"]["significant"], false, "{}", output["distortion"]);
 
+    // A transfer function draws on all lines together: nearer to the exact one than any line need be.
+    let etf = run(["identify", &recording, "--method", "etf", "--json"]).json();
+    let beside = &etf["beside_model"];
+    assert!(number(&beside["lines_of_good_coherence"]) > 80.0, "{beside}");
+    assert!(number(&beside["worst_db"]) < 0.2 && number(&beside["worst_deg"]) < 1.5, "{beside}");
+
     // The response that was written is data for a transfer function, and that for coefficient matching.
     let csv = format!("{report}/response.csv");
     let folder_etf = folder.path("transfer");

@@ -131,6 +131,7 @@ pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
         response,
         variance,
         freedom,
+        width_hz: 2.0 * reach_hz,
         coherence,
     })
 }

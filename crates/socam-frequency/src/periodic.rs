@@ -153,6 +153,7 @@ impl Periodic {
             response,
             variance: error.variance / harmonic.input.value.norm_sqr(),
             freedom: harmonic.freedom,
+            width_hz: 0.0,
             coherence,
         }
     }

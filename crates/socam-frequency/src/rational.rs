@@ -21,6 +21,12 @@ type C = Complex<f64>;
 /// Highest order of a denominator.
 pub const MOST: usize = 12;
 
+/// Directions of the coefficients that move the response by less than this part of the most are not spoken of by the data.
+const SPOKEN_OF: f64 = 1e-7;
+/// Transfer functions whose description is so much longer than the shortest are no rivals of it (their weight is the exponential of
+/// half of that).
+const NO_RIVAL: f64 = 20.0;
+
 /// One piece of data: A output = B input, within `std` of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -40,7 +46,8 @@ impl From<&Line> for Point {
             frequency_hz: line.frequency_hz,
             input: C::new(1.0, 0.0),
             output: line.response,
-            std: line.variance.sqrt(),
+            // The variance was itself estimated, with so many complex degrees of freedom: errors over its root scatter like Student's t.
+            std: (line.variance * line.freedom / (line.freedom - 1.0).max(1.0)).sqrt(),
         }
     }
 }
@@ -112,6 +119,13 @@ pub struct ModeEstimate {
     pub damping_std: f64,
 }
 
+impl ModeEstimate {
+    /// Whether its damping is told from none; that of a real pole needs no telling.
+    fn is_damped(&self) -> bool {
+        self.mode.pole.im == 0.0 || self.mode.damping_ratio.abs() > 1.96 * self.damping_std
+    }
+}
+
 /// A fitted transfer function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
@@ -133,6 +147,38 @@ pub struct Fit {
     pub converged: bool,
     /// Rissanen's description length up to a constant; the least of several orders is advised.
     pub description_length: f64,
+    known: Known,
+}
+
+/// What is known of the coefficients: in powers of `unit`, denominator without its leading one, then numerator.
+#[derive(Debug, Clone, PartialEq)]
+struct Known {
+    /// rad/s.
+    unit: f64,
+    denominator: Vec<f64>,
+    numerator: Vec<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Fit {
+    /// Standard deviations of the response's magnitude, relative to it, and of its phase, rad; as far as orders suffice.
+    #[must_use]
+    pub fn response_std(&self, frequency_hz: f64) -> [f64; 2] {
+        let Known { unit, denominator, numerator, covariance } = &self.known;
+        let s = C::new(0.0, std::f64::consts::TAU * frequency_hz / unit);
+        let (below, above) = (polynomial::value(denominator, s), polynomial::value(numerator, s));
+        // Slopes of ln B - ln A.
+        let order = denominator.len() - 1;
+        let slopes: Vec<C> = (0..order)
+            .map(|i| -s.powu(i as u32) / below)
+            .chain((0..numerator.len()).map(|i| s.powu(i as u32) / above))
+            .collect();
+        let std = |part: fn(&C) -> f64| {
+            let gradient = DVector::from_iterator(slopes.len(), slopes.iter().map(part));
+            gradient.dot(&(covariance * &gradient)).max(0.0).sqrt()
+        };
+        [std(|slope| slope.re), std(|slope| slope.im)]
+    }
 }
 
 /// Fits orders to points.
@@ -173,7 +219,32 @@ pub fn advise(points: &[Point], most: usize, stable: bool) -> Vec<Fit> {
         .filter_map(|orders| fit(points, orders, stable).ok())
         .collect();
     fits.sort_by(|a, b| a.description_length.total_cmp(&b.description_length));
-    fits
+    // A resonance between two lines, as narrow as need be, can always be had, and fits the noise of one of them.
+    let sound: Vec<Fit> =
+        fits.iter().filter(|fit| fit.modes.iter().all(ModeEstimate::is_damped)).cloned().collect();
+    if sound.is_empty() { fits } else { sound }
+}
+
+/// [`Fit::response_std`] of the first of [`advise`]d fits, which are weighed by their description lengths: what the others differ from
+/// it counts, too (J. A. Hoeting et al., Bayesian model averaging, Statistical Science 14, 1999).
+#[must_use]
+pub fn response_std_among(fits: &[Fit], frequency_hz: f64) -> [f64; 2] {
+    let Some(first) = fits.first() else { return [f64::INFINITY; 2] };
+    let response = first.transfer.response(frequency_hz);
+    let (mut total, mut squares) = (0.0, [0.0; 2]);
+    for fit in fits {
+        let longer = fit.description_length - first.description_length;
+        if longer > NO_RIVAL {
+            continue;
+        }
+        let weight = (-0.5 * longer).exp();
+        let off = (fit.transfer.response(frequency_hz) / response).ln();
+        let std = fit.response_std(frequency_hz);
+        total += weight;
+        squares[0] += weight * (std[0].powi(2) + off.re.powi(2));
+        squares[1] += weight * (std[1].powi(2) + off.im.powi(2));
+    }
+    squares.map(|sum| (sum / total).sqrt())
 }
 
 /// Frequencies are taken in units of their geometric mean, so that powers are of one size.
@@ -240,10 +311,12 @@ fn report(scaled: &Scaled<'_>, orders: Orders, best: &descent::Descent) -> Resul
         misfit,
         converged: best.converged,
         description_length: count * misfit.max(1e-300).ln() + unknowns * count.ln(),
+        known: Known { unit: scaled.unit, denominator, numerator: best.point.numerator.clone(), covariance },
     })
 }
 
-/// (J^T J)^-1 by QR, so that the condition number is not squared before it has to be.
+/// (J^T J)^-1, without directions that the data say nothing of: where orders are too many, a pole runs off to infinity and moves no
+/// response there, but would drown all else in rounding.
 fn inverse_of_normal(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyError> {
     let singular = FrequencyError::Singular { what: "the transfer function" };
     let scales: Vec<f64> = slopes.column_iter().map(|c| c.norm()).collect();
@@ -251,11 +324,13 @@ fn inverse_of_normal(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyErr
         return Err(singular);
     }
     let scaled = DMatrix::from_fn(slopes.nrows(), slopes.ncols(), |i, j| slopes[(i, j)] / scales[j]);
-    let r = scaled.qr().r();
-    let count = r.ncols();
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(count, count)).ok_or(singular)?;
-    let normal = &inverse * inverse.transpose();
-    Ok(DMatrix::from_fn(count, count, |i, j| normal[(i, j)] / (scales[i] * scales[j])))
+    let decomposed = scaled.qr().r().svd(false, true);
+    let (Some(right), sizes) = (decomposed.v_t, decomposed.singular_values) else { return Err(singular) };
+    let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > SPOKEN_OF * sizes.max()).collect();
+    let root = DMatrix::from_fn(right.ncols(), kept.len(), |j, k| {
+        right[(kept[k], j)] / (sizes[kept[k]] * scales[j])
+    });
+    Ok(&root * root.transpose())
 }
 
 /// Modes and, by how the poles move with the coefficients, their standard deviations.

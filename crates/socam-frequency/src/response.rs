@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Complex;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-pub use crate::lines::Line;
+pub use crate::lines::{Line, apart};
 use crate::{FrequencyError, local, periodic::Periodic, periods};
 
 /// Lines over frequency where the recordings do not repeat.

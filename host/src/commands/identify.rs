@@ -1,5 +1,6 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
+mod beside;
 mod coefficient_match;
 mod etf;
 mod frf;

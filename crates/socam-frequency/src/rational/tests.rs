@@ -40,7 +40,7 @@ fn an_exact_response_gives_its_transfer_function_back() {
 fn deviations_are_as_large_as_said_and_the_orders_are_advised() {
     let resonance = TransferFunction { numerator: vec![5e4, 30.0], denominator: vec![4e4, 20.0, 1.0] };
     let orders = Orders { numerator: 1, denominator: 2 };
-    let mut squares = [0.0; 3];
+    let mut squares = [0.0; 5];
     for seed in 0..60 {
         let fit = fit(&points(&resonance, 0.02, seed), orders, false).unwrap();
         let mode = fit.modes[0];
@@ -49,6 +49,11 @@ fn deviations_are_as_large_as_said_and_the_orders_are_advised() {
             .powi(2);
         squares[1] += ((mode.mode.damping_ratio - 0.05) / mode.damping_std).powi(2);
         squares[2] += ((fit.transfer.final_value() - 1.25) / fit.final_value_std).powi(2);
+        // On the flank of the resonance.
+        let ratio = fit.transfer.response(35.0) / resonance.response(35.0);
+        let [magnitude, phase] = fit.response_std(35.0);
+        squares[3] += (ratio.norm().ln() / magnitude).powi(2);
+        squares[4] += (ratio.arg() / phase).powi(2);
     }
     // The mean of 60 squares of unit normals.
     assert!(squares.iter().all(|sum| (0.5..=1.6).contains(&(sum / 60.0))), "{squares:?}");
@@ -69,4 +74,20 @@ fn a_stable_fit_has_stable_poles_and_is_as_good_as_there_is() {
     let same = fit(&points(&thesis(), 0.01, 2), Orders { numerator: 5, denominator: 6 }, true).unwrap();
     assert!((0.6..1.5).contains(&same.misfit), "{}", same.misfit);
     assert!(fit(&unstable, Orders { numerator: 3, denominator: 2 }, false).is_err());
+}
+
+#[test]
+fn too_many_orders_say_of_the_response_what_enough_say() {
+    let resonance = TransferFunction { numerator: vec![5e4, 30.0], denominator: vec![4e4, 20.0, 1.0] };
+    let noisy = points(&resonance, 0.02, 3);
+    let enough = fit(&noisy, Orders { numerator: 1, denominator: 2 }, false).unwrap();
+    let too_many = fit(&noisy, Orders { numerator: 2, denominator: 4 }, false).unwrap();
+    let stds = [enough.response_std(35.0), too_many.response_std(35.0)];
+    for (few, many) in stds[0].iter().zip(stds[1]) {
+        assert!((*few..5.0 * few).contains(&many), "{stds:?}");
+    }
+    // Rivals only widen.
+    let advised = advise(&noisy, 4, false);
+    let [alone, among] = [advised[0].response_std(35.0), response_std_among(&advised, 35.0)];
+    assert!(among.iter().zip(alone).all(|(among, alone)| *among >= 0.8 * alone), "{alone:?} {among:?}");
 }

@@ -27,6 +27,8 @@ const HOLDS: f64 = 0.01;
 /// An interval's half-width of at most half the value determines a parameter: this relative standard deviation.
 const DETERMINED: f64 = 0.5 / 1.96;
 
+/// Where a search runs off towards nought, how far it got means nothing.
+const NEXT_TO_NOTHING: f64 = 1e-9;
 /// Relative standard deviations beyond this are only said to be.
 const SHOWN_STD: f64 = 10.0;
 
@@ -217,7 +219,11 @@ impl Answer {
         let mut rows = vec![head];
         let row = |name: &str, values: Vec<f64>, std: Option<f64>, unit: &str, note: String| {
             let mut row = vec![name.to_owned()];
-            row.extend(values.into_iter().map(table::number));
+            row.extend(values.into_iter().map(|value| match value.abs() {
+                size if size < NEXT_TO_NOTHING => "0".into(),
+                size if size > 1.0 / NEXT_TO_NOTHING => "no end".into(),
+                _ => table::number(value),
+            }));
             let std = std.map_or_else(String::new, |std| {
                 if std > SHOWN_STD { "over 1000 %".into() } else { format!("{:.1} %", 100.0 * std) }
             });

@@ -8,10 +8,11 @@ use serde_json::{Value, json};
 use socam_frequency::{
     Complex,
     rational::{self, Fit, Orders, Point, TransferFunction},
+    response,
 };
 use socam_model::{Model, Quantity};
 
-use super::{Args, frf, pictures};
+use super::{Args, beside::Beside, frf, pictures};
 use crate::{
     commands::Outcome,
     output::{self, WrongArguments},
@@ -25,34 +26,64 @@ const HIGHEST: usize = 6;
 /// Orders that are shown of those tried.
 const SHOWN: usize = 6;
 
+/// A mode so many times as fast as the fastest line is none that the lines show.
+const FAR: f64 = 10.0;
+/// 95 % of a normal distribution, in standard deviations.
+const NORMAL: f64 = 1.96;
+
 /// What a transfer function is fitted to.
 pub(super) struct Measured {
     pub(super) name: String,
     pub(super) points: Vec<Point>,
+    /// Of each point; 1 where a file does not say.
+    coherence: Vec<f64>,
+    /// The model's own response at each point.
+    model: Vec<Complex<f64>>,
     /// The model's own final value.
-    pub(super) expected_final: Option<f64>,
+    expected_final: Option<f64>,
+}
+
+impl Measured {
+    fn new(name: String, model: &Model, points: Vec<Point>, coherence: Vec<f64>) -> Self {
+        let at = |hz: f64| of_model(model, &name, hz);
+        let own = points.iter().map(|point| at(point.frequency_hz).unwrap_or_default()).collect();
+        let expected_final = at(0.0).map(|value| value.re).filter(|value| value.is_finite());
+        Self { points, coherence, model: own, expected_final, name }
+    }
+
+    fn highest_hz(&self) -> f64 {
+        self.points.iter().map(|point| point.frequency_hz).fold(0.0, f64::max)
+    }
+
+    /// `tried`: the fit, and others that were advised less.
+    fn beside_model(&self, fit: &Fit, tried: &[Fit]) -> Beside {
+        let mut beside = Beside::default();
+        for ((point, coherence), exact) in self.points.iter().zip(&self.coherence).zip(&self.model) {
+            let ratio = fit.transfer.response(point.frequency_hz) / exact;
+            let std = rational::response_std_among(tried, point.frequency_hz);
+            let [magnitude, phase] = std.map(|std| NORMAL * std);
+            beside.add(ratio, *coherence, [ratio.norm().ln().abs() <= magnitude, ratio.arg().abs() <= phase]);
+        }
+        beside
+    }
 }
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let measured = measured(args, model)?;
     let stable = args.frequency.stable;
-    let (fit, tried) = match args.frequency.orders {
-        Some(orders) => (rational::fit(&measured.points, orders, stable)?, Vec::new()),
-        None => {
-            let tried = rational::advise(&measured.points, HIGHEST, stable);
-            let best =
-                tried.first().cloned().context("no transfer function of order 1 to 6 fits these data")?;
-            (best, tried)
-        }
+    let fits = match args.frequency.orders {
+        Some(orders) => vec![rational::fit(&measured.points, orders, stable)?],
+        None => rational::advise(&measured.points, HIGHEST, stable),
     };
-    let document = json(args, model, &measured, &fit, &tried);
+    let fit = fits.first().context("no transfer function of order 1 to 6 fits these data")?;
+    let document = json(args, model, &measured, fit, &fits);
     if let Some(dir) = &args.frequency.report {
-        pictures::write_all(dir, &files(args, model, &measured, &fit, &document)?)?;
+        pictures::write_all(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
     } else {
-        output::print(&text(model, &measured, &fit, &tried))?;
+        output::print(&text(model, &measured, fit, &fits))?;
     }
     Ok(Outcome::Done)
 }
@@ -68,30 +99,27 @@ pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
         _ => return Err(WrongArguments("a transfer function is of one --output".into()).into()),
     };
     let output = output.context("the model has no output")?;
-    let expected_final = expected_final(model, &output);
     if let [only] = &args.runs[..]
-        && let Some(points) = response_file(Path::new(only), &output)?
+        && let Some((points, coherence)) = response_file(Path::new(only), &output)?
     {
-        return Ok(Measured { name: output, points, expected_final });
+        return Ok(Measured::new(output, model, points, coherence));
     }
     let datasets = super::open_all(&args.runs)?;
     let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
-    let lines = answers.iter().flat_map(|answer| &answer.response.lines);
-    Ok(Measured { name: output, points: lines.map(Point::from).collect(), expected_final })
+    let lines: Vec<_> = answers.iter().flat_map(|answer| response::apart(&answer.response.lines)).collect();
+    let coherence = lines.iter().map(|line| line.coherence).collect();
+    Ok(Measured::new(output, model, lines.iter().map(Point::from).collect(), coherence))
 }
 
-fn expected_final(model: &Model, output: &str) -> Option<f64> {
+fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f64>> {
     let equations = model.equations(&model.values()).ok()?;
     let index = model.outputs().position(|channel| channel.name == output)?;
     let input = model.inputs().position(|channel| !channel.quantity.is_clock())?;
-    equations
-        .transfer(index, input, Complex::default())
-        .map(|value| value.re)
-        .filter(|value| value.is_finite())
+    equations.transfer(index, input, Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
 }
 
-/// Points of a CSV with a column `frequency_hz`; `None` where the file is none.
-fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Point>>> {
+/// Points of a CSV with a column `frequency_hz` and their coherence; `None` where the file is none.
+fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<(Vec<Point>, Vec<f64>)>> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
@@ -107,7 +135,8 @@ fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Point>>
         column(name).with_context(missing)
     };
     let (re, im, std, of) = (needed("re")?, needed("im")?, column("std"), column("output"));
-    let mut points = Vec::new();
+    let coherent = column("coherence");
+    let (mut points, mut coherence) = (Vec::new(), Vec::new());
     for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         if of.is_some_and(|of| cells.get(of).is_some_and(|name| *name != output)) {
@@ -134,9 +163,10 @@ fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Point>>
             output: response,
             std: std.max(1e-300),
         });
+        coherence.push(coherent.map_or(Ok(1.0), number)?);
     }
     anyhow::ensure!(!points.is_empty(), "`{}` has no line of the output {output}", path.display());
-    Ok(Some(points))
+    Ok(Some((points, coherence)))
 }
 
 /// Reads a transfer function that `--method etf` wrote, or one by hand; `None` where the file is none.
@@ -162,9 +192,10 @@ pub(super) fn transfer_file(path: &Path) -> anyhow::Result<Option<TransferFuncti
     Ok(Some(TransferFunction { numerator, denominator }))
 }
 
-/// What is to be said of a mode.
-fn note(mode: &rational::ModeEstimate) -> &'static str {
+/// What is to be said of a mode that lines up to `highest_hz` gave.
+fn note(mode: &rational::ModeEstimate, highest_hz: f64) -> &'static str {
     match mode.mode {
+        m if m.natural_frequency_hz > FAR * highest_hz => "far beyond the lines: not determined",
         m if m.pole.re >= 0.0 => "not stable",
         m if m.pole.im == 0.0 => "a real pole, no resonance",
         m if m.damping_ratio > 0.5_f64.sqrt() => "damped beyond a resonance peak",
@@ -174,7 +205,7 @@ fn note(mode: &rational::ModeEstimate) -> &'static str {
 
 fn final_value_text(measured: &Measured, fit: &Fit) -> String {
     let value = fit.transfer.final_value();
-    let half = 1.96 * fit.final_value_std;
+    let half = NORMAL * fit.final_value_std;
     let mut text = format!("final value {} +- {}", table::number(value), table::number(half));
     if let Some(expected) = measured.expected_final {
         let holds = (value - expected).abs() <= half;
@@ -187,7 +218,7 @@ fn final_value_text(measured: &Measured, fit: &Fit) -> String {
 fn json(args: &Args, model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> Value {
     let roots =
         |roots: Vec<Complex<f64>>| roots.iter().map(|root| json!([root.re, root.im])).collect::<Vec<_>>();
-    let half = 1.96 * fit.final_value_std;
+    let half = NORMAL * fit.final_value_std;
     let value = fit.transfer.final_value();
     json!({
         "schema": SCHEMA, "method": "etf", "model": model.name, "recordings": args.runs, "output": measured.name,
@@ -196,12 +227,13 @@ fn json(args: &Args, model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit
         "numerator": fit.transfer.numerator, "numerator_std": fit.numerator_std,
         "denominator": fit.transfer.denominator, "denominator_std": fit.denominator_std,
         "poles": roots(fit.transfer.poles()), "zeros": roots(fit.transfer.zeros()),
+        "beside_model": measured.beside_model(fit, tried).json(),
         "final_value": {"value": value, "ci95": [value - half, value + half], "model": measured.expected_final},
         "modes": fit.modes.iter().map(|m| json!({
             "natural_frequency_hz": m.mode.natural_frequency_hz, "natural_frequency_std_hz": m.frequency_std_hz,
-            "damping_ratio": m.mode.damping_ratio, "damping_ratio_std": m.damping_std, "note": note(m),
+            "damping_ratio": m.mode.damping_ratio, "damping_ratio_std": m.damping_std, "note": note(m, measured.highest_hz()),
         })).collect::<Vec<_>>(),
-        "orders_tried": tried.iter().map(|t| json!({
+        "orders_tried": tried.iter().filter(|_| tried.len() > 1).map(|t| json!({
             "orders": [t.orders.numerator, t.orders.denominator], "misfit": t.misfit, "description_length": t.description_length,
         })).collect::<Vec<_>>(),
     })
@@ -217,7 +249,7 @@ fn text(model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> String 
         fit.misfit,
         if fit.converged { "" } else { ", not converged" }
     );
-    if !tried.is_empty() {
+    if tried.len() > 1 {
         text.push_str("\nOrders advised (least description length first)\n");
         let mut rows = vec![["order", "misfit", "length over the best"].map(str::to_owned).to_vec()];
         rows.extend(tried.iter().take(SHOWN).map(|t| {
@@ -229,24 +261,23 @@ fn text(model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> String 
         }));
         text.push_str(&table::align(&rows, &[false, true, true]));
     }
-    for table in tables(fit) {
+    for table in tables(fit, measured.highest_hz()) {
         text.push('\n');
         text.push_str(&table::align(&table, &[false, true, true, true, true, false]));
     }
     let _ = writeln!(text, "\n  {}", final_value_text(measured, fit));
+    let _ = writeln!(text, "  {}", measured.beside_model(fit, tried).sentence());
     text
 }
 
 /// Coefficients and modes, heads first.
-fn tables(fit: &Fit) -> Vec<Vec<Vec<String>>> {
+fn tables(fit: &Fit, highest_hz: f64) -> Vec<Vec<Vec<String>>> {
     let head = ["power of s", "numerator", "std", "denominator", "std"].map(str::to_owned).to_vec();
     let Orders { numerator, denominator } = fit.orders;
     let cell = |values: &[f64], power: usize, most: usize| {
-        if power <= most {
-            values.get(power).map_or_else(String::new, |value| format!("{value:.4e}"))
-        } else {
-            String::new()
-        }
+        // The denominator's first coefficient is 1 by definition, and has no deviation.
+        let shown = values.get(power).filter(|value| power <= most && **value != 0.0);
+        shown.map_or_else(String::new, |value| if *value == 1.0 { "1".into() } else { table::number(*value) })
     };
     let row = |power: usize| {
         vec![
@@ -266,7 +297,7 @@ fn tables(fit: &Fit) -> Vec<Vec<Vec<String>>> {
             table::number(mode.frequency_std_hz),
             table::number(mode.mode.damping_ratio),
             table::number(mode.damping_std),
-            note(mode).to_owned(),
+            note(mode, highest_hz).to_owned(),
         ]
     };
     vec![coefficients, std::iter::once(head).chain(fit.modes.iter().enumerate().map(mode)).collect()]
@@ -277,9 +308,10 @@ fn files(
     model: &Model,
     measured: &Measured,
     fit: &Fit,
+    tried: &[Fit],
     document: &Value,
 ) -> anyhow::Result<Vec<(String, String)>> {
-    let drawn = pictures::transfer(&measured.name, fit, &measured.points);
+    let drawn = pictures::transfer(&measured.name, tried, &measured.points);
     let mut files =
         vec![("transfer.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
     files.extend(
@@ -296,8 +328,12 @@ fn files(
         ),
         format!("Its {}.", final_value_text(measured, fit)),
     ];
-    let section =
-        pictures::Section { title: measured.name.clone(), sentences, pictures: drawn, tables: tables(fit) };
+    let section = pictures::Section {
+        title: measured.name.clone(),
+        sentences,
+        pictures: drawn,
+        tables: tables(fit, measured.highest_hz()),
+    };
     let title = format!("Transfer function of {}", model.name);
     files.push((
         "index.html".to_owned(),

@@ -12,14 +12,13 @@ use socam_recording::Dataset;
 
 use super::{
     Args,
+    beside::Beside,
     pictures::{self, Picture},
     signals::{self, Pair},
 };
 use crate::{commands::Outcome, output, table};
 
 const SCHEMA: &str = "socam.frequency-response/1";
-/// Lines that this coherence or more make a good estimate.
-const GOOD: f64 = 0.9;
 /// Lines of the table.
 const SHOWN: usize = 16;
 /// Where nothing is asked for: up to 100 Hz, or a third of the sampling rate.
@@ -81,35 +80,16 @@ fn of_model(equations: &Equations, pair: &Pair<'_>, line: &Line) -> Complex<f64>
 }
 
 impl Answer<'_> {
-    /// How far the estimate is from the model: greatest differences in dB and degrees among lines of good coherence, and how many
-    /// percent of all lines hold the model's magnitude and phase in their intervals.
     fn beside_model(&self) -> Beside {
         let mut beside = Beside::default();
-        let mut held = [0_usize; 2];
         for (line, exact) in self.response.lines.iter().zip(&self.model) {
             let ratio = line.response / exact;
-            let errors = [20.0 * ratio.norm().log10().abs(), ratio.arg().to_degrees().abs()];
             let [low, high] = line.magnitude_ci95();
-            held[0] += usize::from((low..=high).contains(&exact.norm()));
-            held[1] += usize::from(errors[1] <= line.phase_half_width_deg());
-            if line.coherence > GOOD {
-                beside.good += 1;
-                beside.worst_db = beside.worst_db.max(errors[0]);
-                beside.worst_deg = beside.worst_deg.max(errors[1]);
-            }
+            let phase_held = ratio.arg().to_degrees().abs() <= line.phase_half_width_deg();
+            beside.add(ratio, line.coherence, [(low..=high).contains(&exact.norm()), phase_held]);
         }
-        let share = |count: usize| 100.0 * count as f64 / self.response.lines.len() as f64;
-        beside.held_percent = held.map(share);
         beside
     }
-}
-
-#[derive(Default)]
-struct Beside {
-    good: usize,
-    worst_db: f64,
-    worst_deg: f64,
-    held_percent: [f64; 2],
 }
 
 pub(super) fn decibel(size: f64) -> f64 {
@@ -138,7 +118,6 @@ fn json(args: &Args, model: &Model, answers: &[Answer<'_>]) -> Value {
         })
     };
     let outputs = answers.iter().map(|answer| {
-        let beside = answer.beside_model();
         json!({
             "output": answer.pair.output.name, "unit": answer.pair.output.unit,
             "input": answer.pair.input.name, "input_unit": answer.pair.input.unit,
@@ -146,11 +125,7 @@ fn json(args: &Args, model: &Model, answers: &[Answer<'_>]) -> Value {
                 Method::Periodic { period_s, periods } => json!({"method": "periodic", "period_s": period_s, "periods": periods}),
                 Method::Local => json!({"method": "local_polynomial"}),
             },
-            "beside_model": {
-                "lines": answer.response.lines.len(), "lines_of_good_coherence": beside.good,
-                "worst_db": beside.worst_db, "worst_deg": beside.worst_deg,
-                "magnitude_held_percent": beside.held_percent[0], "phase_held_percent": beside.held_percent[1],
-            },
+            "beside_model": answer.beside_model().json(),
             "distortion": answer.response.distortion.as_ref().map(|d| json!({
                 "even": d.even.map(parity_json), "odd": d.odd.map(parity_json),
             })),
@@ -224,12 +199,7 @@ fn text(model: &Model, answers: &[Answer<'_>]) -> String {
             ]
         }));
         text.push_str(&table::align(&rows, &[true; 8]));
-        let beside = answer.beside_model();
-        let _ = writeln!(
-            text,
-            "  beside the model: at most {:.2} dB and {:.2} degrees where coherence is above {GOOD} ({} lines); intervals hold it at {:.1} % (magnitude) and {:.1} % (phase) of lines",
-            beside.worst_db, beside.worst_deg, beside.good, beside.held_percent[0], beside.held_percent[1]
-        );
+        let _ = writeln!(text, "  {}", answer.beside_model().sentence());
         if let Some(distortion) = &answer.response.distortion {
             for sentence in distortion_sentences(distortion) {
                 let _ = writeln!(text, "  {sentence}");

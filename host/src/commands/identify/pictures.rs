@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use socam_frequency::{
     Complex,
-    rational::{Fit, Point, TransferFunction},
+    rational::{Fit, Point, TransferFunction, response_std_among},
     response::{Driven, Line},
 };
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
@@ -231,13 +231,33 @@ fn distortion(answer: &Answer<'_>) -> Option<Picture> {
     Some(Picture { name: "lines", plot })
 }
 
+/// Roots beyond so many times the fastest line are not drawn: they would press the others together.
+const FAR: f64 = 3.0;
+
 /// Magnitude and phase of a transfer function beside what it was fitted to, and its poles and zeros.
-pub(super) fn transfer(name: &str, fit: &Fit, points: &[Point]) -> Vec<Picture> {
-    let transfer = &fit.transfer;
-    let [magnitude, phase] = bode(&format!(" of {name}"), points, &[("fit", "before", transfer)], true);
+/// `fits`: the first is drawn; the others, which were advised less, only widen its interval.
+pub(super) fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Picture> {
+    let Some(Fit { transfer, .. }) = fits.first() else { return Vec::new() };
+    let mut bode = bode(&format!(" of {name}"), points, &[("fit", "before", transfer)], true);
+    // Behind data and fit, what is known of the fit: a relative error as dB, and rad as degrees.
+    let units = [20.0 * std::f64::consts::LOG10_E, 1f64.to_degrees()];
+    for (index, (picture, unit)) in bode.iter_mut().zip(units).enumerate() {
+        let curves = &mut picture.plot.curves;
+        let Some(fitted) = curves.last() else { continue };
+        let spread = fitted.x.iter().map(|hz| 1.96 * unit * response_std_among(fits, *hz)[index]).collect();
+        let (x, y) = (fitted.x.clone(), fitted.y.clone());
+        let label = "95 % interval".into();
+        curves.insert(0, Curve { label, class: "before", mark: Mark::Band, x, y, spread });
+    }
+    let [magnitude, phase] = bode;
+    let highest = points.iter().map(|point| point.frequency_hz).fold(0.0, f64::max);
     let curve = |label: &str, class, mark, roots: Vec<Complex<f64>>| {
-        let (x, y) = roots.iter().map(|root| (root.re, root.im)).unzip();
-        Curve { label: label.into(), class, mark, x, y, spread: Vec::new() }
+        let (near, far): (Vec<Complex<f64>>, Vec<Complex<f64>>) =
+            roots.into_iter().partition(|root| root.norm() <= FAR * std::f64::consts::TAU * highest);
+        let (x, y) = near.iter().map(|root| (root.re, root.im)).unzip();
+        let label =
+            if far.is_empty() { label.into() } else { format!("{label} ({} farther out)", far.len()) };
+        Curve { label, class, mark, x, y, spread: Vec::new() }
     };
     let map = Drawn {
         title: format!("Poles and zeros of {name}"),
