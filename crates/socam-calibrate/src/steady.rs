@@ -12,6 +12,8 @@ const SAME_COMMAND_V: f64 = 2e-3;
 const SETTLING_S: f64 = 0.35;
 /// Least length of what follows, s.
 const LEAST_S: f64 = 0.2;
+/// Fewer steady states determine no line.
+const LEAST_STATES: usize = 4;
 /// Below this a bench stands still, rad/s.
 const STANDSTILL_RAD_S: f64 = 2.0;
 /// Name of the recorded command.
@@ -88,6 +90,15 @@ pub fn of(data: &[Dataset], model: &Model, assumed: &Assumed) -> Result<Found, C
         rows.extend(plateaus(data, &columns)?);
     }
     rows.retain(|row| row[1].abs() > STANDSTILL_RAD_S);
+    if rows.len() < LEAST_STATES {
+        let file = data.iter().map(Dataset::name).collect::<Vec<_>>().join(", ");
+        let problem = format!(
+            "it has {} steady states, stretches in motion of {:.2} s or more at one command; a motor takes {LEAST_STATES}, so record `steps`",
+            rows.len(),
+            SETTLING_S + LEAST_S
+        );
+        return Err(CalibrateError::File { file, problem });
+    }
     let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
     let mut found = Found { tasks: vec![motor(&pairs, assumed)?], warnings: Vec::new() };
     for (index, channel) in others.iter().enumerate() {

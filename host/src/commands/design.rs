@@ -151,7 +151,13 @@ fn models(args: &Args, base: Model) -> anyhow::Result<(Model, Option<Rival>)> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
     let diagnosis: serde_json::Value =
         serde_json::from_str(&text).with_context(|| format!("`{}` is no diagnosis", path.display()))?;
-    let findings = diagnosis["findings"].as_array().map_or(&[][..], Vec::as_slice);
+    let Some(findings) = diagnosis["findings"].as_array() else {
+        let message = format!(
+            "`{}` is no diagnosis; expected what `diagnose --json` or --report wrote",
+            path.display()
+        );
+        return Err(WrongArguments(message).into());
+    };
     let doubted =
         findings.iter().find(|finding| finding["rivals"].as_array().is_some_and(|rivals| !rivals.is_empty()));
     let Some(finding) = doubted else {

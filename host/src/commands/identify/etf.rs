@@ -71,10 +71,15 @@ impl Measured {
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let measured = measured(args, model)?;
     let stable = args.frequency.stable;
-    let fits = match args.frequency.orders {
-        Some(orders) => vec![rational::fit(&measured.points, orders, stable)?],
+    let mut fits = match args.frequency.orders {
+        Some(_) => Vec::new(),
         None => rational::advise(&measured.points, HIGHEST, stable),
     };
+    if fits.is_empty() {
+        // The lowest order says why none fits.
+        let orders = args.frequency.orders.unwrap_or(Orders { numerator: 0, denominator: 1 });
+        fits.push(rational::fit(&measured.points, orders, stable)?);
+    }
     let fit = fits.first().context("no transfer function of order 1 to 6 fits these data")?;
     let document = json(args, model, &measured, fit, &fits);
     if let Some(dir) = &args.frequency.report {
