@@ -12,7 +12,7 @@ pub mod words;
 #[cfg(test)]
 mod tests;
 
-use maud::{Markup, PreEscaped, Render, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 pub use axis::Axis;
 use axis::Scale;
@@ -83,6 +83,24 @@ const LARGEST: f64 = 1e100;
 /// Style sheet of pages with plots: colours for light and dark, text, tables, and what plots are drawn with. Series have the
 /// classes `before`, `after`, `third` and `noise`.
 pub const STYLE: &str = include_str!("style.css");
+
+/// An HTML document that needs nothing else: [`STYLE`], then the page's own style, around `body`.
+#[must_use]
+pub fn document(title: &str, style: &str, body: &Markup) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) }
+                style { (PreEscaped(STYLE)) (PreEscaped(style)) }
+            }
+            body { (body) }
+        }
+    }
+}
 
 /// Pixel columns of a plot at full resolution.
 pub const COLUMNS: usize = 350;

@@ -1,6 +1,6 @@
 //! The page: points first, then every number by its table.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use crate::{Point, Report, Row, Table, Verdict, report::short};
 
@@ -18,31 +18,20 @@ td.how { white-space: normal; color: var(--soft); }
 #[must_use]
 pub fn page(report: &Report) -> String {
     let (holds, all) = report.counts();
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { "The thesis, computed again" }
-                style { (PreEscaped(socam_plot::STYLE)) (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "The thesis, computed again" }
-                p class="over" { "X. Song, " i { "The Parameter Identification of a Novel Speed Reducer" } ", McGill University, 2002" }
-                p class="summary" {
-                    (all) " printed numbers were computed again from the thesis' own data: " (holds) " hold, " (all - holds)
-                    " do not. What does not, and why:"
-                }
-                main {
-                    section { h2 { "Points" } @for point in &report.points { (of_point(point)) } }
-                    section { h2 { "Every number" } @for table in &report.tables { (of_table(table)) } }
-                }
-            }
+    let title = "The thesis, computed again";
+    let body = html! {
+        h1 { (title) }
+        p class="over" { "X. Song, " i { "The Parameter Identification of a Novel Speed Reducer" } ", McGill University, 2002" }
+        p class="summary" {
+            (all) " printed numbers were computed again from the thesis' own data: " (holds) " hold, " (all - holds)
+            " do not. What does not, and why:"
         }
-    }
-    .into_string()
+        main {
+            section { h2 { "Points" } @for point in &report.points { (of_point(point)) } }
+            section { h2 { "Every number" } @for table in &report.tables { (of_table(table)) } }
+        }
+    };
+    socam_plot::document(title, STYLE, &body).into_string()
 }
 
 /// Verdict in words.

@@ -1,6 +1,6 @@
 //! The page as a whole: the answer first, then its proof, then how it was made.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use socam_model::Model;
 
 use super::{drawing, findings, residuals, tables, words};
@@ -14,34 +14,23 @@ const STYLE: &str = include_str!("style.css");
 const LEAST_WEIGHT: f64 = 0.05;
 
 pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { "Diagnosis of " (model.name) }
-                style { (PreEscaped(socam_plot::STYLE)) (PreEscaped(STYLE)) }
+    let body = html! {
+        (head(diagnosis, model))
+        main {
+            (bench(diagnosis, model))
+            (found(diagnosis, model))
+            (proof(diagnosis))
+            section {
+                h2 { "Parameters" @if !diagnosis.findings.is_empty() { " before and after" } }
+                (tables::parameters(diagnosis))
             }
-            body {
-                (head(diagnosis, model))
-                main {
-                    (bench(diagnosis, model))
-                    (found(diagnosis, model))
-                    (proof(diagnosis))
-                    section {
-                        h2 { "Parameters" @if !diagnosis.findings.is_empty() { " before and after" } }
-                        (tables::parameters(diagnosis))
-                    }
-                    (next(diagnosis))
-                    (unseen(diagnosis))
-                    (pictures(diagnosis, evidence, model))
-                    (made(diagnosis))
-                }
-            }
+            (next(diagnosis))
+            (unseen(diagnosis))
+            (pictures(diagnosis, evidence, model))
+            (made(diagnosis))
         }
-    }
+    };
+    socam_plot::document(&format!("Diagnosis of {}", model.name), STYLE, &body)
 }
 
 fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {

@@ -68,42 +68,30 @@ pub(super) struct Section {
 
 /// A page that needs nothing else.
 pub(super) fn page(title: &str, about: &str, sections: &[Section]) -> String {
-    use maud::{DOCTYPE, PreEscaped, Render, html};
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { (title) }
-                style { (PreEscaped(socam_plot::STYLE)) }
-            }
-            body {
-                h1 { (title) }
-                p class="over" { (about) }
-                main {
-                    @for section in sections {
-                        section {
-                            h2 { (section.title) }
-                            @for sentence in &section.sentences { p { (sentence) } }
-                            div class="plots" {
-                                @for picture in &section.pictures { figure { (picture.plot.plot().render()) } }
+    use maud::{Render, html};
+    let body = html! {
+        h1 { (title) }
+        p class="over" { (about) }
+        main {
+            @for section in sections {
+                section {
+                    h2 { (section.title) }
+                    @for sentence in &section.sentences { p { (sentence) } }
+                    div class="plots" {
+                        @for picture in &section.pictures { figure { (picture.plot.plot().render()) } }
+                    }
+                    @for rows in &section.tables {
+                        div class="scroll" { table {
+                            @for (index, row) in rows.iter().enumerate() {
+                                tr { @for cell in row { @if index == 0 { th { (cell) } } @else { td { (cell) } } } }
                             }
-                            @for rows in &section.tables {
-                                div class="scroll" { table {
-                                    @for (index, row) in rows.iter().enumerate() {
-                                        tr { @for cell in row { @if index == 0 { th { (cell) } } @else { td { (cell) } } } }
-                                    }
-                                } }
-                            }
-                        }
+                        } }
                     }
                 }
             }
         }
-    }
-    .into_string()
+    };
+    socam_plot::document(title, "", &body).into_string()
 }
 
 /// Writes files into a folder, each whole or not at all.
