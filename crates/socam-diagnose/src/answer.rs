@@ -294,17 +294,20 @@ fn not_found(course: &Course) -> Vec<NotFound> {
         let candidate = &one.start;
         let Some(parameter) = candidate.strength.first() else { continue };
         let size = one.promise.resolution * (SEEN * scale).sqrt();
-        let size =
-            if candidate.effect.id == "missing_compliance" { candidates::stiffness_of(size) } else { size };
+        // What limits is stronger the lower it is; what was looked for and not found is known to be absent up to there.
+        let is_stronger_below = candidate.is_full() || candidate.effect.id == "missing_compliance";
+        let size = match candidate.effect.id {
+            "missing_compliance" => candidates::stiffness_of(size),
+            _ if candidate.is_full() => candidate.value(parameter),
+            _ => size,
+        };
         let smallest = Some(size).filter(|size| size.is_finite());
         let known = all
             .iter_mut()
             .find(|known| known.effect == candidate.effect.id && known.location == candidate.place);
         match known {
             Some(known) => {
-                let better = |a: f64, b: f64| {
-                    if candidate.effect.id == "missing_compliance" { a.max(b) } else { a.min(b) }
-                };
+                let better = |a: f64, b: f64| if is_stronger_below { a.max(b) } else { a.min(b) };
                 known.smallest_detectable = match (known.smallest_detectable, smallest) {
                     (Some(a), Some(b)) => Some(better(a, b)),
                     (a, b) => a.or(b),

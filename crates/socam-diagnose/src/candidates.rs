@@ -39,6 +39,11 @@ impl Candidate {
         self.effect.id == other.effect.id && self.place == other.place
     }
 
+    /// Of a parameter that a file must give, SI; NaN for any other.
+    pub(crate) fn value(&self, name: &str) -> f64 {
+        self.values.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)
+    }
+
     pub(crate) fn with(&self, name: &str, value: f64) -> Self {
         let mut changed = self.clone();
         changed.values.iter_mut().filter(|(known, _)| *known == name).for_each(|(_, old)| *old = value);

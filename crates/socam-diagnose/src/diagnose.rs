@@ -17,6 +17,9 @@ use crate::{
     validation::Folds,
 };
 
+/// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
+/// on along what the data hardly determine.
+const BASE: usize = 20;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
 const REFINED: usize = 40;
 
@@ -118,7 +121,8 @@ pub fn diagnose(
         watch: options.watch.clone(),
         ..FitOptions::default()
     };
-    let before = output_error(&Problem::new(model, &training, fit.clone())?)?;
+    let near = FitOptions { max_iterations: BASE, ..fit.clone() };
+    let before = output_error(&Problem::new(model, &training, near)?)?;
     let levels = levels(model, &before);
     let clean = |all: &[Dataset]| cleaned(model, all, &before.point, &levels, &fit);
     let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
@@ -128,11 +132,11 @@ pub fn diagnose(
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let mut course = course::run(&bench, model, &before.point, levels)?.ok_or_else(diverged)?;
     let after = loop {
-        if course.steps.is_empty() {
+        if course.steps.is_empty() && before.converged {
             break before.clone();
         }
         let after = refined(&bench, &course)?;
-        if is_determined(&course, &after) {
+        if course.steps.is_empty() || is_determined(&course, &after) {
             break after;
         }
         course.undo(&bench)?;

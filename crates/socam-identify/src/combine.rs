@@ -150,6 +150,97 @@ impl WithSimd for AddRows<'_> {
     }
 }
 
+/// Rows, `stride` apart, and the matrix that combines them, row by row `width` numbers: those at `used` say how much of each
+/// row goes into the result.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) factors: &'a [f64],
+    pub(crate) width: usize,
+    pub(crate) rows: &'a [f64],
+    pub(crate) stride: usize,
+    pub(crate) used: &'a [usize],
+}
+
+/// Makes the first `columns` entries (whole vectors) of each row of `target`, `stride` apart, what the sources combine to, or adds
+/// that to them. A few rows are made in one reading of the sources: their sums are independent and keep the processor busy.
+#[inline(always)]
+pub(crate) fn product<S: Simd, const ADD: bool, const N: usize>(
+    simd: S,
+    sources: [Source<'_>; N],
+    columns: usize,
+    target: &mut [f64],
+    stride: usize,
+) {
+    for (strip, target) in target.chunks_mut((STRIP * stride).max(1)).enumerate() {
+        let first = strip * STRIP;
+        match target.len() / stride {
+            0 => {}
+            1 => rows_of::<S, ADD, N, 1>(simd, sources, first, columns, target, stride),
+            2 => rows_of::<S, ADD, N, 2>(simd, sources, first, columns, target, stride),
+            3 => rows_of::<S, ADD, N, 3>(simd, sources, first, columns, target, stride),
+            _ => rows_of::<S, ADD, N, STRIP>(simd, sources, first, columns, target, stride),
+        }
+    }
+}
+
+/// Rows of a [`product`] that are made together.
+const STRIP: usize = 4;
+
+/// `R` rows, of which `first` is the index of the first.
+#[inline(always)]
+fn rows_of<S: Simd, const ADD: bool, const N: usize, const R: usize>(
+    simd: S,
+    sources: [Source<'_>; N],
+    first: usize,
+    columns: usize,
+    target: &mut [f64],
+    stride: usize,
+) {
+    let vectors = columns / S::F64_LANES;
+    for from in (0..vectors / 2).map(|pair| 2 * pair * S::F64_LANES) {
+        some_of::<S, ADD, N, R, 2>(simd, sources, first, from, target, stride);
+    }
+    if vectors % 2 == 1 {
+        some_of::<S, ADD, N, R, 1>(simd, sources, first, (vectors - 1) * S::F64_LANES, target, stride);
+    }
+}
+
+/// `W` vectors of each of `R` rows.
+#[inline(always)]
+fn some_of<S: Simd, const ADD: bool, const N: usize, const R: usize, const W: usize>(
+    simd: S,
+    sources: [Source<'_>; N],
+    first: usize,
+    from: usize,
+    target: &mut [f64],
+    stride: usize,
+) {
+    let mut sums = [[simd.splat_f64s(0.0); W]; R];
+    let mut parts = target.chunks_mut(stride);
+    let targets: [&mut [S::f64s]; R] = std::array::from_fn(|_| {
+        let row = parts.next().unwrap_or_default();
+        &mut S::as_mut_simd_f64s(&mut row[from..from + W * S::F64_LANES]).0[..W]
+    });
+    if ADD {
+        sums.iter_mut().zip(&targets).for_each(|(sum, target)| sum.copy_from_slice(target));
+    }
+    for source in sources {
+        let factors: [&[f64]; R] =
+            std::array::from_fn(|r| &source.factors[(first + r) * source.width..][..source.width]);
+        for k in source.used {
+            let row = &source.rows[k * source.stride + from..][..W * S::F64_LANES];
+            let row = &S::as_simd_f64s(row).0[..W];
+            for (sums, factors) in sums.iter_mut().zip(factors) {
+                let factor = simd.splat_f64s(factors[*k]);
+                for (sum, value) in sums.iter_mut().zip(row) {
+                    *sum = simd.mul_add_e_f64s(factor, *value, *sum);
+                }
+            }
+        }
+    }
+    targets.into_iter().zip(sums).for_each(|(target, sum)| target.copy_from_slice(&sum));
+}
+
 /// Makes `target` the sum of all rows, each times its factor, from their entry `first` on; whole vectors. Each source names its
 /// factors, its rows and how far those are apart.
 #[inline(always)]

@@ -15,7 +15,10 @@ use nalgebra::{Cholesky, DMatrix};
 use pulp::{Simd, WithSimd};
 use socam_model::Equations;
 
-use crate::{Intersample, between, combine};
+use crate::{
+    Intersample, between,
+    combine::{self, Source},
+};
 
 /// Standard deviations of white noise, SI, in the model's order.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +54,8 @@ pub(crate) struct Whitener {
     pub(crate) covariance: DMatrix<f64>,
     /// Inverse of its lower root, row by row.
     pub(crate) inverse_root: Vec<f64>,
+    /// Indices of as many states or outputs as there are.
+    all: Vec<usize>,
 }
 
 /// How noise enters the residual: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), w of unit variance.
@@ -96,6 +101,7 @@ impl Whitener {
             columns: [noise.transition.as_slice().to_vec(), gain.as_slice().to_vec()],
             inverse_root: rows(&inverse_root),
             covariance: innovation,
+            all: (0..n.max(p)).collect(),
         };
         let finite = filter.gain.iter().chain(&filter.transition).all(|value| value.is_finite());
         finite.then_some(filter)
@@ -149,11 +155,6 @@ impl Whitener {
     /// vectors), into what their past did not foretell, divided by its covariance's root, and moves `state` on. A missing output
     /// stays nothing.
     pub(crate) fn whiten(&self, state: &mut FilteredRows, rows: &mut [f64], width: usize, present: &[bool]) {
-        for (o, row) in rows.chunks_exact_mut(state.stride).enumerate() {
-            if !present[o] {
-                row.fill(0.0);
-            }
-        }
         pulp::Arch::new().dispatch(Whiten { filter: self, state, rows, width, present });
     }
 
@@ -180,23 +181,19 @@ impl WithSimd for Whiten<'_> {
         let Self { filter, state, rows, width, present } = self;
         let (n, p, stride) = (filter.states, filter.outputs, state.stride);
         let FilteredRows { values, next, remainder, .. } = state;
-        for o in 0..p {
-            let own = &mut remainder[o * stride..][..width];
-            if present[o] {
-                let foretold = (&filter.minus_output[o * n..][..n], &**values, stride);
-                combine::write(simd, [foretold, (&[1.0], &rows[o * stride..], stride)], 0, own);
-            } else {
-                own.fill(0.0);
-            }
+        let all = |count: usize| &filter.all[..count];
+        let past = |factors| Source { factors, width: n, rows: values, stride, used: all(n) };
+        remainder.copy_from_slice(&rows[..p * stride]);
+        combine::product::<S, true, 1>(simd, [past(&filter.minus_output)], width, remainder, stride);
+        for o in (0..p).filter(|o| !present[*o]) {
+            remainder[o * stride..][..width].fill(0.0);
         }
-        for i in 0..n {
-            let past = (&filter.transition[i * n..][..n], &**values, stride);
-            let news = (&filter.gain[i * p..][..p], &**remainder, stride);
-            combine::write(simd, [past, news], 0, &mut next[i * stride..][..width]);
-        }
-        for o in (0..p).filter(|o| present[*o]) {
-            let root = (&filter.inverse_root[o * p..][..=o], &**remainder, stride);
-            combine::write(simd, [root], 0, &mut rows[o * stride..][..width]);
+        let news = |factors| Source { factors, width: p, rows: remainder, stride, used: all(p) };
+        let sources = [past(&filter.transition), news(&filter.gain)];
+        combine::product::<S, false, 2>(simd, sources, width, next, stride);
+        combine::product::<S, false, 1>(simd, [news(&filter.inverse_root)], width, rows, stride);
+        for o in (0..p).filter(|o| !present[*o]) {
+            rows[o * stride..][..width].fill(0.0);
         }
         std::mem::swap(values, next);
     }
