@@ -116,6 +116,13 @@ pub(crate) struct Course<'c> {
 }
 
 impl Colour {
+    /// Leaves out what the filter need not remember; for filters that stay.
+    pub(crate) fn reduce(&mut self) {
+        if let Some(reduced) = self.whitener.reduced() {
+            self.whitener = reduced;
+        }
+    }
+
     /// Nothing remembered yet, for rows of `locals` columns, `globals` more and the residual.
     pub(crate) fn start(&self, locals: usize, globals: usize) -> Course<'_> {
         let stride = padded(globals + 1) + padded(locals);

@@ -64,7 +64,12 @@ impl Yardstick {
         let exact = NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels.clone() };
         let colours = colour::fixed(&equations, &levels, &times, first.intersample);
         Ok(match colours {
-            Some(colours) => Self { levels, colours: Arc::new(colours) },
+            Some(mut colours) => {
+                for colour in &mut colours {
+                    colour.reduce();
+                }
+                Self { levels, colours: Arc::new(colours) }
+            }
             None => Self { levels: exact, colours: Arc::default() },
         })
     }

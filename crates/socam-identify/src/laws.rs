@@ -210,6 +210,19 @@ pub(crate) fn stiffness(coupling: &[f64], responses: &[Response], active: &[usiz
 
 /// Solves in place for `columns` right sides, row by row; false where the matrix is singular or not finite.
 pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bool {
+    // With one right side there is nothing to do side by side.
+    if columns == 1 {
+        return eliminate(matrix, right, 1);
+    }
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || eliminate(matrix, right, columns),
+    )
+}
+
+/// See [`solve`].
+#[inline(always)]
+fn eliminate(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bool {
     let n = right.len() / columns.max(1);
     for k in 0..n {
         let largest = (k..n).max_by(|a, b| matrix[a * n + k].abs().total_cmp(&matrix[b * n + k].abs()));
@@ -219,17 +232,18 @@ pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bo
             (0..columns).for_each(|j| right.swap(pivot * columns + j, k * columns + j));
         }
         let inverse = 1.0 / matrix[k * n + k];
-        for i in 0..n {
+        for i in (0..n).filter(|i| *i != k) {
             let factor = matrix[i * n + k] * inverse;
-            if i == k || factor == 0.0 {
+            if factor == 0.0 {
                 continue;
             }
             for j in k..n {
                 matrix[i * n + j] -= factor * matrix[k * n + j];
             }
-            for j in 0..columns {
-                right[i * columns + j] -= factor * right[k * columns + j];
-            }
+            let (low, high) = right.split_at_mut(i.max(k) * columns);
+            let (here, there) = (&mut low[i.min(k) * columns..][..columns], &mut high[..columns]);
+            let (row, pivot) = if i < k { (here, there) } else { (there, here) };
+            row.iter_mut().zip(&*pivot).for_each(|(row, pivot)| *row -= factor * pivot);
         }
     }
     for (row, right) in right.chunks_exact_mut(columns.max(1)).enumerate() {

@@ -69,6 +69,9 @@ struct NoiseModel {
 /// them, by less than a hundredth.
 const REACH: usize = 3;
 
+/// What leaving out states may change in white remainders, of unit variance.
+const NEXT_TO_NOTHING: f64 = 0.01;
+
 impl Whitener {
     /// For the linear part of `equations`; force laws are taken where they no longer bend. `None` where no steady filter
     /// exists: an input's noise that no sensor sees and no damping ends.
@@ -105,6 +108,51 @@ impl Whitener {
         };
         let finite = filter.gain.iter().chain(&filter.transition).all(|value| value.is_finite());
         finite.then_some(filter)
+    }
+
+    /// The same with fewer states, as far as remainders of what it foretells differ by next to nothing (balanced truncation, Moore
+    /// 1981; of the filter on its own input, Enns 1984).
+    pub(crate) fn reduced(&self) -> Option<Self> {
+        let (n, p) = (self.states, self.outputs);
+        let matrix =
+            |rows: usize, columns: usize, values: &[f64]| DMatrix::from_row_slice(rows, columns, values);
+        let (transition, gain) = (matrix(n, n, &self.transition), matrix(n, p, &self.gain));
+        let (output, root) = (matrix(p, n, &self.output), self.inverse_root());
+        let closed = &transition - &gain * &output;
+        // How far the state moves, and what a state leaves in white remainders.
+        let spread = gramian(&transition, &(&gain * &self.covariance * gain.transpose()))?;
+        let seen = &root * &output;
+        let seen = gramian(&closed.transpose(), &(seen.transpose() * &seen))?;
+        let eigen = spread.symmetric_eigen();
+        let sizes = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+        let factor = &eigen.eigenvectors * DMatrix::from_diagonal(&sizes);
+        let eigen = (factor.transpose() * &seen * &factor).symmetric_eigen();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+        let hankel: Vec<f64> = order.iter().map(|i| eigen.eigenvalues[*i].max(0.0).sqrt()).collect();
+        let mut kept = n;
+        while kept > 1 && 2.0 * hankel[kept - 1..].iter().sum::<f64>() < NEXT_TO_NOTHING {
+            kept -= 1;
+        }
+        let to = DMatrix::from_fn(n, kept, |i, k| {
+            let along: f64 = (0..n).map(|j| factor[(i, j)] * eigen.eigenvectors[(j, order[k])]).sum();
+            along / hankel[k].sqrt()
+        });
+        let from = DMatrix::from_fn(kept, kept, |i, j| if i == j { 1.0 / hankel[i] } else { 0.0 })
+            * to.transpose()
+            * &seen;
+        let rows = |m: &DMatrix<f64>| m.transpose().as_slice().to_vec();
+        let (transition, gain, output) = (&from * transition * &to, &from * gain, output * &to);
+        let filter = Self {
+            states: kept,
+            transition: rows(&transition),
+            output: rows(&output),
+            minus_output: rows(&-&output),
+            gain: rows(&gain),
+            columns: [transition.as_slice().to_vec(), gain.as_slice().to_vec()],
+            ..self.clone()
+        };
+        (filter.memory() < 1.0).then_some(filter)
     }
 
     /// Largest modulus of the filter's poles; one or more where it never forgets.
@@ -332,6 +380,21 @@ fn shortened(taps: Vec<DMatrix<f64>>) -> Vec<DMatrix<f64>> {
         kept[middle] += tap * 0.5;
     }
     kept
+}
+
+/// Sum of transition^k source transition'^k over very many k.
+fn gramian(transition: &DMatrix<f64>, source: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    const DOUBLINGS: usize = 24;
+    let (mut sum, mut power) = (source.clone(), transition.clone());
+    for _ in 0..DOUBLINGS {
+        let added = &power * &sum * power.transpose();
+        sum += &added;
+        if added.amax() <= 1e-14 * sum.amax() {
+            break;
+        }
+        power = &power * &power;
+    }
+    sum.iter().all(|value| value.is_finite()).then_some(sum)
 }
 
 /// Solution of the filter's Riccati equation by the structure-preserving doubling algorithm (Chu, Fan, Lin and Wang,
