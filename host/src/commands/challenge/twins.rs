@@ -1,4 +1,4 @@
-//! Pairs of effects that no recording of the default bench tells apart well, listed before anything was scored: either counts
+//! Pairs of effects that no recording of a bench tells apart well, listed before anything was scored: either counts
 //! if the other is named among its rivals.
 
 /// An effect at a place.
@@ -23,7 +23,7 @@ const IN_A_ROW: &str =
     "couplings 1 and 2 stand in a row with only a massless sensor between them: both carry the same torque";
 const ONE_BODY: &str = "one rigid body";
 
-const TWINS: [Twins; 15] = [
+const TWINS: [Twins; 16] = [
     twins(
         ["missing_inertia"; 2],
         ["cam_shaft", "disk"],
@@ -55,6 +55,11 @@ const TWINS: [Twins; 15] = [
     ),
     twins(["sensor_lag", "sensor_delay"], [SAME; 2], "a short lag is a delay for all that is slower"),
     twins(["constant_load", "constant_load"], ["disk", "cam_shaft"], "a rigid gear"),
+    twins(
+        ["torque_ripple", "sensor_ripple"],
+        ["motor", "motor_torque"],
+        "where torque drives the model, a swing of the motor's torque is one of its measured torque",
+    ),
 ];
 
 /// Whether two effects are such a pair.
