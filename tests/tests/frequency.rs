@@ -93,6 +93,29 @@ fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_functi
 }
 
 #[test]
+fn a_response_that_was_written_leads_to_the_same_transfer_function_as_its_recording() {
+    let folder = Folder::new();
+    let recording = folder.simulate("run.mcap", &["--profile", "chirp", "--duration", "20s"]);
+    let report = folder.path("response");
+    let _ = run(["identify", &recording, "--method", "frf", "--report", &report]).done();
+    let csv = format!("{report}/response.csv");
+    let [direct, written] =
+        [&recording, &csv].map(|data| run(["identify", data, "--method", "etf", "--json"]).json());
+    assert_eq!((&direct["lines"], &direct["orders"]), (&written["lines"], &written["orders"]));
+    for of in [|found: &Value| number(&found["misfit"]), |found: &Value| number(&found["numerator_std"][0])] {
+        assert!((of(&direct) / of(&written) - 1.0).abs() < 1e-6, "{} {}", of(&direct), of(&written));
+    }
+
+    // Without those columns lines are taken as independent, as those of other programs are.
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert!(text.starts_with("output,") && text.contains(",freedom,width_hz,"), "{text:.200}");
+    let bare = text.replacen(",freedom,width_hz,", ",other,another,", 1);
+    std::fs::write(&csv, bare).unwrap();
+    let bare = run(["identify", &csv, "--method", "etf", "--json"]).json();
+    assert!(number(&bare["lines"]) > 1.3 * number(&direct["lines"]), "{} {}", bare["lines"], direct["lines"]);
+}
+
+#[test]
 fn an_exact_transfer_function_gives_the_determined_combinations_and_the_thesis_one_does_not() {
     let folder = Folder::new();
     // P and Q of these parameters, apart from the program: determinants of M s2 + C s + K at seven s, interpolated.

@@ -25,7 +25,7 @@ pub struct Line {
     pub response: Complex<f64>,
     /// Mean square of its complex error.
     pub variance: f64,
-    /// Complex degrees of freedom that the variance was estimated with.
+    /// Complex degrees of freedom that the variance was estimated with; infinite where it is known.
     pub freedom: f64,
     /// Band whose bins it was estimated from, Hz; 0 where it has a bin of its own. Lines nearer to each other than half of it are not
     /// independent.

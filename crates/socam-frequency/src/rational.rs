@@ -38,6 +38,16 @@ pub struct Point {
     pub output: Complex<f64>,
     /// Root mean square of its complex error.
     pub std: f64,
+    /// Complex degrees of freedom that `std` was estimated with, [`Line::freedom`]; infinite where it is known.
+    pub freedom: f64,
+}
+
+impl Point {
+    /// By how much more the coefficients' covariance has of this point than if `std` were known: a point whose noise is taken too small
+    /// weighs too much (J. Schoukens et al., Automatica 33(6), 1997: (M - 2)/(M - 3) of M repetitions, which leave M - 1 degrees).
+    fn over_weighed(&self) -> f64 {
+        1.0 + 1.0 / (self.freedom.max(3.0) - 2.0)
+    }
 }
 
 impl From<&Line> for Point {
@@ -47,7 +57,8 @@ impl From<&Line> for Point {
             input: C::new(1.0, 0.0),
             output: line.response,
             // The variance was itself estimated, with so many complex degrees of freedom: errors over its root scatter like Student's t.
-            std: (line.variance * line.freedom / (line.freedom - 1.0).max(1.0)).sqrt(),
+            std: (line.variance / (1.0 - 1.0 / line.freedom.max(2.0))).sqrt(),
+            freedom: line.freedom,
         }
     }
 }
@@ -286,7 +297,12 @@ fn report(scaled: &Scaled<'_>, orders: Orders, best: &descent::Descent) -> Resul
     let misfit = 2.0 * residuals.norm_squared() / freedom;
     // Each residual's real part has half of the variance; a misfit beyond noise widens all.
     let widened = 0.5 * misfit.max(1.0);
-    let covariance = inverse_of_normal(&slopes)? * widened;
+    let root = root_of_inverse(&slopes)?;
+    let mut directions = &slopes * &root;
+    for (row, mut direction) in directions.row_iter_mut().enumerate() {
+        direction *= scaled.points[row % scaled.points.len()].over_weighed().sqrt();
+    }
+    let covariance = &root * (directions.transpose() * &directions) * root.transpose() * widened;
     // Powers of the unit: a_i s^i of s^n.
     let scale = |power: usize| scaled.unit.powi(order as i32 - power as i32);
     let physical = |coefficients: &[f64]| -> Vec<f64> {
@@ -315,9 +331,9 @@ fn report(scaled: &Scaled<'_>, orders: Orders, best: &descent::Descent) -> Resul
     })
 }
 
-/// (J^T J)^-1, without directions that the data say nothing of: where orders are too many, a pole runs off to infinity and moves no
+/// R of (J^T J)^-1 = R R^T, without directions that the data say nothing of: where orders are too many, a pole runs off to infinity and moves no
 /// response there, but would drown all else in rounding.
-fn inverse_of_normal(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyError> {
+fn root_of_inverse(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyError> {
     let singular = FrequencyError::Singular { what: "the transfer function" };
     let scales: Vec<f64> = slopes.column_iter().map(|c| c.norm()).collect();
     if scales.contains(&0.0) {
@@ -327,10 +343,7 @@ fn inverse_of_normal(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyErr
     let decomposed = scaled.qr().r().svd(false, true);
     let (Some(right), sizes) = (decomposed.v_t, decomposed.singular_values) else { return Err(singular) };
     let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > SPOKEN_OF * sizes.max()).collect();
-    let root = DMatrix::from_fn(right.ncols(), kept.len(), |j, k| {
-        right[(kept[k], j)] / (sizes[kept[k]] * scales[j])
-    });
-    Ok(&root * root.transpose())
+    Ok(DMatrix::from_fn(right.ncols(), kept.len(), |j, k| right[(kept[k], j)] / (sizes[kept[k]] * scales[j])))
 }
 
 /// Modes and, by how the poles move with the coefficients, their standard deviations.

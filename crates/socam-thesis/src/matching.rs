@@ -394,7 +394,10 @@ fn scale(thesis: &Thesis, report: &mut Report, equations: &Printed47) {
     let data = &thesis.matching;
     let theirs = equations.physical(&values(&data.solution_1));
     let sides = Printed47::pick(&equations.bench.coefficients(&theirs));
-    let mut lines = vec!["a transfer function's numerator and denominator may both be multiplied by anything; eq. 4.4d fixes that factor to 1".to_owned()];
+    let mut lines = vec![
+        "a transfer function's numerator and denominator may both be multiplied by anything; eq. 4.4d fixes that factor to 1".to_owned(),
+        "eq. 4.4 in the units of its solution, N mm/deg and N mm s/deg (point 18):".to_owned(),
+    ];
     for i in [3, 5, 9] {
         lines.push(format!(
             "eq. 4.4{}: {} at Table 4.6, to be {}",
@@ -471,7 +474,13 @@ fn identifiability(thesis: &Thesis, report: &mut Report) {
     let points: Vec<Point> = grid()
         .map(|frequency_hz| {
             let output = bench.transfer(&at).response(frequency_hz);
-            Point { frequency_hz, input: Complex::new(1.0, 0.0), output, std: 0.01 * output.norm() }
+            Point {
+                frequency_hz,
+                input: Complex::new(1.0, 0.0),
+                output,
+                std: 0.01 * output.norm(),
+                freedom: f64::INFINITY,
+            }
         })
         .collect();
     let fit = direct(&bench, &points, &at);
@@ -525,7 +534,13 @@ fn properly(thesis: &Thesis, report: &mut Report) {
         .map(|i| {
             let frequency_hz = 0.5 * 200_f64.powf(f64::from(i) / 119.0);
             let output = etf.response(frequency_hz);
-            Point { frequency_hz, input: Complex::new(1.0, 0.0), output, std: 0.01 * output.norm() }
+            Point {
+                frequency_hz,
+                input: Complex::new(1.0, 0.0),
+                output,
+                std: 0.01 * output.norm(),
+                freedom: f64::INFINITY,
+            }
         })
         .collect();
     let fit = direct(&bench, &points, &start);

@@ -97,7 +97,13 @@ fn a_direct_fit_says_what_the_response_does_not_determine() {
         .map(|i| {
             let frequency_hz = 0.5 * 200_f64.powf(f64::from(i) / 119.0);
             let output = by_matrices(&TRUTH, Complex::new(0.0, std::f64::consts::TAU * frequency_hz));
-            Point { frequency_hz, input: Complex::new(1.0, 0.0), output, std: 1e-3 * output.norm() }
+            Point {
+                frequency_hz,
+                input: Complex::new(1.0, 0.0),
+                output,
+                std: 1e-3 * output.norm(),
+                freedom: f64::INFINITY,
+            }
         })
         .collect();
     let found = direct(&BENCH, &points, &TRUTH.map(|value| 1.3 * value));

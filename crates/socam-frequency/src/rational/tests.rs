@@ -20,7 +20,13 @@ fn points(of: &TransferFunction, relative: f64, seed: u64) -> Vec<Point> {
             let exact = of.response(frequency_hz);
             let std = relative * exact.norm();
             let error = Complex::new(normal.sample(&mut random), normal.sample(&mut random)) * std;
-            Point { frequency_hz, input: Complex::new(1.0, 0.0), output: exact + error, std: std.max(1e-12) }
+            Point {
+                frequency_hz,
+                input: Complex::new(1.0, 0.0),
+                output: exact + error,
+                std: std.max(1e-12),
+                freedom: f64::INFINITY,
+            }
         })
         .collect()
 }
@@ -59,6 +65,41 @@ fn deviations_are_as_large_as_said_and_the_orders_are_advised() {
     assert!(squares.iter().all(|sum| (0.5..=1.6).contains(&(sum / 60.0))), "{squares:?}");
     let advised = advise(&points(&resonance, 0.02, 7), 4, false);
     assert_eq!(advised[0].orders, orders);
+}
+
+#[test]
+fn deviations_are_as_large_as_said_where_noise_is_known_from_little() {
+    let resonance = TransferFunction { numerator: vec![5e4, 30.0], denominator: vec![4e4, 20.0, 1.0] };
+    let orders = Orders { numerator: 1, denominator: 2 };
+    let freedom = 5;
+    let count = 400;
+    let normal = Normal::new(0.0, 0.5_f64.sqrt()).unwrap();
+    let mut squares = 0.0;
+    for seed in 0..count {
+        let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let mut share = || {
+            let one = |random: &mut ChaCha8Rng| normal.sample(random).powi(2) + normal.sample(random).powi(2);
+            (0..freedom).map(|_| one(&mut random)).sum::<f64>() / f64::from(freedom)
+        };
+        let seen: Vec<Point> = points(&resonance, 0.02, seed)
+            .iter()
+            .map(|point| {
+                Point::from(&Line {
+                    frequency_hz: point.frequency_hz,
+                    response: point.output,
+                    variance: point.std.powi(2) * share(),
+                    freedom: f64::from(freedom),
+                    width_hz: 0.0,
+                    coherence: 1.0,
+                })
+            })
+            .collect();
+        let fit = fit(&seen, orders, false).unwrap();
+        squares += ((fit.transfer.final_value() - 1.25) / fit.final_value_std).powi(2);
+    }
+    // Were the noise taken as known, it would be 4/3.
+    let mean = squares / count as f64;
+    assert!((0.83..1.17).contains(&mean), "{mean}");
 }
 
 #[test]

@@ -143,7 +143,13 @@ fn points_of(transfer: &TransferFunction, args: &Args) -> Vec<Point> {
         .map(|i| {
             let frequency_hz = low * (high / low).powf(f64::from(i) / 119.0);
             let output = transfer.response(frequency_hz);
-            Point { frequency_hz, input: Complex::new(1.0, 0.0), output, std: 0.01 * output.norm() }
+            Point {
+                frequency_hz,
+                input: Complex::new(1.0, 0.0),
+                output,
+                std: 0.01 * output.norm(),
+                freedom: f64::INFINITY,
+            }
         })
         .collect()
 }

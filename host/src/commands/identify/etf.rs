@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use socam_frequency::{
     Complex,
     rational::{self, Fit, Orders, Point, TransferFunction},
-    response,
+    response::{self, Line},
 };
 use socam_model::{Model, Quantity};
 
@@ -31,6 +31,9 @@ const FAR: f64 = 10.0;
 /// 95 % of a normal distribution, in standard deviations.
 const NORMAL: f64 = 1.96;
 
+/// A deviation of none would weigh without bound; its square is still a number.
+const SMALLEST_STD: f64 = 1e-150;
+
 /// What a transfer function is fitted to.
 pub(super) struct Measured {
     pub(super) name: String,
@@ -44,7 +47,10 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    fn new(name: String, model: &Model, points: Vec<Point>, coherence: Vec<f64>) -> Self {
+    fn new(name: String, model: &Model, lines: &[Line]) -> Self {
+        let lines = response::apart(lines);
+        let coherence = lines.iter().map(|line| line.coherence).collect();
+        let points: Vec<Point> = lines.iter().map(Point::from).collect();
         let at = |hz: f64| of_model(model, &name, hz);
         let own = points.iter().map(|point| at(point.frequency_hz).unwrap_or_default()).collect();
         let expected_final = at(0.0).map(|value| value.re).filter(|value| value.is_finite());
@@ -105,15 +111,14 @@ pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
     };
     let output = output.context("the model has no output")?;
     if let [only] = &args.runs[..]
-        && let Some((points, coherence)) = response_file(Path::new(only), &output)?
+        && let Some(lines) = response_file(Path::new(only), &output)?
     {
-        return Ok(Measured::new(output, model, points, coherence));
+        return Ok(Measured::new(output, model, &lines));
     }
     let datasets = super::open_all(&args.runs)?;
     let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
-    let lines: Vec<_> = answers.iter().flat_map(|answer| response::apart(&answer.response.lines)).collect();
-    let coherence = lines.iter().map(|line| line.coherence).collect();
-    Ok(Measured::new(output, model, lines.iter().map(Point::from).collect(), coherence))
+    let lines: Vec<Line> = answers.into_iter().flat_map(|answer| answer.response.lines).collect();
+    Ok(Measured::new(output, model, &lines))
 }
 
 fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f64>> {
@@ -123,8 +128,9 @@ fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f6
     equations.transfer(index, input, Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
 }
 
-/// Points of a CSV with a column `frequency_hz` and their coherence; `None` where the file is none.
-fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<(Vec<Point>, Vec<f64>)>> {
+/// Lines of a CSV with a column `frequency_hz`, rising; `None` where the file is none. Where it has no columns `freedom` and `width_hz`,
+/// deviations are taken as known and lines as independent.
+fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Line>>> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
@@ -140,8 +146,8 @@ fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<(Vec<Point>
         column(name).with_context(missing)
     };
     let (re, im, std, of) = (needed("re")?, needed("im")?, column("std"), column("output"));
-    let coherent = column("coherence");
-    let (mut points, mut coherence) = (Vec::new(), Vec::new());
+    let (coherent, free, wide) = (column("coherence"), column("freedom"), column("width_hz"));
+    let mut found = Vec::new();
     for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         if of.is_some_and(|of| cells.get(of).is_some_and(|name| *name != output)) {
@@ -162,16 +168,18 @@ fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<(Vec<Point>
         let response = Complex::new(number(re)?, number(im)?);
         // Without deviations all lines count alike, for their size.
         let std = std.map_or(Ok(0.01 * response.norm()), number)?;
-        points.push(Point {
+        found.push(Line {
             frequency_hz: number(frequency)?,
-            input: Complex::new(1.0, 0.0),
-            output: response,
-            std: std.max(1e-300),
+            response,
+            variance: std.max(SMALLEST_STD).powi(2),
+            freedom: free.map_or(Ok(f64::INFINITY), number)?,
+            width_hz: wide.map_or(Ok(0.0), number)?,
+            coherence: coherent.map_or(Ok(1.0), number)?,
         });
-        coherence.push(coherent.map_or(Ok(1.0), number)?);
     }
-    anyhow::ensure!(!points.is_empty(), "`{}` has no line of the output {output}", path.display());
-    Ok(Some((points, coherence)))
+    anyhow::ensure!(!found.is_empty(), "`{}` has no line of the output {output}", path.display());
+    found.sort_by(|a: &Line, b: &Line| a.frequency_hz.total_cmp(&b.frequency_hz));
+    Ok(Some(found))
 }
 
 /// Reads a transfer function that `--method etf` wrote, or one by hand; `None` where the file is none.

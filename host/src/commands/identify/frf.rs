@@ -114,6 +114,7 @@ fn json(args: &Args, model: &Model, answers: &[Answer<'_>]) -> Value {
             "magnitude": line.response.norm(), "magnitude_ci95": line.magnitude_ci95(),
             "phase_deg": phase, "phase_ci95_deg": [phase - line.phase_half_width_deg(), phase + line.phase_half_width_deg()],
             "std": finite(line.variance.sqrt()), "radius95": finite(line.radius()), "coherence": line.coherence,
+            "freedom": line.freedom, "width_hz": line.width_hz,
             "model_re": exact.re, "model_im": exact.im,
         })
     };
@@ -211,7 +212,7 @@ fn text(model: &Model, answers: &[Answer<'_>]) -> String {
 
 fn csv(answers: &[Answer<'_>]) -> String {
     let mut text = String::from(
-        "output,frequency_hz,re,im,magnitude_db,magnitude_low_db,magnitude_high_db,phase_deg,phase_half_width_deg,std,coherence,model_re,model_im\n",
+        "output,frequency_hz,re,im,magnitude_db,magnitude_low_db,magnitude_high_db,phase_deg,phase_half_width_deg,std,freedom,width_hz,coherence,model_re,model_im\n",
     );
     for answer in answers {
         for (line, exact) in answer.response.lines.iter().zip(&answer.model) {
@@ -219,7 +220,7 @@ fn csv(answers: &[Answer<'_>]) -> String {
             let low = if low.is_finite() { low.to_string() } else { String::new() };
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{low},{high},{},{},{},{},{},{}",
+                "{},{},{},{},{},{low},{high},{},{},{},{},{},{},{},{}",
                 answer.pair.output.name,
                 line.frequency_hz,
                 line.response.re,
@@ -228,6 +229,8 @@ fn csv(answers: &[Answer<'_>]) -> String {
                 line.response.arg().to_degrees(),
                 line.phase_half_width_deg(),
                 line.variance.sqrt(),
+                line.freedom,
+                line.width_hz,
                 line.coherence,
                 exact.re,
                 exact.im
