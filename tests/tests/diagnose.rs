@@ -91,6 +91,38 @@ fn concealed_friction_is_named_added_and_proven() {
     assert_eq!(again["converged"], true);
 }
 
+/// Steps hardly show how friction rises towards standstill; what a diagnosis proposes to record next does.
+#[test]
+fn the_proposed_recording_settles_what_steps_leave_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let hidden = "stribeck_friction@load_bearing:torque=0.2,static_torque=0.3,stribeck_speed=0.5";
+    let record = |profile: &str, seed: &str, to: &str| {
+        let to = path(to);
+        let arguments = ["simulate", "--profile", profile, "--seed", seed, "--hide", hidden, "-o", &to];
+        assert_eq!(run(arguments.into_iter().chain(["--duration", "6s"])).code, Some(0));
+    };
+    let static_torque = |runs: &[&str]| {
+        let runs: Vec<String> = runs.iter().map(|name| path(name)).collect();
+        let arguments = ["diagnose"].into_iter().chain(runs.iter().map(String::as_str));
+        let document = run(arguments.chain(["--json"])).json();
+        assert_eq!(finding(&document, 0), ("stribeck_friction", "load_bearing"), "{}", document["findings"]);
+        std::fs::write(path("diagnosis.json"), document.to_string()).unwrap();
+        let own = document["findings"][0]["parameters"].as_array().unwrap();
+        let ends = own.iter().find(|one| one["name"] == "static_torque").unwrap()["ci95"].clone();
+        (ends[0].as_f64().unwrap(), ends[1].as_f64().unwrap())
+    };
+    record("steps", "1", "a.csv");
+    record("steps", "2", "b.csv");
+    let before = static_torque(&["a.csv", "b.csv"]);
+    let (diagnosis, proposal) = (path("diagnosis.json"), path("apart.toml"));
+    assert_eq!(run(["design", "--diagnosis", &diagnosis, "-o", &proposal]).code, Some(0));
+    record(&proposal, "3", "c.csv");
+    let after = static_torque(&["a.csv", "b.csv", "c.csv"]);
+    assert!(after.1 - after.0 < 0.3 * (before.1 - before.0), "{before:?} {after:?}");
+    assert!((after.0 - 0.002..after.1 + 0.002).contains(&0.3), "{after:?}");
+}
+
 #[test]
 fn a_sensor_is_not_mistaken_for_the_plant() {
     let folder = tempfile::tempdir().unwrap();

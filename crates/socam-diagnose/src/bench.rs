@@ -38,6 +38,11 @@ impl Fitted {
         100.0 * gain / (self.held_chi2() - self.held_count()).max(gain).max(1.0)
     }
 
+    /// What it leaves on held-out recordings beyond noise.
+    pub(crate) fn held_misfit(&self) -> f64 {
+        (self.held_chi2() - self.held_count()).max(0.0)
+    }
+
     /// What it leaves on training recordings beyond noise.
     pub(crate) fn misfit(&self) -> f64 {
         (self.at.total() - self.at.count.iter().sum::<f64>()).max(0.0)

@@ -115,11 +115,11 @@ pub(crate) fn run(
         let tried = worth_trying(&course, threshold);
         let suspicious = !tried.is_empty();
         let named = best(bench, &course, tried)?;
-        course.unexplained = unnamed(bench, &course, &scales, named.as_ref(), suspicious)?;
-        let Some((step, fitted)) = named.filter(|_| course.unexplained.is_none()) else { break };
-        course.steps.push(step);
+        course.unexplained = unnamed(bench, &course, &scales, named.as_ref().map(|n| &n.chosen), suspicious)?;
+        let Some(Named { chosen, nearest }) = named.filter(|_| course.unexplained.is_none()) else { break };
+        course.steps.push(chosen.0);
         course.before.push(course.last.clone());
-        course.last = afresh(bench, &course, fitted)?;
+        course.last = afresh(bench, &course, chosen.1)?;
         let problem = bench.problem(&course.last.model)?;
         let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
         course.yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
@@ -129,6 +129,9 @@ pub(crate) fn run(
                 *fitted = again;
             }
         }
+        if let Some(nearest) = nearest {
+            course.enrich(bench, nearest)?;
+        }
     }
     Ok(Some(course))
 }
@@ -137,6 +140,20 @@ impl Course {
     /// The fits before and after each step.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Fitted, &Fitted)> {
         self.before.iter().zip(self.before.iter().skip(1).chain([&self.last]))
+    }
+
+    /// Puts a law that predicts better in the place of the simpler one that was preferred, where it explains most of what that leaves
+    /// beyond noise: noise is known only now.
+    fn enrich(&mut self, bench: &Bench<'_>, (step, fitted): (Step, Fitted)) -> Result<(), IdentifyError> {
+        let fitted = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
+        let Some(fitted) = fitted else { return Ok(()) };
+        let gain = self.last.held_chi2() - fitted.held_chi2();
+        if gain > LEAST_GAIN && gain > NEARLY * self.last.held_misfit() {
+            self.last = fitted;
+            self.steps.pop();
+            self.steps.push(step);
+        }
+        Ok(())
     }
 
     /// Takes the last step back.
@@ -217,12 +234,20 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     tried
 }
 
-/// Fits all that are tried; the simplest of those that predict held-out recordings best, if that is worth it.
+/// What was chosen.
+struct Named {
+    /// The simplest of those that predict held-out recordings about best.
+    chosen: (Step, Fitted),
+    /// The one that predicts them best, if it is another one.
+    nearest: Option<(Step, Fitted)>,
+}
+
+/// Fits all that are tried; what is chosen of them, if that is worth it.
 fn best(
     bench: &Bench<'_>,
     course: &Course,
     tried: Vec<(Candidate, f64)>,
-) -> Result<Option<(Step, Fitted)>, IdentifyError> {
+) -> Result<Option<Named>, IdentifyError> {
     let before = &course.last;
     let mut fits = race::race(bench, before, &tried, &course.yardstick)?;
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
@@ -238,16 +263,39 @@ fn best(
     if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale || held_gain_percent < LEAST_SHARE {
         return Ok(None);
     }
-    let is_other = |other: usize| !tried[other].0.is_same(&tried[index].0);
-    let rivals = fits.iter().filter(|(other, fit)| is_other(*other) && fit.held_chi2() < before.held_chi2());
+    let nearest = fits.first().filter(|(best, _)| *best != index).cloned();
+    let named = |(index, fitted): (usize, Fitted)| (step(before, &tried, &fits, index, &fitted), fitted);
+    Ok(Some(Named { chosen: named((index, fitted)), nearest: nearest.map(named) }))
+}
+
+/// One of those that were tried, as a step from `before`.
+fn step(
+    before: &Fitted,
+    tried: &[(Candidate, f64)],
+    fits: &[(usize, Fitted)],
+    index: usize,
+    fitted: &Fitted,
+) -> Step {
+    let (candidate, p_value) = &tried[index];
+    let is_rival = |other: usize, fit: &Fitted| {
+        !tried[other].0.is_same(candidate) && fit.held_chi2() < before.held_chi2()
+    };
+    let scale = fits.first().map_or(1.0, |(_, first)| first.scale());
+    let held_gain = before.held_chi2() - fitted.held_chi2();
     // Neighbouring residuals are alike, and no law is obeyed to the last per mille: a likelihood would be far too sure of itself.
     let doubt = DOUBT.max(DOUBT_SHARE * held_gain / scale);
     // As Akaike counts: each parameter more must earn two.
-    let cost = |index: usize, fit: &Fitted| fit.held_chi2() / scale + 2.0 * size(index) as f64;
-    let own = cost(index, &fitted);
-    let rivals =
-        rivals.map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt)).collect();
-    let step =
-        Step { candidate: tried[index].0.clone(), p_value: tried[index].1, gain, held_gain_percent, rivals };
-    Ok(Some((step, fitted)))
+    let cost =
+        |index: usize, fit: &Fitted| fit.held_chi2() / scale + 2.0 * tried[index].0.values.len() as f64;
+    let own = cost(index, fitted);
+    let rivals = fits.iter().filter(|(other, fit)| is_rival(*other, fit));
+    Step {
+        candidate: candidate.clone(),
+        p_value: *p_value,
+        gain: before.at.total() - fitted.at.total(),
+        held_gain_percent: before.held_gain_percent(fitted),
+        rivals: rivals
+            .map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt))
+            .collect(),
+    }
 }
