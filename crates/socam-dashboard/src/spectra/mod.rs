@@ -12,8 +12,8 @@ use socam_model::Model;
 
 use crate::draw::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use crate::job::Job;
-use crate::recording::Recording;
-use crate::review::Entry;
+use crate::recording::{Recording, short};
+use crate::review::{Entry, swatch};
 use crate::samples::Samples;
 use crate::theme;
 
@@ -87,6 +87,7 @@ impl Spectra {
             return;
         }
         self.compute(ui, &shown, model);
+        legend(ui, &shown);
         match self.kind {
             Kind::Response => self.response(ui, &shown, model, seen),
             _ => self.spectrum(ui, &shown, model, seen),
@@ -258,7 +259,7 @@ impl Spectra {
                 0 => range_of(values.filter(|v| *v > 0.0))
                     .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-6 * high), high]))),
                 1 => [-190.0, 190.0],
-                _ => [-0.05, 1.3],
+                _ => [-0.05, 1.15],
             };
             chart.when_empty = self.why_empty(shown, model);
             chart.show(ui, seen);
@@ -272,6 +273,25 @@ impl Spectra {
         range_of(ends).unwrap_or([0.1, 500.0])
     }
 }
+
+/// Which colour is which recording.
+fn legend(ui: &mut Ui, shown: &[(usize, &Recording)]) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 16.0;
+        for (number, recording) in shown {
+            let full_name = &recording.about.name;
+            let name = short(full_name);
+            ui.allocate_ui(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), |ui| {
+                ui.spacing_mut().item_spacing.x = 5.0;
+                swatch(ui, *number, name);
+                ui.add(egui::Label::new(RichText::new(name).small()).truncate()).on_hover_text(full_name);
+            });
+        }
+    });
+}
+
+/// Most width of a recording in the legend.
+const LEGEND_ENTRY: f32 = 180.0;
 
 const AXIS: f32 = chart::X_AXIS;
 
