@@ -100,7 +100,7 @@ fn the_proposed_recording_settles_what_steps_leave_open() {
     let record = |profile: &str, seed: &str, to: &str| {
         let to = path(to);
         let arguments = ["simulate", "--profile", profile, "--seed", seed, "--hide", hidden, "-o", &to];
-        assert_eq!(run(arguments.into_iter().chain(["--duration", "6s"])).code, Some(0));
+        assert_eq!(run(arguments.into_iter().chain(["--duration", "10s"])).code, Some(0));
     };
     let static_torque = |runs: &[&str]| {
         let runs: Vec<String> = runs.iter().map(|name| path(name)).collect();

@@ -120,15 +120,7 @@ pub(crate) fn run(
         course.steps.push(chosen.0);
         course.before.push(course.last.clone());
         course.last = afresh(bench, &course, chosen.1)?;
-        let problem = bench.problem(&course.last.model)?;
-        let levels = compare::noise(&problem, &course.last.at, course.yardstick.levels())?;
-        course.yardstick = bench.yardstick(&course.last.model, &course.last.at.values, levels)?;
-        for fitted in [&mut course.last, &mut course.base] {
-            let again = bench.fitted(&fitted.model, &fitted.at.values, Some(&*fitted), &course.yardstick)?;
-            if let Some(again) = again {
-                *fitted = again;
-            }
-        }
+        course.judge_noise(bench)?;
         if let Some(nearest) = nearest {
             course.enrich(bench, nearest)?;
         }
@@ -152,6 +144,21 @@ impl Course {
             self.last = fitted;
             self.steps.pop();
             self.steps.push(step);
+            self.judge_noise(bench)?;
+        }
+        Ok(())
+    }
+
+    /// Judges noise by the last model, and measures by that from now on.
+    fn judge_noise(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
+        let problem = bench.problem(&self.last.model)?;
+        let levels = compare::noise(&problem, &self.last.at, self.yardstick.levels())?;
+        self.yardstick = bench.yardstick(&self.last.model, &self.last.at.values, levels)?;
+        for fitted in [&mut self.last, &mut self.base] {
+            let again = bench.fitted(&fitted.model, &fitted.at.values, Some(&*fitted), &self.yardstick)?;
+            if let Some(again) = again {
+                *fitted = again;
+            }
         }
         Ok(())
     }
@@ -165,7 +172,8 @@ impl Course {
         if let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? {
             self.last = fitted;
         }
-        Ok(())
+        // A model without the effect may have fewer inputs.
+        self.judge_noise(bench)
     }
 }
 
@@ -238,7 +246,7 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
 struct Named {
     /// The simplest of those that predict held-out recordings about best.
     chosen: (Step, Fitted),
-    /// The one that predicts them best, if it is another one.
+    /// The one that predicts them best, if it is another one at the same place.
     nearest: Option<(Step, Fitted)>,
 }
 
@@ -263,7 +271,8 @@ fn best(
     if held_gain < LEAST_HELD_GAIN * scale || gain < LEAST_GAIN * scale || held_gain_percent < LEAST_SHARE {
         return Ok(None);
     }
-    let nearest = fits.first().filter(|(best, _)| *best != index).cloned();
+    let is_there = |best: usize| best != index && tried[best].0.place == tried[index].0.place;
+    let nearest = fits.first().filter(|(best, _)| is_there(*best)).cloned();
     let named = |(index, fitted): (usize, Fitted)| (step(before, &tried, &fits, index, &fitted), fitted);
     Ok(Some(Named { chosen: named((index, fitted)), nearest: nearest.map(named) }))
 }
