@@ -35,7 +35,7 @@ impl Fitted {
     /// How much of what it leaves there beyond noise another one takes away, per cent.
     pub(crate) fn held_gain_percent(&self, other: &Self) -> f64 {
         let gain = self.held_chi2() - other.held_chi2();
-        100.0 * gain / (self.held_chi2() - self.held_count()).max(gain).max(1.0)
+        100.0 * gain / self.held_misfit().max(gain).max(1.0)
     }
 
     /// What it leaves on held-out recordings beyond noise.

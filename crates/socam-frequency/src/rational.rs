@@ -100,6 +100,20 @@ impl TransferFunction {
         self.at(C::new(0.0, std::f64::consts::TAU * frequency_hz))
     }
 
+    /// Its response as a measurement: `count` lines from the lowest to the highest frequency, in equal ratios, each known to so large a
+    /// part of itself.
+    #[must_use]
+    pub fn measured(&self, [low_hz, high_hz]: [f64; 2], count: u32, relative_std: f64) -> Vec<Point> {
+        let line = |i: u32| {
+            let part = f64::from(i) / f64::from(count.max(2) - 1);
+            let frequency_hz = low_hz * (high_hz / low_hz).powf(part);
+            let output = self.response(frequency_hz);
+            let (input, std) = (C::new(1.0, 0.0), relative_std * output.norm());
+            Point { frequency_hz, input, output, std, freedom: f64::INFINITY }
+        };
+        (0..count).map(line).collect()
+    }
+
     /// Roots of A, 1/s.
     #[must_use]
     pub fn poles(&self) -> Vec<Complex<f64>> {

@@ -150,15 +150,13 @@ impl WithSimd for AddRows<'_> {
     }
 }
 
-/// Rows, `stride` apart, and the matrix that combines them, row by row `width` numbers: those at `used` say how much of each
-/// row goes into the result.
+/// Rows, `stride` apart, and the matrix that combines them: row by row `width` numbers, one for each of the rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub(crate) factors: &'a [f64],
     pub(crate) width: usize,
     pub(crate) rows: &'a [f64],
     pub(crate) stride: usize,
-    pub(crate) used: &'a [usize],
 }
 
 /// Makes the first `columns` entries (whole vectors) of each row of `target`, `stride` apart, what the sources combine to, or adds
@@ -227,11 +225,10 @@ fn some_of<S: Simd, const ADD: bool, const N: usize, const R: usize, const W: us
     for source in sources {
         let factors: [&[f64]; R] =
             std::array::from_fn(|r| &source.factors[(first + r) * source.width..][..source.width]);
-        for k in source.used {
-            let row = &source.rows[k * source.stride + from..][..W * S::F64_LANES];
-            let row = &S::as_simd_f64s(row).0[..W];
+        for (k, row) in source.rows.chunks_exact(source.stride).take(source.width).enumerate() {
+            let row = &S::as_simd_f64s(&row[from..from + W * S::F64_LANES]).0[..W];
             for (sums, factors) in sums.iter_mut().zip(factors) {
-                let factor = simd.splat_f64s(factors[*k]);
+                let factor = simd.splat_f64s(factors[k]);
                 for (sum, value) in sums.iter_mut().zip(row) {
                     *sum = simd.mul_add_e_f64s(factor, *value, *sum);
                 }

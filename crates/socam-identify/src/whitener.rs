@@ -54,8 +54,6 @@ pub(crate) struct Whitener {
     pub(crate) covariance: DMatrix<f64>,
     /// Inverse of its lower root, row by row.
     pub(crate) inverse_root: Vec<f64>,
-    /// Indices of as many states or outputs as there are.
-    all: Vec<usize>,
 }
 
 /// How noise enters the residual: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), w of unit variance.
@@ -104,7 +102,6 @@ impl Whitener {
             columns: [noise.transition.as_slice().to_vec(), gain.as_slice().to_vec()],
             inverse_root: rows(&inverse_root),
             covariance: innovation,
-            all: (0..n.max(p)).collect(),
         };
         let finite = filter.gain.iter().chain(&filter.transition).all(|value| value.is_finite());
         finite.then_some(filter)
@@ -229,14 +226,13 @@ impl WithSimd for Whiten<'_> {
         let Self { filter, state, rows, width, present } = self;
         let (n, p, stride) = (filter.states, filter.outputs, state.stride);
         let FilteredRows { values, next, remainder, .. } = state;
-        let all = |count: usize| &filter.all[..count];
-        let past = |factors| Source { factors, width: n, rows: values, stride, used: all(n) };
+        let past = |factors| Source { factors, width: n, rows: values, stride };
         remainder.copy_from_slice(&rows[..p * stride]);
         combine::product::<S, true, 1>(simd, [past(&filter.minus_output)], width, remainder, stride);
         for o in (0..p).filter(|o| !present[*o]) {
             remainder[o * stride..][..width].fill(0.0);
         }
-        let news = |factors| Source { factors, width: p, rows: remainder, stride, used: all(p) };
+        let news = |factors| Source { factors, width: p, rows: remainder, stride };
         let sources = [past(&filter.transition), news(&filter.gain)];
         combine::product::<S, false, 2>(simd, sources, width, next, stride);
         combine::product::<S, false, 1>(simd, [news(&filter.inverse_root)], width, rows, stride);

@@ -4,7 +4,7 @@ use socam_frequency::{
     Complex,
     chebyshev::economise,
     matching::{self, Bench, Coefficients, Equations, NAMES, UNKNOWNS, direct, solve},
-    rational::{Point, TransferFunction},
+    rational::TransferFunction,
 };
 
 use crate::{
@@ -471,18 +471,7 @@ fn identifiability(thesis: &Thesis, report: &mut Report) {
         grid().map(|hz| 20.0 * ratio(hz).log10().abs()).fold(0.0, f64::max)
     };
     let with_k3 = |factor: f64| std::array::from_fn(|i| if i == 2 { factor * at[2] } else { at[i] });
-    let points: Vec<Point> = grid()
-        .map(|frequency_hz| {
-            let output = bench.transfer(&at).response(frequency_hz);
-            Point {
-                frequency_hz,
-                input: Complex::new(1.0, 0.0),
-                output,
-                std: 0.01 * output.norm(),
-                freedom: f64::INFINITY,
-            }
-        })
-        .collect();
+    let points = bench.transfer(&at).measured([0.5, 100.0], 120, 0.01);
     let fit = direct(&bench, &points, &at);
     let guess = values(&thesis.matching.initial)[2];
     let moved = 100.0 * (values(&thesis.matching.solution_1)[2] / guess - 1.0);
@@ -530,19 +519,7 @@ fn properly(thesis: &Thesis, report: &mut Report) {
             short(1.0 / bench.ratio)
         ),
     );
-    let points: Vec<Point> = (0..120)
-        .map(|i| {
-            let frequency_hz = 0.5 * 200_f64.powf(f64::from(i) / 119.0);
-            let output = etf.response(frequency_hz);
-            Point {
-                frequency_hz,
-                input: Complex::new(1.0, 0.0),
-                output,
-                std: 0.01 * output.norm(),
-                freedom: f64::INFINITY,
-            }
-        })
-        .collect();
+    let points = etf.measured([0.5, 100.0], 120, 0.01);
     let fit = direct(&bench, &points, &start);
     let series = |at: &[f64; UNKNOWNS]| matching::combinations(at)[0].value.to_radians();
     lines.push(format!("series stiffness of couplings 1 and 2: matched {} N m/deg, fitted to the response {} N m/deg, catalogue {} N m/deg", short(series(&found.at)), short(series(&fit.at)), short(series(&start))));

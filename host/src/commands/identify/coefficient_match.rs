@@ -139,19 +139,7 @@ fn thesis_etf() -> anyhow::Result<TransferFunction> {
 /// A transfer function's response as a measurement known to 1 %.
 fn points_of(transfer: &TransferFunction, args: &Args) -> Vec<Point> {
     let [low, high] = args.band.map_or([0.5, 100.0], |band| [band.low_hz(), band.high_hz()]);
-    (0..120)
-        .map(|i| {
-            let frequency_hz = low * (high / low).powf(f64::from(i) / 119.0);
-            let output = transfer.response(frequency_hz);
-            Point {
-                frequency_hz,
-                input: Complex::new(1.0, 0.0),
-                output,
-                std: 0.01 * output.norm(),
-                freedom: f64::INFINITY,
-            }
-        })
-        .collect()
+    transfer.measured([low, high], 120, 0.01)
 }
 
 impl Answer {
