@@ -21,7 +21,7 @@ use crate::{
 /// on along what the data hardly determine.
 const BASE: usize = 20;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
-const REFINED: usize = 40;
+const REFINED: usize = 25;
 
 /// What a diagnosis assumes and how far it goes.
 #[derive(Debug, Clone)]

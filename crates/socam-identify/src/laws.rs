@@ -2,7 +2,7 @@
 
 use socam_model::{
     Equations,
-    effects::{Borrowed, MAX_PARAMETERS, Sight},
+    effects::{MAX_PARAMETERS, MAX_SIGHTS, Sight},
 };
 
 /// Most Newton steps before a shorter time step is the better idea.
@@ -15,7 +15,6 @@ const NOTHING: f64 = 1e-3;
 const BEYOND: f64 = 1e9;
 /// See [`Law::leniency`].
 const LENIENCY: f64 = 1e4;
-const IN_CONTACT: f64 = 30.0;
 
 /// What a port's law does with what the port sees; the ports of one law stand next to each other, see
 /// [`socam_model::Port`].
@@ -30,6 +29,8 @@ pub(crate) struct Law {
     /// What is seen is never taken to be smaller than this when errors are compared with it.
     least: f64,
     leniency: f64,
+    /// Of play: on which flank its teeth touch, 0 where they are apart; then it answers as it does there, see [`Law::on_flank`].
+    flank: Option<f64>,
     /// Position in the law's parameters and column of each that is free; of its first port.
     pub(crate) free: Vec<(usize, usize)>,
 }
@@ -65,9 +66,9 @@ impl Law {
                 least: transition.max(least),
                 leniency: match port.law.sights.get(port.sight) {
                     Some(Sight::Torque | Sight::State) => LENIENCY,
-                    Some(Sight::Twist) if port.effect.borrows == Some(Borrowed::Contact) => IN_CONTACT,
                     _ => 1.0,
                 },
+                flank: None,
                 free: own.filter_map(|(i, p)| Some((i, column(p)?))).collect(),
                 sight: port.sight,
                 count: port.count(),
@@ -84,7 +85,30 @@ impl Law {
 
     /// Answer of the law whose first port this is; `seen` begins with what that port sees.
     pub(crate) fn at(&self, seen: &[f64]) -> socam_model::effects::Response {
+        if let Some(flank) = self.flank {
+            return self.on_flank(flank);
+        }
         (self.answer)(&seen[..self.count], &self.parameters)
+    }
+
+    /// From now on the answer of play on one flank (1 or -1), or between them (0).
+    pub(crate) fn stay_on(&mut self, flank: f64) {
+        self.flank = Some(flank);
+        self.transition = 0.0;
+    }
+
+    /// What takes back half the gap's share of the contact's torque, by the gap, then the contact's stiffness; nothing where teeth are
+    /// apart and the network does it, see [`socam_model::Equations::apart`].
+    fn on_flank(&self, flank: f64) -> socam_model::effects::Response {
+        // Gap, damping, and the contact's stiffness and damping.
+        let (half, stiffness) = (0.5 * self.parameters[0], self.parameters[2]);
+        let mut slope_parameters = [0.0; MAX_PARAMETERS];
+        slope_parameters[..3].copy_from_slice(&[-0.5 * stiffness * flank, 0.0, -half * flank]);
+        socam_model::effects::Response {
+            torque: -stiffness * half * flank,
+            slopes: [0.0; MAX_SIGHTS],
+            slope_parameters,
+        }
     }
 
     pub(crate) fn least(&self) -> f64 {
@@ -97,8 +121,7 @@ impl Law {
     }
 
     /// How much larger an error may be than in a speed: a torque seen in a stiff mesh follows every force at once, and a
-    /// state of a law's own every motion, and both forget their errors as fast; as does the twist of teeth that touch, which is
-    /// small against the play by which it is measured, but not so small as to go unseen.
+    /// state of a law's own every motion, and both forget their errors as fast.
     pub(crate) fn leniency(&self) -> f64 {
         self.leniency
     }
@@ -285,6 +308,7 @@ mod tests {
                 transition: width,
                 least: width,
                 leniency: 1.0,
+                flank: None,
                 free: Vec::new(),
             };
             for base in [-20.0, -0.3, -1e-5, 0.0, 1e-3, 2.0] {

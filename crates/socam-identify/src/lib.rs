@@ -40,6 +40,7 @@ mod predict;
 mod problem;
 mod recursion;
 mod reflect;
+mod regimes;
 mod report;
 mod sensitivity;
 mod solver;

@@ -5,10 +5,9 @@ use socam_model::{Equations, Model};
 use crate::{
     IdentifyError, Intersample,
     between::{self, Course},
-    exponential::{self, Level},
-    laws::Law,
+    regimes::Regimes,
     start,
-    walker::{DEFAULT_TOLERANCE, Walker},
+    walker::{DEFAULT_TOLERANCE, Event, Walker},
 };
 
 /// Where a prediction starts.
@@ -54,8 +53,7 @@ pub struct Predictor {
     equations: Equations,
     values: Vec<f64>,
     name: String,
-    levels: Vec<Level>,
-    laws: Vec<Law>,
+    regimes: Regimes,
     tolerance: f64,
 }
 
@@ -69,11 +67,10 @@ impl Predictor {
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
             return Err(IdentifyError::Option(format!("a sample time of {sample_time_s} s cannot be meant")));
         }
-        let levels = exponential::levels(&equations, &[], sample_time_s)
+        let regimes = Regimes::new(&equations, &[], values, &[], sample_time_s)
             .ok_or_else(|| IdentifyError::Diverged { model: model.name.clone() })?;
-        let laws = Law::all(&equations, values, &[]);
         let (values, name) = (values.to_vec(), model.name.clone());
-        Ok(Self { equations, values, name, levels, laws, tolerance: DEFAULT_TOLERANCE })
+        Ok(Self { equations, values, name, regimes, tolerance: DEFAULT_TOLERANCE })
     }
 
     /// Allowed error of a step in the speed that a law sees, relative to the largest such speed so far. Errors of steps
@@ -114,15 +111,14 @@ impl Predictor {
         along(0, &mut course);
         let first: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
         let state = self.start(start, &first)?;
-        let mut walker =
-            Walker::new(&self.equations, &self.levels, &self.laws, self.tolerance, &state, &first);
+        let mut walker = Walker::new(&self.regimes, self.tolerance, &state, &first);
         let mut steps = 0;
         let mut values = vec![0.0; self.equations.output.nrows()];
         let mut outputs: Vec<Vec<f64>> = values.iter().map(|_| Vec::with_capacity(rows)).collect();
         for k in 0..rows {
             if k > 0 {
                 along(k, &mut course);
-                walker.sample(&course, |_| steps += 1);
+                walker.sample(&course, |event| steps += usize::from(matches!(event, Event::Step(_))));
             }
             raw.clear();
             raw.extend(inputs.iter().map(|input| input[k]));

@@ -1,5 +1,6 @@
 //! Sensitivities of a model's state, forces and outputs with respect to parameters and start state, step by step.
 
+use nalgebra::DVector;
 use pulp::{Simd, WithSimd};
 use socam_model::Equations;
 
@@ -7,7 +8,8 @@ use crate::{
     combine,
     exponential::{Sizes, padded},
     laws::{self, Law, Response},
-    walker::{Taken, Walker},
+    regimes::{Motion, Play, Regimes},
+    walker::{Event, Instant, Taken, Turn, Walker},
 };
 
 /// What does not change along a stretch.
@@ -43,8 +45,8 @@ impl Constants {
 
 /// Columns are the free parameters, then, while it shows, the start state; each part is filled up to whole vectors.
 pub(crate) struct Sensitivity<'s> {
-    constants: &'s Constants,
-    laws: &'s [Law],
+    regimes: &'s Regimes,
+    sizes: Sizes,
     start: usize,
     columns: usize,
     /// Of the states, then of the forces at a step's start, middle and end; row by row.
@@ -57,22 +59,14 @@ pub(crate) struct Sensitivity<'s> {
 }
 
 impl<'s> Sensitivity<'s> {
-    /// Where a walker stands before its first step, `inputs` as it saw them. The state moves by `moved` with each free parameter,
-    /// and, where it is unknown, with itself.
-    pub(crate) fn new(
-        constants: &'s Constants,
-        laws: &'s [Law],
-        (equations, slopes): (&Equations, &[Equations]),
-        walker: &Walker<'_>,
-        inputs: &[f64],
-        moved: Option<&[nalgebra::DVector<f64>]>,
-    ) -> Self {
-        let s = constants.sizes;
+    /// At `first`, before the first step. The state moves by `moved` with each free parameter, and, where it is unknown, with itself.
+    pub(crate) fn new(regimes: &'s Regimes, first: &Instant, moved: Option<&[DVector<f64>]>) -> Self {
+        let s = regimes.motion(first.side).constants.sizes;
         let start = if moved.is_some() { 0 } else { s.states };
         let columns = padded(s.free) + padded(start);
         let mut this = Self {
-            constants,
-            laws,
+            regimes,
+            sizes: s,
             start,
             columns,
             rows: vec![0.0; (s.states + 3 * s.ports) * columns],
@@ -88,25 +82,92 @@ impl<'s> Sensitivity<'s> {
                 this.rows[i * columns + j] = slope[i];
             }
         }
+        this.settle(first);
+        this
+    }
+
+    /// Forces follow states and parameters at once.
+    fn settle(&mut self, at: &Instant) {
+        let (s, columns) = (self.sizes, self.columns);
+        let Motion { equations, .. } = self.regimes.motion(at.side);
         // The speeds as they would be without the forces, by the states that move and by the equations that do.
         for p in 0..s.ports {
-            let speed = &mut this.next[(s.states + p) * columns..][..columns];
-            for (i, row) in this.rows.chunks_exact(columns.max(1)).take(s.states).enumerate() {
-                speed.iter_mut().zip(row).for_each(|(v, x)| *v += equations.port[(p, i)] * x);
-            }
-            for (v, slope) in speed.iter_mut().zip(slopes) {
-                let state = walker.state().iter().enumerate().map(|(i, x)| slope.port[(p, i)] * x);
-                let input = inputs.iter().enumerate().map(|(i, u)| slope.port_input[(p, i)] * u);
-                let force = walker.forces().iter().enumerate().map(|(q, f)| slope.port_force[(p, q)] * f);
-                *v += state.sum::<f64>() + input.sum::<f64>() + force.sum::<f64>();
-            }
+            let seen = self.seen(at, p);
+            self.next[(s.states + p) * columns..][..columns].copy_from_slice(&seen);
         }
         let coupling: Vec<f64> =
             (0..s.ports * s.ports).map(|k| equations.port_force[(k / s.ports, k % s.ports)]).collect();
-        let speeds = &mut this.next[s.states * columns..][..s.ports * columns];
-        let forces = &mut this.rows[s.states * columns..][..s.ports * columns];
-        follow(laws, walker.responses(), &coupling, speeds, forces, &mut this.room);
-        this
+        let speeds = &self.next[s.states * columns..][..s.ports * columns];
+        let forces = &mut self.rows[s.states * columns..][..s.ports * columns];
+        follow(&self.regimes.sides[at.side].laws, &at.responses, &coupling, speeds, forces, &mut self.room);
+    }
+
+    /// What a port sees, while forces stay.
+    fn seen(&self, at: &Instant, port: usize) -> Vec<f64> {
+        let Motion { equations, slopes, .. } = self.regimes.motion(at.side);
+        let mut seen = vec![0.0; self.columns];
+        for (i, row) in self.rows.chunks_exact(self.columns.max(1)).take(self.sizes.states).enumerate() {
+            seen.iter_mut().zip(row).for_each(|(v, x)| *v += equations.port[(port, i)] * x);
+        }
+        for (v, slope) in seen.iter_mut().zip(slopes) {
+            let state = at.state.iter().enumerate().map(|(i, x)| slope.port[(port, i)] * x);
+            let input = at.inputs.iter().enumerate().map(|(i, u)| slope.port_input[(port, i)] * u);
+            let force = at.forces.iter().enumerate().map(|(q, f)| slope.port_force[(port, q)] * f);
+            *v += state.sum::<f64>() + input.sum::<f64>() + force.sum::<f64>();
+        }
+        seen
+    }
+
+    /// Rates of the states, row by row.
+    fn rates(&self, at: &Instant) -> Vec<f64> {
+        let (s, columns) = (self.sizes, self.columns);
+        let motion = self.regimes.motion(at.side);
+        let mut rates = vec![0.0; s.states * columns];
+        for (i, rate) in rates.chunks_exact_mut(columns.max(1)).enumerate() {
+            for (j, row) in self.rows.chunks_exact(columns).take(s.states + s.ports).enumerate() {
+                let e = &motion.equations;
+                let factor = if j < s.states { e.state[(i, j)] } else { e.force[(i, j - s.states)] };
+                rate.iter_mut().zip(row).for_each(|(rate, value)| *rate += factor * value);
+            }
+        }
+        for (j, moved) in motion.moved_rates(at).iter().enumerate() {
+            moved.iter().enumerate().for_each(|(i, value)| rates[i * columns + j] += value);
+        }
+        rates
+    }
+
+    /// After whatever happened.
+    pub(crate) fn follow(&mut self, event: &Event<'_>) {
+        match event {
+            _ if self.columns == 0 => {}
+            Event::Step(taken) => self.advance(taken),
+            Event::Turn(turn) => self.turn(turn),
+        }
+    }
+
+    /// After teeth have met or parted: by how much each unknown moves the time at which they do, the state has moved less on one side,
+    /// and more on the other (the saltation matrix of a hybrid system: Aizerman and Gantmacher 1958, Q. J. Mech. Appl. Math. 11, 385).
+    fn turn(&mut self, turn: &Turn) {
+        let Turn { before, beyond, after, late_s, rate, jump } = turn;
+        let Some(Play { port, gap }) = &self.regimes.play else { return };
+        let mut later = self.seen(before, *port);
+        if let Some(gap) = gap {
+            let outward = 0.5 * if beyond.side.max(before.side) > 1 { 1.0 } else { -1.0 };
+            later[*gap] -= outward;
+        }
+        let by_twist = if *late_s > 0.0 { 1.0 / rate } else { 0.0 };
+        later.iter_mut().for_each(|late| *late *= by_twist);
+        let rates = self.rates(before);
+        self.settle(beyond);
+        let rates_beyond = self.rates(beyond);
+        for (i, jump) in jump.iter().enumerate() {
+            let row = &mut self.rows[i * self.columns..(i + 1) * self.columns];
+            let [before, beyond] = [&rates, &rates_beyond].map(|rates| &rates[i * self.columns..]);
+            for (((value, late), before), beyond) in row.iter_mut().zip(&later).zip(before).zip(beyond) {
+                *value -= late_s * (before - beyond) + jump * late;
+            }
+        }
+        self.settle(after);
     }
 
     /// Whether those with respect to the start state are kept.
@@ -116,19 +177,15 @@ impl<'s> Sensitivity<'s> {
 
     /// From now on without those with respect to the start state.
     pub(crate) fn drop_start(&mut self) {
-        let (old, new) = (self.columns, padded(self.constants.sizes.free));
+        let (old, new) = (self.columns, padded(self.sizes.free));
         for rows in [&mut self.rows, &mut self.next] {
             *rows = rows.chunks_exact(old.max(1)).flat_map(|row| &row[..new]).copied().collect();
         }
         (self.start, self.columns) = (0, new);
     }
 
-    /// After a step.
-    pub(crate) fn advance(&mut self, taken: &Taken<'_>) {
-        let s = self.constants.sizes;
-        if self.columns == 0 {
-            return;
-        }
+    fn advance(&mut self, taken: &Taken<'_>) {
+        let s = self.sizes;
         let at_start = s.states + s.ports;
         // Speeds without the forces that follow them.
         pulp::Arch::new().dispatch(Rows {
@@ -140,7 +197,7 @@ impl<'s> Sensitivity<'s> {
         });
         let (_, speeds) = self.next.split_at_mut(s.states * self.columns);
         let (_, forces) = self.rows.split_at_mut(at_start * self.columns);
-        follow(self.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.room);
+        follow(taken.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.room);
         let known = at_start + 2 * s.ports;
         pulp::Arch::new().dispatch(Rows { sensitivity: self, taken, first: 0, count: s.states, known });
         let (states, forces) = self.rows.split_at_mut(s.states * self.columns);
@@ -156,20 +213,20 @@ impl<'s> Sensitivity<'s> {
         inputs: &[f64],
         slopes: &mut Vec<f64>,
     ) {
-        let s = self.constants.sizes;
+        let (s, constants) = (self.sizes, &self.regimes.motion(walker.side()).constants);
         self.entries.clear();
         self.entries.extend(walker.state().iter().chain(inputs).chain(walker.forces()));
         let from = slopes.len();
         slopes.resize(from + self.columns, 0.0);
         let target = &mut slopes[from..];
         combine::add_rows(
-            &self.constants.outputs[output],
+            &constants.outputs[output],
             &self.rows[..(s.states + s.ports) * self.columns],
             self.columns,
             &mut *target,
         );
         let free = padded(s.free);
-        combine::add_rows(&self.entries, &self.constants.output_slopes[output], free, &mut target[..free]);
+        combine::add_rows(&self.entries, &constants.output_slopes[output], free, &mut target[..free]);
     }
 
     pub(crate) fn columns(&self) -> usize {
@@ -246,7 +303,7 @@ impl WithSimd for Rows<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { sensitivity, taken, first, count, known } = self;
-        let s = sensitivity.constants.sizes;
+        let s = sensitivity.sizes;
         let (width, columns, free) = (s.width(), sensitivity.columns, padded(s.free));
         let (states, forces) = sensitivity.rows[..known * columns].split_at(s.states * columns);
         for i in first..first + count {

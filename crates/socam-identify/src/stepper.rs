@@ -9,13 +9,13 @@ use socam_model::Equations;
 use crate::{
     IdentifyError,
     between::{self, Course},
-    exponential::{self, Level, padded},
+    exponential::padded,
     feed,
-    laws::Law,
     modal::offset_channels,
     pass::{Point, Rows, Weights},
     problem::{Problem, StartState},
-    sensitivity::{Constants, Sensitivity},
+    regimes::Regimes,
+    sensitivity::Sensitivity,
     start,
     walker::{DEFAULT_TOLERANCE, Walker},
 };
@@ -29,9 +29,7 @@ pub(crate) struct Stepper<'a> {
     slopes: &'a [Equations],
     free: &'a [usize],
     weights: &'a Weights,
-    levels: Vec<Level>,
-    laws: Vec<Law>,
-    constants: Constants,
+    regimes: Regimes,
 }
 
 impl<'a> Stepper<'a> {
@@ -49,9 +47,7 @@ impl<'a> Stepper<'a> {
             slopes,
             free: &problem.free,
             weights,
-            levels: exponential::levels(equations, slopes, sample_time_s)?,
-            laws: Law::all(equations, &point.values, &problem.free),
-            constants: Constants::new(equations, slopes),
+            regimes: Regimes::new(equations, slopes, &point.values, &problem.free, sample_time_s)?,
         })
     }
 
@@ -126,10 +122,8 @@ impl<'a> Stepper<'a> {
             let state = x.map_or_else(|| vec![0.0; states], |x| x.iter().copied().collect());
             (state, Some(moved.unwrap_or_default()))
         };
-        let walker = Walker::new(equations, &self.levels, &self.laws, DEFAULT_TOLERANCE, &state, inputs);
-        let model = (equations, slopes);
-        let sensitivity =
-            Sensitivity::new(&self.constants, &self.laws, model, &walker, inputs, moved.as_deref());
+        let walker = Walker::new(&self.regimes, DEFAULT_TOLERANCE, &state, inputs);
+        let sensitivity = Sensitivity::new(&self.regimes, &walker.instant(inputs), moved.as_deref());
         let outputs = equations.output.nrows();
         Run {
             walker,
@@ -170,7 +164,7 @@ impl Run<'_> {
     fn sample(&mut self, course: &[Course]) {
         let Self { walker, sensitivity, .. } = self;
         let before = walker.unresolved;
-        walker.sample(course, |taken| sensitivity.advance(taken));
+        walker.sample(course, |event| sensitivity.follow(event));
         self.unresolved += u64::from(walker.unresolved > before);
     }
 

@@ -198,6 +198,10 @@ fn slopes_agree_with_differences() {
         let error = slope_error(&bent, data(), start);
         assert!(error < 1e-5, "with friction, {start:?}: {error:e}");
     }
+    // Teeth that knock: what each unknown does to the times at which they meet counts too.
+    let loose = linear.with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
+    let error = slope_error(&loose, bench(TRUTH, 0.2, 1.0, 3), StartState::Equilibrium);
+    assert!(error < 2e-4, "with play: {error:e}");
     let error = slope_error(&axis, emps_data(), StartState::Free);
     assert!(error < 1e-4, "axis: {error:e}");
 }

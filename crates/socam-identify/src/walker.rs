@@ -2,15 +2,15 @@
 //!
 //! Forces over a step are found together with the motion that they cause (an implicit method: laws may be as steep as they
 //! like). A quarter and three quarters into the step the laws are asked again: what they say there beside the parabola is the
-//! error made. Where that moves a port by more than the tolerance, the step is halved.
-
-use socam_model::Equations;
+//! error made. Where that moves a port by more than the tolerance, the step is halved. A step within which teeth meet or part is
+//! halved down to the shortest, and what that goes too far is taken back.
 
 use crate::{
     between::Course,
     combine,
     exponential::{Level, Sizes},
     laws::{self, Law, Response, Room, SILENT},
+    regimes::{Motion, Play, Regimes},
 };
 
 /// Error of a step that is allowed in the speed that a law sees, relative to the largest such speed so far: outputs then stay
@@ -21,9 +21,9 @@ const RELIEF: f64 = 1.0 / 64.0;
 
 /// Where the motion stands, and how it goes on.
 pub(crate) struct Walker<'a> {
-    equations: &'a Equations,
-    levels: &'a [Level],
-    laws: &'a [Law],
+    regimes: &'a Regimes,
+    /// Which of them it is in.
+    side: usize,
     sizes: Sizes,
     /// Error of a step in a port's speed that is allowed, relative to the largest speed that it has had.
     tolerance: f64,
@@ -44,33 +44,60 @@ pub(crate) struct Walker<'a> {
     ran_away: bool,
 }
 
-/// A step that was taken.
+/// What happens on the way.
+pub(crate) enum Event<'w> {
+    /// A step, before the state moves.
+    Step(&'w Taken<'w>),
+    /// Teeth met or parted within the step before; all has followed.
+    Turn(&'w Turn),
+}
+
+/// A step.
 pub(crate) struct Taken<'w> {
     pub(crate) level: &'w Level,
     pub(crate) xi: &'w [f64],
     pub(crate) responses: &'w [Response],
+    pub(crate) laws: &'w [Law],
+}
+
+/// All there is at a time.
+pub(crate) struct Instant {
+    pub(crate) side: usize,
+    pub(crate) state: Vec<f64>,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) forces: Vec<f64>,
+    pub(crate) responses: Vec<Response>,
+}
+
+/// From one side of a boundary to the other, a little late: the state goes back along the motion before, and forth along the one after.
+pub(crate) struct Turn {
+    pub(crate) before: Instant,
+    /// On the other side at the same state.
+    pub(crate) beyond: Instant,
+    /// With the state as it would be, had the boundary been seen in time.
+    pub(crate) after: Instant,
+    /// Since the boundary was met, s.
+    pub(crate) late_s: f64,
+    /// Of the twist in the mesh, rad/s.
+    pub(crate) rate: f64,
+    /// Rates of the state before, less those beyond.
+    pub(crate) jump: Vec<f64>,
 }
 
 impl<'a> Walker<'a> {
     /// At `state`, with `inputs`. `tolerance` is relative to the largest speed that a port has had.
-    pub(crate) fn new(
-        equations: &'a Equations,
-        levels: &'a [Level],
-        laws: &'a [Law],
-        tolerance: f64,
-        state: &[f64],
-        inputs: &[f64],
-    ) -> Self {
+    pub(crate) fn new(regimes: &'a Regimes, tolerance: f64, state: &[f64], inputs: &[f64]) -> Self {
+        let side = regimes.side_at(state, inputs);
+        let Motion { equations, levels, .. } = regimes.motion(side);
         let sizes = Sizes::new(equations, 0);
         let mut xi = vec![0.0; sizes.width()];
         xi[..sizes.states].copy_from_slice(state);
         let mut walker = Self {
-            equations,
-            levels,
-            laws,
+            regimes,
+            side,
             sizes,
             tolerance,
-            largest: laws.iter().map(Law::least).collect(),
+            largest: regimes.sides[side].laws.iter().map(Law::least).collect(),
             level: 0,
             xi,
             ends: vec![0.0; levels[0].stride],
@@ -84,6 +111,25 @@ impl<'a> Walker<'a> {
         walker
     }
 
+    fn motion(&self) -> &'a Motion {
+        self.regimes.motion(self.side)
+    }
+
+    fn laws(&self) -> &'a [Law] {
+        &self.regimes.sides[self.side].laws
+    }
+
+    /// Now, `inputs` as held.
+    pub(crate) fn instant(&self, inputs: &[f64]) -> Instant {
+        Instant {
+            side: self.side,
+            state: self.state().to_vec(),
+            inputs: inputs.to_vec(),
+            forces: self.forces().to_vec(),
+            responses: self.responses[self.sizes.ports..].to_vec(),
+        }
+    }
+
     pub(crate) fn state(&self) -> &[f64] {
         &self.xi[..self.sizes.states]
     }
@@ -92,14 +138,14 @@ impl<'a> Walker<'a> {
         &self.xi[self.sizes.forces()..][..self.sizes.ports]
     }
 
-    /// Of all laws now.
-    pub(crate) fn responses(&self) -> &[Response] {
-        &self.responses[self.sizes.ports..]
+    /// Which way of moving it is.
+    pub(crate) fn side(&self) -> usize {
+        self.side
     }
 
-    /// Forces at the start: the speeds depend on them only where a law acts on a massless node.
+    /// Forces at this state: the speeds depend on them only where a law acts on a massless node.
     fn settle(&mut self, inputs: &[f64]) {
-        let (e, ports) = (self.equations, self.sizes.ports);
+        let (e, ports) = (&self.motion().equations, self.sizes.ports);
         if ports == 0 {
             return;
         }
@@ -112,7 +158,8 @@ impl<'a> Walker<'a> {
         let coupling: Vec<f64> = (0..ports * ports).map(|k| e.port_force[(k / ports, k % ports)]).collect();
         let now = &mut self.speeds[ports..];
         now.copy_from_slice(&base);
-        laws::balance(self.laws, &base, &coupling, now, &mut self.responses[ports..], &mut self.room);
+        let laws = &self.regimes.sides[self.side].laws;
+        laws::balance(laws, &base, &coupling, now, &mut self.responses[ports..], &mut self.room);
         self.keep_forces();
     }
 
@@ -123,24 +170,55 @@ impl<'a> Walker<'a> {
             self.xi[forces + p] = self.responses[ports + p].torque;
             let seen = self.speeds[ports + p].abs();
             self.largest[p] = self.largest[p].max(seen);
-            self.ran_away |= self.laws[p].is_beyond(seen);
+            self.ran_away |= self.laws()[p].is_beyond(seen);
         }
     }
 
-    /// One sample further, each input along its `course`. `taken` learns of each step, before the state moves.
-    pub(crate) fn sample(&mut self, course: &[Course], mut taken: impl FnMut(&Taken<'_>)) {
-        let (n, inputs) = (self.sizes.states, self.sizes.inputs);
-        let finest = self.levels.len() - 1;
+    /// One sample further, each input along its `course`. `follow` learns of all that happens.
+    pub(crate) fn sample(&mut self, course: &[Course], mut follow: impl FnMut(&Event<'_>)) {
+        let n = self.sizes.states;
+        let finest = self.motion().levels.len() - 1;
         let whole = 1_usize << finest;
         // Nothing is lost by trying a step twice as long as the last.
-        let mut level = self.level.saturating_sub(1).min(finest);
+        self.level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
         while done < whole && !self.ran_away {
-            while !done.is_multiple_of(whole >> level) {
-                level += 1;
+            while !done.is_multiple_of(whole >> self.level) {
+                self.level += 1;
             }
+            let (level, error) = self.find_step(course, done, whole);
             let length = whole >> level;
-            let part = [done, done + length].map(|position| position as f64 / whole as f64);
+            self.unresolved += usize::from(error > self.tolerance || error.is_nan());
+            follow(&Event::Step(&Taken {
+                level: &self.motion().levels[level],
+                xi: &self.xi,
+                responses: &self.responses,
+                laws: self.laws(),
+            }));
+            self.xi[..n].copy_from_slice(&self.ends[..n]);
+            self.keep_forces();
+            if self.side_of(self.sizes.ports).is_some() {
+                let turn = self.turn();
+                follow(&Event::Turn(&turn));
+            }
+            if self.ran_away {
+                self.xi.fill(f64::NAN);
+            }
+            done += length;
+            if error <= self.tolerance * RELIEF && self.level > 0 && done.is_multiple_of(2 * length) {
+                self.level -= 1;
+            }
+        }
+    }
+
+    /// The longest step from here, where `done` parts of the `whole` of a sample are over, in which the laws do not bend too much and
+    /// the teeth stay as they are, or the shortest there is: its level, and its error.
+    fn find_step(&mut self, course: &[Course], done: usize, whole: usize) -> (usize, f64) {
+        let (n, inputs) = (self.sizes.states, self.sizes.inputs);
+        let finest = self.motion().levels.len() - 1;
+        let mut level = self.level;
+        loop {
+            let part = [done, done + (whole >> level)].map(|position| position as f64 / whole as f64);
             for (i, course) in course.iter().enumerate() {
                 for (node, value) in course.parabola(part).into_iter().enumerate() {
                     self.xi[n + node * inputs + i] = value;
@@ -148,31 +226,66 @@ impl<'a> Walker<'a> {
             }
             let error = self.attempt(level);
             let passed = error <= self.tolerance;
-            if !passed && level < finest {
-                // The fifth root of what is too much, in halvings.
-                let excess = (error / self.tolerance).log2() / 5.0;
-                level =
-                    finest.min(level + if excess.is_finite() { excess.ceil().max(1.0) as usize } else { 2 });
+            if level == finest || (passed && !self.leaves()) {
+                return (level, error);
+            }
+            if passed {
+                level += 1;
                 continue;
             }
-            self.unresolved += usize::from(!passed);
-            taken(&Taken { level: &self.levels[level], xi: &self.xi, responses: &self.responses });
-            self.xi[..n].copy_from_slice(&self.ends[..n]);
-            self.keep_forces();
+            // The error falls with the fifth power: as many halvings as it takes.
+            let excess = (error / self.tolerance).log2() / 5.0;
+            level = finest.min(level + if excess.is_finite() { excess.ceil().max(1.0) as usize } else { 2 });
             self.level = level;
-            if self.ran_away {
-                self.xi.fill(f64::NAN);
-            }
-            done += length;
-            if error <= self.tolerance * RELIEF && level > 0 && done.is_multiple_of(2 * length) {
-                level -= 1;
-            }
         }
+    }
+
+    /// Whether teeth meet or part within the step that was found.
+    fn leaves(&self) -> bool {
+        let (n, ports) = (self.sizes.states, self.sizes.ports);
+        let Some(Play { port, .. }) = self.regimes.play else { return false };
+        let [low, high] = self.regimes.sides[self.side].range;
+        (0..4).any(|node| !(low..=high).contains(&self.ends[n + node * ports + port]))
+    }
+
+    /// The side on which the twist in the mesh is, if it is another one; `from` is where the speeds of an instant begin.
+    fn side_of(&self, from: usize) -> Option<usize> {
+        let Play { port, .. } = self.regimes.play?;
+        let [low, high] = self.regimes.sides[self.side].range;
+        let twist = self.speeds[from + port];
+        if twist < low {
+            return Some(self.side - 1);
+        }
+        (twist > high).then_some(self.side + 1)
+    }
+
+    /// Goes over to the side on which the twist in the mesh is now, at the end of a step.
+    fn turn(&mut self) -> Turn {
+        let (n, ports, inputs) = (self.sizes.states, self.sizes.ports, self.sizes.inputs);
+        let held = self.xi[n + 2 * inputs..][..inputs].to_vec();
+        let before = self.instant(&held);
+        let [low, high] = self.regimes.sides[self.side].range;
+        let port = self.regimes.play.as_ref().map_or(0, |play| play.port);
+        let (twist, rate) = (self.speeds[ports + port], self.speeds[ports + port + 1]);
+        let next = self.side_of(ports).unwrap_or(self.side);
+        let late_s = (twist - if next > self.side { high } else { low }) / rate;
+        // Grazing, or there and back within the shortest step: nothing to be mended.
+        let late_s = if (0.0..=2.0 * self.regimes.finest_s).contains(&late_s) { late_s } else { 0.0 };
+        self.side = next;
+        self.settle(&held);
+        let beyond = self.instant(&held);
+        let rates = |instant: &Instant| self.regimes.motion(instant.side).rates(instant);
+        let jump: Vec<f64> =
+            rates(&before).iter().zip(rates(&beyond)).map(|(before, beyond)| before - beyond).collect();
+        self.xi.iter_mut().zip(&jump).for_each(|(x, jump)| *x -= late_s * jump);
+        self.settle(&held);
+        Turn { before, beyond, after: self.instant(&held), late_s, rate, jump }
     }
 
     /// Finds the forces of a step of this level and says its error, relative to what the ports' speeds have been.
     fn attempt(&mut self, index: usize) -> f64 {
-        let level = &self.levels[index];
+        let motion = self.motion();
+        let level = &motion.levels[index];
         let (n, ports, sought) = (self.sizes.states, self.sizes.ports, self.sizes.sought());
         self.ends.fill(0.0);
         combine::add_rows(&self.xi[..sought], &level.columns, level.stride, &mut self.ends);
@@ -188,7 +301,7 @@ impl<'a> Walker<'a> {
         }
         let base = &self.ends[n..n + 2 * ports];
         let found = laws::balance(
-            self.laws,
+            &self.regimes.sides[self.side].laws,
             base,
             &level.coupling,
             &mut self.speeds,
@@ -215,17 +328,18 @@ impl<'a> Walker<'a> {
     fn error(&self, level: &Level) -> f64 {
         let (n, ports, forces) = (self.sizes.states, self.sizes.ports, self.sizes.forces());
         let mut worst = 0.0_f64;
-        for q in (0..ports).filter(|q| self.laws[*q].leads()) {
+        let laws = self.laws();
+        for q in (0..ports).filter(|q| laws[*q].leads()) {
             let [start, middle, end] = [0, 1, 2].map(|node| self.xi[forces + node * ports + q]);
-            let law = &self.laws[q];
+            let law = &laws[q];
             let miss =
                 |speed: usize, parabola: f64| law.at(&self.ends[n + speed * ports + q..]).torque - parabola;
             let first = miss(2, 0.375 * start + 0.75 * middle - 0.125 * end);
             let last = miss(3, -0.125 * start + 0.75 * middle + 0.375 * end);
             let mean = (32.0 / 90.0) * (first + last).abs() + 0.05 * (first - last).abs();
-            for p in 0..ports {
+            for (p, seen) in laws.iter().enumerate() {
                 // A NaN must not be lost in a maximum.
-                let size = self.largest[p].max(f64::MIN_POSITIVE) * self.laws[p].leniency();
+                let size = self.largest[p].max(f64::MIN_POSITIVE) * seen.leniency();
                 let share = level.gain[p * ports + q] * mean / size;
                 worst = if share > worst || share.is_nan() { share } else { worst };
             }
@@ -235,7 +349,7 @@ impl<'a> Walker<'a> {
 
     /// The outputs now, `inputs` as measured.
     pub(crate) fn outputs(&self, inputs: &[f64], outputs: &mut [f64]) {
-        let e = self.equations;
+        let e = &self.motion().equations;
         for (o, output) in outputs.iter_mut().enumerate() {
             let state: f64 = self.state().iter().enumerate().map(|(i, x)| e.output[(o, i)] * x).sum();
             let through: f64 = inputs.iter().enumerate().map(|(i, u)| e.feedthrough[(o, i)] * u).sum();

@@ -12,7 +12,7 @@ use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
     Servo, Shaft, Site, Spring, Take, Update,
     effects::{self, ActsAt, Borrowed, Effect, Kind, Sight},
-    model::{MESH_DAMPING, MESH_STIFFNESS},
+    model::{CONTACT_DAMPING, MESH_DAMPING, MESH_STIFFNESS},
     units,
 };
 
@@ -676,6 +676,10 @@ impl Reader<'_> {
                 let index = model.gears.iter().position(|gear| gear.name == place)?;
                 let fast = model.gears[index].from;
                 let contact = self.split(index, model);
+                // How a knock rebounds is the play's to say.
+                if let Some(own_damping) = effect.parameters.iter().position(|p| p.name == CONTACT_DAMPING) {
+                    model.springs[contact].damping = Some(own[own_damping]);
+                }
                 let slow = model.springs[contact].to?;
                 Some(Site::Gear { fast, slow, contact })
             }
@@ -698,7 +702,7 @@ impl Reader<'_> {
             self.add_default(&place, &parameter, (value, value))
         };
         let stiffness = own("contact_stiffness", Kind::Stiffness, MESH_STIFFNESS);
-        let damping = Some(own("contact_damping", Kind::Damping, MESH_DAMPING));
+        let damping = Some(own(CONTACT_DAMPING, Kind::Damping, MESH_DAMPING));
         let from = model.nodes.len() - 1;
         model.springs.push(Spring { name, from, to: Some(slow), stiffness, damping });
         model.springs.len() - 1
@@ -711,10 +715,15 @@ impl Reader<'_> {
         parameter: &effects::EffectParameter,
         default: (f64, f64),
     ) -> usize {
+        let name = format!("{place}.{}", parameter.name);
+        // What two effects at one place leave to us under one name is one number.
+        if let Some(known) = self.parameters.iter().position(|known| known.name == name) {
+            return known;
+        }
         let value = if self.rotational { default.0 } else { default.1 };
         let unit = parameter.kind.unit(self.rotational);
         self.parameters.push(Parameter {
-            name: format!("{place}.{}", parameter.name),
+            name,
             value,
             unit: unit.into(),
             file_unit: unit.into(),

@@ -16,6 +16,7 @@
 //! The default model is the Speed-o-Cam testbed of X. Song, *The Parameter Identification of a Novel
 //! Speed Reducer*, McGill University, 2002 (chapter 3).
 
+mod apart;
 pub mod effects;
 mod equations;
 mod error;

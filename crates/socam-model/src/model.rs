@@ -129,7 +129,9 @@ pub struct Bearing {
 /// Stiffness of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m) on the slow side: ten
 /// times that of the stiffest part of the default bench.
 pub(crate) const MESH_STIFFNESS: f64 = 1e6;
-/// Its damping, N m s/rad (N s/m).
+/// What its damping is called, in effects too.
+pub(crate) const CONTACT_DAMPING: &str = "contact_damping";
+/// Its damping where nothing is said of it, N m s/rad (N s/m).
 pub(crate) const MESH_DAMPING: f64 = 100.0;
 
 /// An effect of the catalogue at work in the model.

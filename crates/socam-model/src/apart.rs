@@ -1,0 +1,90 @@
+//! A drivetrain while the teeth of a gear with play do not touch.
+
+use nalgebra::DMatrix;
+
+use crate::{
+    Equations, Port,
+    jet::{Jet, Scalar},
+};
+
+impl Port {
+    /// Whether its law is a gear's play: constant while teeth touch, and just what takes their contact back while they do not.
+    #[must_use]
+    pub fn is_play(&self) -> bool {
+        self.effect.id == "backlash"
+    }
+}
+
+impl Equations {
+    /// The motion while the teeth at the gear of `port` (the first of its law) are apart: what else takes their contact's torque
+    /// back is done by the network, and the law's force is zero. `slopes` are those of these equations with respect to the
+    /// parameters `wrt` at `values`; the answer has them too.
+    ///
+    /// The law's answer is K v there, K being the contact's stiffness and damping with a minus. With f = K v + g, the speeds are
+    /// v = (1 - U K)^-1 (V x + W u + U g), and all else follows. `None` where a massless node then hangs on nothing.
+    #[must_use]
+    pub fn apart(
+        &self,
+        slopes: &[Self],
+        values: &[f64],
+        wrt: &[usize],
+        port: usize,
+    ) -> Option<(Self, Vec<Self>)> {
+        let (states, inputs, ports) = (self.state.nrows(), self.input.ncols(), self.ports.len());
+        let own = &self.ports.get(port)?.parameters;
+        let contact = &own[own.len().checked_sub(2)?..];
+        let mut released = Jet::zeros(ports, ports, wrt.len());
+        for (sight, parameter) in contact.iter().enumerate() {
+            let moved = wrt.iter().map(|index| if index == parameter { -1.0 } else { 0.0 });
+            released.add_at(
+                port,
+                port + sight,
+                &Scalar { value: -values[*parameter], slopes: moved.collect() },
+            );
+        }
+        let all = |pick: &dyn Fn(&Self) -> [&DMatrix<f64>; 3]| Jet {
+            value: beside(pick(self)),
+            slopes: slopes.iter().map(|slope| beside(pick(slope))).collect(),
+        };
+        let rates = all(&|e| [&e.state, &e.input, &e.force]);
+        let observed = all(&|e| [&e.output, &e.feedthrough, &e.force_output]);
+        let seen = all(&|e| [&e.port, &e.port_input, &e.port_force]);
+        let by_force = |jet: &Jet| jet.columns(states + inputs, ports);
+        let mut resists = Jet::zeros(ports, ports, wrt.len());
+        resists.value.fill_with_identity();
+        let seen = resists.minus(&by_force(&seen).times(&released)).solve(&seen)?;
+        let torque = released.times(&seen);
+        let rates = rates.plus(&by_force(&rates).times(&torque));
+        let observed = observed.plus(&by_force(&observed).times(&torque));
+        let part = |slope: Option<usize>| {
+            let of = |jet: &Jet, start: usize, count: usize| {
+                let matrix = slope.map_or(&jet.value, |index| &jet.slopes[index]);
+                matrix.columns(start, count).into_owned()
+            };
+            Self {
+                state: of(&rates, 0, states),
+                input: of(&rates, states, inputs),
+                force: of(&rates, states + inputs, ports),
+                output: of(&observed, 0, states),
+                feedthrough: of(&observed, states, inputs),
+                force_output: of(&observed, states + inputs, ports),
+                port: of(&seen, 0, states),
+                port_input: of(&seen, states, inputs),
+                port_force: of(&seen, states + inputs, ports),
+                ports: Vec::new(),
+                state_names: Vec::new(),
+            }
+        };
+        let moved = (0..wrt.len()).map(|index| part(Some(index))).collect();
+        let kept = Self { ports: self.ports.clone(), state_names: self.state_names.clone(), ..part(None) };
+        Some((kept, moved))
+    }
+}
+
+fn beside(parts: [&DMatrix<f64>; 3]) -> DMatrix<f64> {
+    let columns: Vec<_> = parts.iter().flat_map(|part| part.column_iter()).collect();
+    if columns.is_empty() {
+        return DMatrix::zeros(parts[0].nrows(), 0);
+    }
+    DMatrix::from_columns(&columns)
+}
