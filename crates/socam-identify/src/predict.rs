@@ -40,7 +40,8 @@ pub struct Prediction {
 /// stiff, is stepped exactly from sample to sample. A force law that bends is interpolated over a step by a parabola through
 /// its values at the step's start, middle and end, found together with the motion (exponential collocation of order four:
 /// Hochbruck and Ostermann 2005, doi:10.1016/j.apnum.2004.08.005); samples in which the law departs from that are cut into up
-/// to 1024 parts. A model without such laws is exact to rounding.
+/// to 1024 parts. A model without such laws is exact to rounding. A gear with play is linear on either flank and between them:
+/// there a step ends within a thousandth of a sample of where teeth meet or part, and what it went too far is taken back.
 ///
 /// # Assumes
 /// Inputs move between samples as [`Intersample`] says, as they do in a fit, and samples follow each other without a gap.
