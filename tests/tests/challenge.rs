@@ -25,3 +25,16 @@ fn hidden_physics_is_found_in_twenty_benches() {
     // A torque sensor whose gain drifts is named, but so is something beside it.
     assert!(wrong_names <= 1, "{document:#}");
 }
+
+/// On this bench a constant pull is found first; once friction that differs with direction is in the model, it is nothing any more.
+#[test]
+fn what_a_later_effect_explains_too_is_taken_out() {
+    let folder = tempfile::tempdir().unwrap();
+    run(["challenge", "--cases", "58..59", "--resume", folder.path().to_str().unwrap(), "--json"]).json();
+    let file = std::fs::read_to_string(folder.path().join("seed-1-case-00058.diagnosis.json")).unwrap();
+    let document: Value = serde_json::from_str(&file).unwrap();
+    let findings = document["findings"].as_array().unwrap();
+    assert_eq!(findings.len(), 1, "{findings:#?}");
+    assert_eq!(findings[0]["effect"], "direction_dependence");
+    assert_eq!(findings[0]["location"], "load_bearing");
+}

@@ -180,17 +180,18 @@ impl<'a> Walker<'a> {
         let finest = self.motion().levels.len() - 1;
         let whole = 1_usize << finest;
         // Nothing is lost by trying a step twice as long as the last.
-        self.level = self.level.saturating_sub(1).min(finest);
+        let mut level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
         while done < whole && !self.ran_away {
-            while !done.is_multiple_of(whole >> self.level) {
-                self.level += 1;
+            while !done.is_multiple_of(whole >> level) {
+                level += 1;
             }
-            let (level, error) = self.find_step(course, done, whole);
-            let length = whole >> level;
+            let (bent, taken, error) = self.find_step(course, (done, whole), level);
+            (self.level, level) = (bent, bent);
+            let length = whole >> taken;
             self.unresolved += usize::from(error > self.tolerance || error.is_nan());
             follow(&Event::Step(&Taken {
-                level: &self.motion().levels[level],
+                level: &self.motion().levels[taken],
                 xi: &self.xi,
                 responses: &self.responses,
                 laws: self.laws(),
@@ -205,18 +206,24 @@ impl<'a> Walker<'a> {
                 self.xi.fill(f64::NAN);
             }
             done += length;
-            if error <= self.tolerance * RELIEF && self.level > 0 && done.is_multiple_of(2 * length) {
-                self.level -= 1;
+            if error <= self.tolerance * RELIEF && level > 0 && done.is_multiple_of(whole >> (level - 1)) {
+                level -= 1;
             }
         }
     }
 
-    /// The longest step from here, where `done` parts of the `whole` of a sample are over, in which the laws do not bend too much and
-    /// the teeth stay as they are, or the shortest there is: its level, and its error.
-    fn find_step(&mut self, course: &[Course], done: usize, whole: usize) -> (usize, f64) {
+    /// The longest step from here, where `done` parts of the `whole` of a sample are over, of `level` or further, in which the laws do
+    /// not bend too much and the teeth stay as they are, or the shortest there is. Answers the level that the laws allow, that of the
+    /// step, and its error.
+    fn find_step(
+        &mut self,
+        course: &[Course],
+        (done, whole): (usize, usize),
+        level: usize,
+    ) -> (usize, usize, f64) {
         let (n, inputs) = (self.sizes.states, self.sizes.inputs);
         let finest = self.motion().levels.len() - 1;
-        let mut level = self.level;
+        let (mut bent, mut level) = (level, level);
         loop {
             let part = [done, done + (whole >> level)].map(|position| position as f64 / whole as f64);
             for (i, course) in course.iter().enumerate() {
@@ -227,7 +234,7 @@ impl<'a> Walker<'a> {
             let error = self.attempt(level);
             let passed = error <= self.tolerance;
             if level == finest || (passed && !self.leaves()) {
-                return (level, error);
+                return (bent, level, error);
             }
             if passed {
                 level += 1;
@@ -236,7 +243,7 @@ impl<'a> Walker<'a> {
             // The error falls with the fifth power: as many halvings as it takes.
             let excess = (error / self.tolerance).log2() / 5.0;
             level = finest.min(level + if excess.is_finite() { excess.ceil().max(1.0) as usize } else { 2 });
-            self.level = level;
+            bent = level;
         }
     }
 

@@ -596,7 +596,7 @@ impl Reader<'_> {
             let given = raw.parameters.0.iter().find(|(name, _)| name.get_ref() == parameter.name);
             indices.push(match (given, parameter.default) {
                 (Some((_, name)), _) => self.effect_parameter(name, parameter)?,
-                (None, Some(default)) => self.add_default(&place, parameter, default),
+                (None, Some(default)) => self.default_of(&place, parameter, default),
                 (None, None) => {
                     return self
                         .fail(&raw.effect, format!("{id} needs the parameter \"{}\"", parameter.name));
@@ -699,7 +699,7 @@ impl Reader<'_> {
         let mut own = |name: &'static str, kind: Kind, value: f64| {
             let parameter =
                 effects::EffectParameter { name, kind, default: None, bounds: (0.0, f64::INFINITY) };
-            self.add_default(&place, &parameter, (value, value))
+            self.default_of(&place, &parameter, (value, value))
         };
         let stiffness = own("contact_stiffness", Kind::Stiffness, MESH_STIFFNESS);
         let damping = Some(own(CONTACT_DAMPING, Kind::Damping, MESH_DAMPING));
@@ -708,22 +708,29 @@ impl Reader<'_> {
         model.springs.len() - 1
     }
 
-    /// A numerical constant of a law that the file leaves to us.
-    fn add_default(
+    /// A numerical constant of a law that the file leaves to us. What two effects at one place leave to us under one name is one number.
+    fn default_of(
         &mut self,
         place: &str,
         parameter: &effects::EffectParameter,
         default: (f64, f64),
     ) -> usize {
         let name = format!("{place}.{}", parameter.name);
-        // What two effects at one place leave to us under one name is one number.
-        if let Some(known) = self.parameters.iter().position(|known| known.name == name) {
-            return known;
-        }
+        let known = self.parameters.iter().position(|known| known.name == name);
+        known.unwrap_or_else(|| self.add_default(place, parameter, default))
+    }
+
+    /// A parameter that no file names.
+    fn add_default(
+        &mut self,
+        place: &str,
+        parameter: &effects::EffectParameter,
+        default: (f64, f64),
+    ) -> usize {
         let value = if self.rotational { default.0 } else { default.1 };
         let unit = parameter.kind.unit(self.rotational);
         self.parameters.push(Parameter {
-            name,
+            name: format!("{place}.{}", parameter.name),
             value,
             unit: unit.into(),
             file_unit: unit.into(),
