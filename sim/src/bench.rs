@@ -283,7 +283,8 @@ impl<'p> Bench<'p> {
         self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += rising[*row] * step_s);
         counts.fill(0);
         let (converter, empty_bits) = (self.converter, self.empty_bits);
-        for (count, volts) in counts.iter_mut().zip(self.read(to_s, step_s)) {
+        // The mean is of a sample's length around the last instant: what hums hums then.
+        for (count, volts) in counts.iter_mut().zip(self.read(from_s, step_s)) {
             *count = converter.count(volts) << empty_bits;
         }
         Ok(())
@@ -308,7 +309,7 @@ impl<'p> Bench<'p> {
     }
 
     /// What the sensors make of the outputs, in volt.
-    fn read(&mut self, to_s: f64, step_s: f64) -> impl Iterator<Item = f64> {
+    fn read(&mut self, at_s: f64, step_s: f64) -> impl Iterator<Item = f64> {
         let (outputs, shafts) = (&self.outputs, &self.shafts);
         self.inputs.iter_mut().map(move |input| {
             let mut value = match input.source {
@@ -318,7 +319,7 @@ impl<'p> Bench<'p> {
             };
             for (flaw, shaft) in &mut input.flaws {
                 let angle_rad = shaft.map_or(0.0, |shaft| shafts[shaft].1);
-                value = flaw.pass(value, to_s, step_s, angle_rad);
+                value = flaw.pass(value, at_s, step_s, angle_rad);
             }
             input.sensor.volts(value)
         })
