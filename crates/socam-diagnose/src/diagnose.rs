@@ -202,18 +202,22 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     let last = &course.last;
     let widths =
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
-    for (estimate, width) in after.parameters.iter_mut().zip(widths.into_iter().flatten()) {
-        widen(estimate, width);
+    let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
+    for ((estimate, width), bounds) in
+        after.parameters.iter_mut().zip(widths.into_iter().flatten()).zip(bounds)
+    {
+        widen(estimate, width, bounds);
     }
     Ok(after)
 }
 
-/// No interval is narrower than recordings differ: noise is not all that is wrong where a law is only nearly obeyed.
-fn widen(estimate: &mut ParameterEstimate, half_width: f64) {
+/// No interval is narrower than recordings differ: noise is not all that is wrong where a law is only nearly obeyed. None goes beyond what
+/// the parameter can be.
+fn widen(estimate: &mut ParameterEstimate, half_width: f64, (least, most): (f64, f64)) {
     let Some(value) = estimate.value else { return };
     let [low, high] = &mut estimate.ci95;
-    *low = low.map(|low| low.min(value - half_width));
-    *high = high.map(|high| high.max(value + half_width));
+    *low = low.map(|low| low.min(value - half_width).max(least));
+    *high = high.map(|high| high.max(value + half_width).min(most));
 }
 
 fn updates(model: &Model, fit: &Identification) -> Vec<Update> {

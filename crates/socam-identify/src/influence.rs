@@ -1,6 +1,6 @@
 //! How far the estimates hang on single recordings: what noise cannot explain there is a law that the bench does not quite obey.
 
-use faer::Mat;
+use faer::{Mat, Side};
 use socam_model::Model;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -17,13 +17,17 @@ const LEAST_RECORDINGS: usize = 3;
 /// Directions of the parameters that weigh less than this, relative to the heaviest, are nobody's pull.
 const LEAST_WEIGHT: f64 = 1e-6;
 
+/// What the other recordings say of a direction counts as no less than this share of what all do: what one alone says is not judged by
+/// the others.
+const LEAST_LEFT: f64 = 0.1;
+
 /// Half widths of 95 % intervals, by parameter of the model (SI; zero for those that are fixed), from how strongly each recording
 /// pulls at a fit (`at`, made with `model`): residuals may be alike within a recording in any way, and laws may differ from one to
 /// the next. `None` where there are too few recordings to say.
 ///
-/// The sandwich estimate clustered by recording, with m/(m-1) and Student's t of m-1 degrees of freedom (A. C. Cameron,
-/// D. L. Miller, J. Human Resources 50, 2015, section VI). It knows nothing of a parameter on which one recording only has a say,
-/// and misses what is wrong in all recordings alike.
+/// The sandwich estimate clustered by recording, each pull as it were without that recording (the jackknife, CV3), and Student's t
+/// of m-1 degrees of freedom (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It knows nothing of a parameter
+/// on which one recording only has a say, and misses what is wrong in all recordings alike.
 ///
 /// # Errors
 /// When a recording cannot be read.
@@ -52,13 +56,26 @@ pub fn half_widths(
     for (stretch, result) in problem.stretches.iter().zip(&passed) {
         add_pull(result, free, pulls.as_mut().col_mut(stretch.recording));
     }
-    let steps = &root * (root.transpose() * &pulls);
+    let mut apart = root.transpose() * &pulls;
+    for (recording, mut pull) in apart.col_iter_mut().enumerate() {
+        let own = problem.stretches.iter().zip(&passed).filter(|(stretch, _)| stretch.recording == recording);
+        let share = own.fold(Mat::<f64>::zeros(kept.len(), kept.len()), |share, (_, result)| {
+            let corner = result.corner();
+            let slopes = corner.subcols(0, free) * &root;
+            share + slopes.transpose() * &slopes
+        });
+        let Ok(eigen) = share.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
+        let along = eigen.U().transpose() * &pull;
+        let without = Mat::from_fn(kept.len(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
+        pull.copy_from((eigen.U() * without).col(0));
+    }
+    let steps = &root * apart;
     let m = recordings as f64;
     let t = StudentsT::new(0.0, 1.0, m - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
     let mut widths = vec![0.0; problem.model.parameters.len()];
     for (j, index) in problem.free.iter().enumerate() {
         let squares: f64 = (0..recordings).map(|r| steps[(j, r)].powi(2)).sum();
-        widths[*index] = t * (m / (m - 1.0) * squares).sqrt() * weights.scales[j].abs();
+        widths[*index] = t * ((m - 1.0) / m * squares).sqrt() * weights.scales[j].abs();
     }
     Ok(Some(widths))
 }
