@@ -51,7 +51,6 @@ pub struct Prediction {
 /// unnoticed), or jumps within a thousandth of one ([`Prediction::unresolved`] counts). The reference for such cases is the
 /// error-controlled plant of the simulator, which shares nothing with this but the equations.
 pub struct Predictor {
-    equations: Equations,
     values: Vec<f64>,
     name: String,
     regimes: Regimes,
@@ -71,7 +70,7 @@ impl Predictor {
         let regimes = Regimes::new(&equations, &[], values, &[], sample_time_s)
             .ok_or_else(|| IdentifyError::Diverged { model: model.name.clone() })?;
         let (values, name) = (values.to_vec(), model.name.clone());
-        Ok(Self { equations, values, name, regimes, tolerance: DEFAULT_TOLERANCE })
+        Ok(Self { values, name, regimes, tolerance: DEFAULT_TOLERANCE })
     }
 
     /// Allowed error of a step in the speed that a law sees, relative to the largest such speed so far. Errors of steps
@@ -83,9 +82,13 @@ impl Predictor {
         self
     }
 
+    fn equations(&self) -> &Equations {
+        &self.regimes.network().equations
+    }
+
     /// Number of states.
     pub fn states(&self) -> usize {
-        self.equations.state.nrows()
+        self.equations().state.nrows()
     }
 
     /// Predicts the outputs for `inputs`, one slice per input in the order of [`Model::inputs`], SI, of equal lengths.
@@ -114,7 +117,7 @@ impl Predictor {
         let state = self.start(start, &first)?;
         let mut walker = Walker::new(&self.regimes, self.tolerance, &state, &first);
         let mut steps = 0;
-        let mut values = vec![0.0; self.equations.output.nrows()];
+        let mut values = vec![0.0; self.equations().output.nrows()];
         let mut outputs: Vec<Vec<f64>> = values.iter().map(|_| Vec::with_capacity(rows)).collect();
         for k in 0..rows {
             if k > 0 {
@@ -135,7 +138,7 @@ impl Predictor {
 
     fn check(&self, inputs: &[&[f64]], rows: usize) -> Result<(), IdentifyError> {
         let refuse = |text: String| Err(IdentifyError::Option(text));
-        let (given, expected) = (inputs.len(), self.equations.input.ncols());
+        let (given, expected) = (inputs.len(), self.equations().input.ncols());
         if given != expected {
             return refuse(format!("{given} inputs for the {expected} of {}", self.name));
         }
@@ -154,7 +157,7 @@ impl Predictor {
                 self.states(),
                 self.name
             ))),
-            Start::Equilibrium => start::equilibrium(&self.equations, &self.values, inputs)
+            Start::Equilibrium => start::equilibrium(self.equations(), &self.values, inputs)
                 .map(|state| state.iter().copied().collect())
                 .ok_or_else(|| IdentifyError::Unsuited {
                     method: "a start from rest",

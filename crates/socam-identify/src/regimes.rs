@@ -22,6 +22,8 @@ pub(crate) struct Motion {
     pub(crate) equations: Equations,
     pub(crate) slopes: Vec<Equations>,
     pub(crate) levels: Vec<Level>,
+    /// What laws see at once of their own forces, row by row.
+    pub(crate) coupling: Vec<f64>,
     pub(crate) constants: Constants,
 }
 
@@ -42,14 +44,6 @@ pub(crate) struct Play {
     pub(crate) gap: Option<usize>,
 }
 
-fn rates(e: &Equations, at: &Instant) -> Vec<f64> {
-    let sum = |matrix: &DMatrix<f64>, i: usize, by: &[f64]| -> f64 {
-        by.iter().enumerate().map(|(j, value)| matrix[(i, j)] * value).sum()
-    };
-    let rate = |i| sum(&e.state, i, &at.state) + sum(&e.input, i, &at.inputs) + sum(&e.force, i, &at.forces);
-    (0..e.state.nrows()).map(rate).collect()
-}
-
 /// All ways of moving, in the order of the twist.
 pub(crate) struct Regimes {
     motions: Vec<Motion>,
@@ -63,7 +57,8 @@ impl Motion {
     fn new(equations: Equations, slopes: Vec<Equations>, sample_time_s: f64) -> Option<Self> {
         let levels = exponential::levels(&equations, &slopes, sample_time_s)?;
         let constants = Constants::new(&equations, &slopes);
-        Some(Self { equations, slopes, levels, constants })
+        let coupling = equations.port_force.transpose().iter().copied().collect();
+        Some(Self { equations, slopes, levels, coupling, constants })
     }
 
     /// Of the states, at an instant.
@@ -120,6 +115,11 @@ impl Regimes {
         Some(Self { motions: vec![touching, loose], sides, play: Some(Play { port, gap }), finest_s })
     }
 
+    /// Of the network as it is, teeth in touch.
+    pub(crate) fn network(&self) -> &Motion {
+        &self.motions[0]
+    }
+
     pub(crate) fn motion(&self, side: usize) -> &Motion {
         &self.motions[self.sides[side].motion]
     }
@@ -127,9 +127,17 @@ impl Regimes {
     /// Where the twist in the mesh is when this state is met.
     pub(crate) fn side_at(&self, state: &[f64], inputs: &[f64]) -> usize {
         let Some(Play { port, .. }) = self.play else { return 0 };
-        let e = &self.motions[0].equations;
+        let e = &self.network().equations;
         let twist: f64 = state.iter().enumerate().map(|(i, x)| e.port[(port, i)] * x).sum::<f64>()
             + inputs.iter().enumerate().map(|(i, u)| e.port_input[(port, i)] * u).sum::<f64>();
         self.sides.iter().position(|side| twist <= side.range[1]).unwrap_or(0)
     }
+}
+
+fn rates(e: &Equations, at: &Instant) -> Vec<f64> {
+    let sum = |matrix: &DMatrix<f64>, i: usize, by: &[f64]| -> f64 {
+        by.iter().enumerate().map(|(j, value)| matrix[(i, j)] * value).sum()
+    };
+    let rate = |i| sum(&e.state, i, &at.state) + sum(&e.input, i, &at.inputs) + sum(&e.force, i, &at.forces);
+    (0..e.state.nrows()).map(rate).collect()
 }

@@ -89,17 +89,15 @@ impl<'s> Sensitivity<'s> {
     /// Forces follow states and parameters at once.
     fn settle(&mut self, at: &Instant) {
         let (s, columns) = (self.sizes, self.columns);
-        let Motion { equations, .. } = self.regimes.motion(at.side);
+        let Motion { coupling, .. } = self.regimes.motion(at.side);
         // The speeds as they would be without the forces, by the states that move and by the equations that do.
         for p in 0..s.ports {
             let seen = self.seen(at, p);
             self.next[(s.states + p) * columns..][..columns].copy_from_slice(&seen);
         }
-        let coupling: Vec<f64> =
-            (0..s.ports * s.ports).map(|k| equations.port_force[(k / s.ports, k % s.ports)]).collect();
         let speeds = &self.next[s.states * columns..][..s.ports * columns];
         let forces = &mut self.rows[s.states * columns..][..s.ports * columns];
-        follow(&self.regimes.sides[at.side].laws, &at.responses, &coupling, speeds, forces, &mut self.room);
+        follow(&self.regimes.sides[at.side].laws, &at.responses, coupling, speeds, forces, &mut self.room);
     }
 
     /// What a port sees, while forces stay.

@@ -145,7 +145,7 @@ impl<'a> Walker<'a> {
 
     /// Forces at this state: the speeds depend on them only where a law acts on a massless node.
     fn settle(&mut self, inputs: &[f64]) {
-        let (e, ports) = (&self.motion().equations, self.sizes.ports);
+        let (Motion { equations: e, coupling, .. }, ports) = (self.motion(), self.sizes.ports);
         if ports == 0 {
             return;
         }
@@ -155,11 +155,10 @@ impl<'a> Walker<'a> {
                 state + inputs.iter().enumerate().map(|(i, u)| e.port_input[(p, i)] * u).sum::<f64>()
             })
             .collect();
-        let coupling: Vec<f64> = (0..ports * ports).map(|k| e.port_force[(k / ports, k % ports)]).collect();
+        let laws = self.laws();
         let now = &mut self.speeds[ports..];
         now.copy_from_slice(&base);
-        let laws = &self.regimes.sides[self.side].laws;
-        laws::balance(laws, &base, &coupling, now, &mut self.responses[ports..], &mut self.room);
+        laws::balance(laws, &base, coupling, now, &mut self.responses[ports..], &mut self.room);
         self.keep_forces();
     }
 
@@ -198,8 +197,7 @@ impl<'a> Walker<'a> {
             }));
             self.xi[..n].copy_from_slice(&self.ends[..n]);
             self.keep_forces();
-            if self.side_of(self.sizes.ports).is_some() {
-                let turn = self.turn();
+            if let Some(turn) = self.turn() {
                 follow(&Event::Turn(&turn));
             }
             if self.ran_away {
@@ -255,27 +253,20 @@ impl<'a> Walker<'a> {
         (0..4).any(|node| !(low..=high).contains(&self.ends[n + node * ports + port]))
     }
 
-    /// The side on which the twist in the mesh is, if it is another one; `from` is where the speeds of an instant begin.
-    fn side_of(&self, from: usize) -> Option<usize> {
+    /// Goes over to the side on which the twist in the mesh is at the end of a step, if it is another one.
+    fn turn(&mut self) -> Option<Turn> {
+        let (n, ports, inputs) = (self.sizes.states, self.sizes.ports, self.sizes.inputs);
         let Play { port, .. } = self.regimes.play?;
         let [low, high] = self.regimes.sides[self.side].range;
-        let twist = self.speeds[from + port];
-        if twist < low {
-            return Some(self.side - 1);
-        }
-        (twist > high).then_some(self.side + 1)
-    }
-
-    /// Goes over to the side on which the twist in the mesh is now, at the end of a step.
-    fn turn(&mut self) -> Turn {
-        let (n, ports, inputs) = (self.sizes.states, self.sizes.ports, self.sizes.inputs);
+        let (twist, rate) = (self.speeds[ports + port], self.speeds[ports + port + 1]);
+        let (next, boundary) = match twist {
+            _ if twist < low => (self.side - 1, low),
+            _ if twist > high => (self.side + 1, high),
+            _ => return None,
+        };
         let held = self.xi[n + 2 * inputs..][..inputs].to_vec();
         let before = self.instant(&held);
-        let [low, high] = self.regimes.sides[self.side].range;
-        let port = self.regimes.play.as_ref().map_or(0, |play| play.port);
-        let (twist, rate) = (self.speeds[ports + port], self.speeds[ports + port + 1]);
-        let next = self.side_of(ports).unwrap_or(self.side);
-        let late_s = (twist - if next > self.side { high } else { low }) / rate;
+        let late_s = (twist - boundary) / rate;
         // Grazing, or there and back within the shortest step: nothing to be mended.
         let late_s = if (0.0..=2.0 * self.regimes.finest_s).contains(&late_s) { late_s } else { 0.0 };
         self.side = next;
@@ -286,13 +277,12 @@ impl<'a> Walker<'a> {
             rates(&before).iter().zip(rates(&beyond)).map(|(before, beyond)| before - beyond).collect();
         self.xi.iter_mut().zip(&jump).for_each(|(x, jump)| *x -= late_s * jump);
         self.settle(&held);
-        Turn { before, beyond, after: self.instant(&held), late_s, rate, jump }
+        Some(Turn { before, beyond, after: self.instant(&held), late_s, rate, jump })
     }
 
     /// Finds the forces of a step of this level and says its error, relative to what the ports' speeds have been.
     fn attempt(&mut self, index: usize) -> f64 {
-        let motion = self.motion();
-        let level = &motion.levels[index];
+        let (level, laws) = (&self.motion().levels[index], self.laws());
         let (n, ports, sought) = (self.sizes.states, self.sizes.ports, self.sizes.sought());
         self.ends.fill(0.0);
         combine::add_rows(&self.xi[..sought], &level.columns, level.stride, &mut self.ends);
@@ -307,14 +297,8 @@ impl<'a> Walker<'a> {
             self.speeds[i] = self.ends[n + i] + stay;
         }
         let base = &self.ends[n..n + 2 * ports];
-        let found = laws::balance(
-            &self.regimes.sides[self.side].laws,
-            base,
-            &level.coupling,
-            &mut self.speeds,
-            &mut self.responses,
-            &mut self.room,
-        );
+        let found =
+            laws::balance(laws, base, &level.coupling, &mut self.speeds, &mut self.responses, &mut self.room);
         for (force, response) in self.xi[sought..].iter_mut().zip(&self.responses) {
             *force = response.torque;
         }

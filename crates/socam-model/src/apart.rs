@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::{
     Equations, Port,
+    equations::Rows,
     jet::{Jet, Scalar},
 };
 
@@ -56,28 +57,8 @@ impl Equations {
         let torque = released.times(&seen);
         let rates = rates.plus(&by_force(&rates).times(&torque));
         let observed = observed.plus(&by_force(&observed).times(&torque));
-        let part = |slope: Option<usize>| {
-            let of = |jet: &Jet, start: usize, count: usize| {
-                let matrix = slope.map_or(&jet.value, |index| &jet.slopes[index]);
-                matrix.columns(start, count).into_owned()
-            };
-            Self {
-                state: of(&rates, 0, states),
-                input: of(&rates, states, inputs),
-                force: of(&rates, states + inputs, ports),
-                output: of(&observed, 0, states),
-                feedthrough: of(&observed, states, inputs),
-                force_output: of(&observed, states + inputs, ports),
-                port: of(&seen, 0, states),
-                port_input: of(&seen, states, inputs),
-                port_force: of(&seen, states + inputs, ports),
-                ports: Vec::new(),
-                state_names: Vec::new(),
-            }
-        };
-        let moved = (0..wrt.len()).map(|index| part(Some(index))).collect();
-        let kept = Self { ports: self.ports.clone(), state_names: self.state_names.clone(), ..part(None) };
-        Some((kept, moved))
+        let rows = Rows { rates, observed, seen };
+        Some(rows.split([states, inputs], &self.ports, self.state_names.clone()))
     }
 }
 

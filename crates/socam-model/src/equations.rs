@@ -2,7 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::effects::{Effect, Law, Response};
+use crate::{
+    effects::{Effect, Law, Response},
+    jet::Jet,
+};
 
 /// One thing that a nonlinear law sees. The ports of a law stand next to each other, one for each of its sights (one also where
 /// it sees nothing); what it answers is the force of the first, the others' is zero, and they all act in the same way.
@@ -74,6 +77,54 @@ pub struct Equations {
     pub ports: Vec<Port>,
     /// What each state is, for reports.
     pub state_names: Vec<String>,
+}
+
+/// The same as rows over [states | inputs | ports], with their slopes.
+pub(crate) struct Rows {
+    /// Of the states.
+    pub(crate) rates: Jet,
+    pub(crate) observed: Jet,
+    /// By the laws.
+    pub(crate) seen: Jet,
+}
+
+impl Rows {
+    /// The equations, and their slopes.
+    pub(crate) fn split(
+        &self,
+        [states, inputs]: [usize; 2],
+        ports: &[Port],
+        state_names: Vec<String>,
+    ) -> (Equations, Vec<Equations>) {
+        let part = |slope: Option<usize>| {
+            let pick = |jet: &Jet, start: usize, count: usize| {
+                let matrix = slope.map_or(&jet.value, |index| &jet.slopes[index]);
+                matrix.columns(start, count).into_owned()
+            };
+            let all = |jet: &Jet| {
+                let force = pick(jet, states + inputs, ports.len());
+                (pick(jet, 0, states), pick(jet, states, inputs), force)
+            };
+            let (state, input, force) = all(&self.rates);
+            let (output, feedthrough, force_output) = all(&self.observed);
+            let (port, port_input, port_force) = all(&self.seen);
+            Equations {
+                state,
+                input,
+                force,
+                output,
+                feedthrough,
+                force_output,
+                port,
+                port_input,
+                port_force,
+                ports: Vec::new(),
+                state_names: Vec::new(),
+            }
+        };
+        let slopes = (0..self.rates.slopes.len()).map(|index| part(Some(index))).collect();
+        (Equations { ports: ports.to_vec(), state_names, ..part(None) }, slopes)
+    }
 }
 
 /// A mode of the free, linear drivetrain.

@@ -8,7 +8,7 @@
 use crate::{
     ModelError,
     effects::{Acts, Form, Kind, Sight},
-    equations::{Equations, Port},
+    equations::{Equations, Port, Rows},
     jet::{Jet, Scalar},
     model::{Channel, EffectUse, Model, Quantity, Role, Site, Spring},
 };
@@ -904,23 +904,8 @@ impl<'a, 'm> Motion<'a, 'm> {
         for port in 0..ports {
             seen.add_block(port, 0, &self.seen(port)?);
         }
-        let part = |slope: Option<usize>| Equations {
-            state: pick(&rates, slope, 0, states),
-            input: pick(&rates, slope, states, self.inputs),
-            force: pick(&rates, slope, states + self.inputs, ports),
-            output: pick(&observed, slope, 0, states),
-            feedthrough: pick(&observed, slope, states, self.inputs),
-            force_output: pick(&observed, slope, states + self.inputs, ports),
-            port: pick(&seen, slope, 0, states),
-            port_input: pick(&seen, slope, states, self.inputs),
-            port_force: pick(&seen, slope, states + self.inputs, ports),
-            ports: Vec::new(),
-            state_names: Vec::new(),
-        };
-        let slopes = (0..count).map(|index| part(Some(index))).collect();
-        let equations =
-            Equations { ports: self.ports.clone(), state_names: self.state_names(), ..part(None) };
-        Ok((equations, slopes))
+        let rows = Rows { rates, observed, seen };
+        Ok(rows.split([states, self.inputs], &self.ports, self.state_names()))
     }
 
     fn state_names(&self) -> Vec<String> {
@@ -959,12 +944,4 @@ fn ports_of(index: usize, used: &EffectUse) -> Vec<(Port, usize)> {
     let sights =
         used.effect.laws().iter().flat_map(|law| (0..law.sights.len().max(1)).map(move |s| (law, s)));
     sights.map(|(law, sight)| (port(law, sight), index)).collect()
-}
-
-fn pick(jet: &Jet, slope: Option<usize>, start: usize, count: usize) -> nalgebra::DMatrix<f64> {
-    let columns = jet.columns(start, count);
-    match slope {
-        None => columns.value,
-        Some(index) => columns.slopes[index].clone(),
-    }
 }
