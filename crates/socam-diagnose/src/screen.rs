@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 use crate::candidates::{self, Candidate};
 
 /// Candidates that share a pass: each adds to what a step costs.
-const TOGETHER: usize = 6;
+const TOGETHER: usize = 10;
 
 /// A candidate and what it promises, as a start for a fit.
 #[derive(Debug, Clone)]

@@ -26,7 +26,7 @@ use crate::{
 /// Points that a curve is made of.
 const POINTS: usize = 9;
 /// Orders of a curve over one turn.
-const ORDERS: usize = 4;
+pub(crate) const ORDERS: usize = 4;
 /// Iterations of a shape's fit.
 const ITERATIONS: usize = 10;
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -90,7 +90,7 @@ const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
 }
 
 const fn law(sights: &'static [Sight], acts: Acts, answer: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { sights, acts, answer, bend: |_| 0.0 }
+    Law { sights, acts, answer, bend: |_| 0.0, silent: |parameters| parameters[0] == 0.0 }
 }
 
 static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Speed], Acts::Torque, against)]);
@@ -120,6 +120,13 @@ pub(crate) struct Shape {
     std: Vec<f64>,
     pub(crate) gain: f64,
     pub(crate) p_value: f64,
+}
+
+impl Shape {
+    /// Whether it comes back with every turn.
+    pub(crate) fn is_turn(&self) -> bool {
+        self.free.is_turn()
+    }
 }
 
 /// A shape that was fitted and tried on held-out recordings.

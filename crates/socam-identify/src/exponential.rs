@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 use socam_model::Equations;
 
-use crate::modes::balance;
+use crate::{listeners::Hearing, modes::balance};
 
 /// Steps are a sample or down to this many times halved parts of one.
 pub(crate) const HALVINGS: usize = 10;
@@ -69,6 +69,8 @@ pub(crate) struct Level {
     pub(crate) coupling: Vec<f64>,
     /// What a constant force of each port adds to the speed of each by the end.
     pub(crate) gain: Vec<f64>,
+    /// The step as silent laws hear it.
+    pub(crate) hearing: Hearing,
 }
 
 /// From a whole sample to its finest part; `None` where the exponential overflows.
@@ -299,6 +301,7 @@ impl Level {
             gain: gain
                 .map(|(i, l)| (speed(i, l) + speed(i, l + ports) + speed(i, l + 2 * ports)).abs())
                 .collect(),
+            hearing: Hearing::default(),
             columns: Vec::new(),
             stride: 0,
             rows,

@@ -83,6 +83,11 @@ impl Law {
         self.sight == 0
     }
 
+    /// How much it sees: ports that stand next to each other.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
     /// Answer of the law whose first port this is; `seen` begins with what that port sees.
     pub(crate) fn at(&self, seen: &[f64]) -> socam_model::effects::Response {
         if let Some(flank) = self.flank {

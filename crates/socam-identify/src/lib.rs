@@ -30,6 +30,7 @@ mod input_noise;
 mod inverse_dynamics;
 mod laws;
 mod levels;
+mod listeners;
 mod modal;
 mod modes;
 mod noise_in_slopes;

@@ -8,8 +8,9 @@ use nalgebra::DMatrix;
 use socam_model::Equations;
 
 use crate::{
-    exponential::{self, Level},
+    exponential::{self, Level, Sizes},
     laws::Law,
+    listeners::Listeners,
     sensitivity::Constants,
     walker::Instant,
 };
@@ -25,6 +26,7 @@ pub(crate) struct Motion {
     /// What laws see at once of their own forces, row by row.
     pub(crate) coupling: Vec<f64>,
     pub(crate) constants: Constants,
+    pub(crate) listeners: Listeners,
 }
 
 /// A way of moving.
@@ -51,14 +53,37 @@ pub(crate) struct Regimes {
     pub(crate) play: Option<Play>,
     /// Length of the shortest step, s.
     pub(crate) finest_s: f64,
+    /// Number of free parameters.
+    pub(crate) free: usize,
 }
 
 impl Motion {
-    fn new(equations: Equations, slopes: Vec<Equations>, sample_time_s: f64) -> Option<Self> {
-        let levels = exponential::levels(&equations, &slopes, sample_time_s)?;
-        let constants = Constants::new(&equations, &slopes);
-        let coupling = equations.port_force.transpose().iter().copied().collect();
-        Some(Self { equations, slopes, levels, coupling, constants })
+    /// `slopes` are those with respect to the parameters `free` at `values`; `None` where the exponential overflows.
+    fn new(
+        equations: &Equations,
+        slopes: &[Equations],
+        (values, free): (&[f64], &[usize]),
+        ports: [&[usize]; 2],
+        sample_time_s: f64,
+    ) -> Option<Self> {
+        let live = equations.with_ports(ports[0]);
+        let mut moved: Vec<Equations> = slopes.iter().map(|slope| slope.with_ports(ports[0])).collect();
+        // Parameters of laws come last and move none of this. One at least is kept, so that there is something to add up.
+        let last = moved.iter().rposition(moves).unwrap_or(0);
+        moved.truncate(last + 1);
+        let mut levels = exponential::levels(&live, &moved, sample_time_s)?;
+        let listeners = Listeners::new(equations, values, free, ports);
+        if !ports[1].is_empty() {
+            let sizes = Sizes::new(equations, 0);
+            let all = exponential::levels(equations, &[], sample_time_s)?;
+            // Where all are silent nothing bends, and a step is a sample.
+            for (level, whole) in levels.iter_mut().zip(&all) {
+                level.hearing = listeners.hearing(whole, sizes, ports);
+            }
+        }
+        let constants = Constants::new(&live, &moved);
+        let coupling = live.port_force.transpose().iter().copied().collect();
+        Some(Self { equations: live, slopes: moved, levels, coupling, constants, listeners })
     }
 
     /// Of the states, at an instant.
@@ -83,26 +108,33 @@ impl Regimes {
         sample_time_s: f64,
     ) -> Option<Self> {
         let finest_s = sample_time_s * 0.5_f64.powi(exponential::HALVINGS as i32);
-        let laws = || Law::all(equations, values, free);
-        let touching = Motion::new(equations.clone(), slopes.to_vec(), sample_time_s)?;
-        let one = |touching| {
+        let (quiet, live): (Vec<usize>, Vec<usize>) =
+            (0..equations.ports.len()).partition(|port| equations.ports[*port].is_silent(values));
+        let ports = [&*live, &*quiet];
+        let motion = |equations: &Equations, slopes: &[Equations]| {
+            Motion::new(equations, slopes, (values, free), ports, sample_time_s)
+        };
+        let touching = motion(equations, slopes)?;
+        let laws = Law::all(&touching.equations, values, free);
+        let one = |touching, laws| {
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-            let side = Side { motion: 0, laws: laws(), range: everywhere };
-            Self { motions: vec![touching], sides: vec![side], play: None, finest_s }
+            let side = Side { motion: 0, laws, range: everywhere };
+            Self { motions: vec![touching], sides: vec![side], play: None, finest_s, free: free.len() }
         };
         // Of several gears with play none is treated so: their ways of moving would multiply.
-        let mut plays = (0..equations.ports.len())
-            .filter(|p| equations.ports[*p].sight == 0 && equations.ports[*p].is_play());
-        let (Some(port), None) = (plays.next(), plays.next()) else { return Some(one(touching)) };
-        let gap = equations.ports[port].parameters[0];
-        let apart = equations.apart(slopes, values, free, port);
+        let is_play = |p: &usize| equations.ports[*p].sight == 0 && equations.ports[*p].is_play();
+        let mut plays = live.iter().filter(|p| is_play(p));
+        let (Some(port), None) = (plays.next(), plays.next()) else { return Some(one(touching, laws)) };
+        let gap = equations.ports[*port].parameters[0];
+        let apart = equations.apart(slopes, values, free, *port);
         let Some((loose, moved)) = apart.filter(|_| values[gap] > LEAST_GAP) else {
-            return Some(one(touching));
+            return Some(one(touching, laws));
         };
-        let loose = Motion::new(loose, moved, sample_time_s)?;
+        let loose = motion(&loose, &moved)?;
+        let port = live.iter().position(|p| p == port)?;
         let half = 0.5 * values[gap];
         let side = |motion: usize, range: [f64; 2], flank: f64| {
-            let mut laws = laws();
+            let mut laws = Law::all(&touching.equations, values, free);
             laws[port].stay_on(flank);
             Side { motion, laws, range }
         };
@@ -112,7 +144,8 @@ impl Regimes {
             side(0, [half, f64::INFINITY], 1.0),
         ];
         let gap = free.iter().position(|index| *index == gap);
-        Some(Self { motions: vec![touching, loose], sides, play: Some(Play { port, gap }), finest_s })
+        let play = Some(Play { port, gap });
+        Some(Self { motions: vec![touching, loose], sides, play, finest_s, free: free.len() })
     }
 
     /// Of the network as it is, teeth in touch.
@@ -140,4 +173,23 @@ fn rates(e: &Equations, at: &Instant) -> Vec<f64> {
     };
     let rate = |i| sum(&e.state, i, &at.state) + sum(&e.input, i, &at.inputs) + sum(&e.force, i, &at.forces);
     (0..e.state.nrows()).map(rate).collect()
+}
+
+/// Whether a parameter with these slopes moves anything but laws.
+fn moves(slope: &Equations) -> bool {
+    let Equations {
+        state,
+        input,
+        force,
+        output,
+        feedthrough,
+        force_output,
+        port,
+        port_input,
+        port_force,
+        ..
+    } = slope;
+    [state, input, force, output, feedthrough, force_output, port, port_input, port_force]
+        .into_iter()
+        .any(|matrix| matrix.iter().any(|value| *value != 0.0))
 }

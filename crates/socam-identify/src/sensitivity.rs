@@ -8,6 +8,7 @@ use crate::{
     combine,
     exponential::{Sizes, padded},
     laws::{self, Law, Response},
+    listeners::Heard,
     regimes::{Motion, Play, Regimes},
     walker::{Event, Instant, Taken, Turn, Walker},
 };
@@ -49,6 +50,9 @@ pub(crate) struct Sensitivity<'s> {
     sizes: Sizes,
     start: usize,
     columns: usize,
+    /// What silent laws would answer now, and in the middle of a step and at its end.
+    heard: Vec<Heard>,
+    later: [Vec<Heard>; 2],
     /// Of the states, then of the forces at a step's start, middle and end; row by row.
     rows: Vec<f64>,
     /// Of the states at the end of a step, then of the speeds in its middle and at its end.
@@ -63,19 +67,22 @@ impl<'s> Sensitivity<'s> {
     pub(crate) fn new(regimes: &'s Regimes, first: &Instant, moved: Option<&[DVector<f64>]>) -> Self {
         let s = regimes.motion(first.side).constants.sizes;
         let start = if moved.is_some() { 0 } else { s.states };
-        let columns = padded(s.free) + padded(start);
+        let free = padded(regimes.free);
+        let columns = free + padded(start);
         let mut this = Self {
             regimes,
             sizes: s,
             start,
             columns,
+            heard: Vec::new(),
+            later: [Vec::new(), Vec::new()],
             rows: vec![0.0; (s.states + 3 * s.ports) * columns],
             next: vec![0.0; (s.states + 2 * s.ports) * columns],
             room: Room::default(),
             entries: Vec::new(),
         };
         for i in 0..start {
-            this.rows[i * columns + padded(s.free) + i] = 1.0;
+            this.rows[i * columns + free + i] = 1.0;
         }
         for (j, slope) in moved.into_iter().flatten().enumerate() {
             for i in 0..s.states {
@@ -89,7 +96,8 @@ impl<'s> Sensitivity<'s> {
     /// Forces follow states and parameters at once.
     fn settle(&mut self, at: &Instant) {
         let (s, columns) = (self.sizes, self.columns);
-        let Motion { coupling, .. } = self.regimes.motion(at.side);
+        let Motion { coupling, listeners, .. } = self.regimes.motion(at.side);
+        self.heard = listeners.at(at);
         // The speeds as they would be without the forces, by the states that move and by the equations that do.
         for p in 0..s.ports {
             let seen = self.seen(at, p);
@@ -102,7 +110,7 @@ impl<'s> Sensitivity<'s> {
 
     /// What a port sees, while forces stay.
     fn seen(&self, at: &Instant, port: usize) -> Vec<f64> {
-        let Motion { equations, slopes, .. } = self.regimes.motion(at.side);
+        let Motion { equations, slopes, listeners, .. } = self.regimes.motion(at.side);
         let mut seen = vec![0.0; self.columns];
         for (i, row) in self.rows.chunks_exact(self.columns.max(1)).take(self.sizes.states).enumerate() {
             seen.iter_mut().zip(row).for_each(|(v, x)| *v += equations.port[(port, i)] * x);
@@ -113,6 +121,7 @@ impl<'s> Sensitivity<'s> {
             let force = at.forces.iter().enumerate().map(|(q, f)| slope.port_force[(port, q)] * f);
             *v += state.sum::<f64>() + input.sum::<f64>() + force.sum::<f64>();
         }
+        self.heard.iter().for_each(|heard| seen[heard.column] += listeners.to_port(port, heard));
         seen
     }
 
@@ -130,6 +139,10 @@ impl<'s> Sensitivity<'s> {
         }
         for (j, moved) in motion.moved_rates(at).iter().enumerate() {
             moved.iter().enumerate().for_each(|(i, value)| rates[i * columns + j] += value);
+        }
+        for heard in &self.heard {
+            (0..s.states)
+                .for_each(|i| rates[i * columns + heard.column] += motion.listeners.to_rate(i, heard));
         }
         rates
     }
@@ -175,7 +188,7 @@ impl<'s> Sensitivity<'s> {
 
     /// From now on without those with respect to the start state.
     pub(crate) fn drop_start(&mut self) {
-        let (old, new) = (self.columns, padded(self.sizes.free));
+        let (old, new) = (self.columns, padded(self.regimes.free));
         for rows in [&mut self.rows, &mut self.next] {
             *rows = rows.chunks_exact(old.max(1)).flat_map(|row| &row[..new]).copied().collect();
         }
@@ -183,8 +196,10 @@ impl<'s> Sensitivity<'s> {
     }
 
     fn advance(&mut self, taken: &Taken<'_>) {
-        let s = self.sizes;
+        let (s, columns) = (self.sizes, self.columns);
         let at_start = s.states + s.ports;
+        let (hearing, xi) = (&taken.level.hearing, taken.xi);
+        taken.listeners.along(hearing, xi, self.later.each_mut());
         // Speeds without the forces that follow them.
         pulp::Arch::new().dispatch(Rows {
             sensitivity: self,
@@ -193,11 +208,16 @@ impl<'s> Sensitivity<'s> {
             count: 2 * s.ports,
             known: at_start,
         });
+        let nodes = [&*self.heard, &*self.later[0], &*self.later[1]];
+        hearing.add(nodes, s.states, &mut self.next[s.states * columns..], columns);
         let (_, speeds) = self.next.split_at_mut(s.states * self.columns);
         let (_, forces) = self.rows.split_at_mut(at_start * self.columns);
         follow(taken.laws, taken.responses, &taken.level.coupling, speeds, forces, &mut self.room);
         let known = at_start + 2 * s.ports;
         pulp::Arch::new().dispatch(Rows { sensitivity: self, taken, first: 0, count: s.states, known });
+        let nodes = [&*self.heard, &*self.later[0], &*self.later[1]];
+        hearing.add(nodes, 0, &mut self.next[..s.states * columns], columns);
+        std::mem::swap(&mut self.heard, &mut self.later[1]);
         let (states, forces) = self.rows.split_at_mut(s.states * self.columns);
         states.copy_from_slice(&self.next[..states.len()]);
         forces.copy_within(2 * s.ports * self.columns.., 0);
@@ -211,7 +231,8 @@ impl<'s> Sensitivity<'s> {
         inputs: &[f64],
         slopes: &mut Vec<f64>,
     ) {
-        let (s, constants) = (self.sizes, &self.regimes.motion(walker.side()).constants);
+        let s = self.sizes;
+        let Motion { constants, listeners, .. } = self.regimes.motion(walker.side());
         self.entries.clear();
         self.entries.extend(walker.state().iter().chain(inputs).chain(walker.forces()));
         let from = slopes.len();
@@ -223,8 +244,9 @@ impl<'s> Sensitivity<'s> {
             self.columns,
             &mut *target,
         );
-        let free = padded(s.free);
-        combine::add_rows(&self.entries, &constants.output_slopes[output], free, &mut target[..free]);
+        let moved = padded(s.free);
+        combine::add_rows(&self.entries, &constants.output_slopes[output], moved, &mut target[..moved]);
+        self.heard.iter().for_each(|heard| target[heard.column] += listeners.to_output(output, heard));
     }
 
     pub(crate) fn columns(&self) -> usize {
@@ -302,7 +324,7 @@ impl WithSimd for Rows<'_, '_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { sensitivity, taken, first, count, known } = self;
         let s = sensitivity.sizes;
-        let (width, columns, free) = (s.width(), sensitivity.columns, padded(s.free));
+        let (width, columns, moved) = (s.width(), sensitivity.columns, padded(s.free));
         let (states, forces) = sensitivity.rows[..known * columns].split_at(s.states * columns);
         for i in first..first + count {
             // What nothing depends on is not needed.
@@ -311,11 +333,11 @@ impl WithSimd for Rows<'_, '_> {
             }
             let map = &taken.level.rows[i * width..(i + 1) * width];
             let target = &mut sensitivity.next[i * columns..(i + 1) * columns];
-            let slopes = &taken.level.slopes[i * width * free..(i + 1) * width * free];
+            let slopes = &taken.level.slopes[i * width * moved..(i + 1) * width * moved];
             let own = [(&map[..s.states], states, columns), (&map[s.forces()..], forces, columns)];
-            let (moved, rest) = target.split_at_mut(free);
-            combine::write(simd, [own[0], own[1], (taken.xi, slopes, free)], 0, moved);
-            combine::write(simd, own, free, rest);
+            let (first, rest) = target.split_at_mut(moved);
+            combine::write(simd, [own[0], own[1], (taken.xi, slopes, moved)], 0, first);
+            combine::write(simd, own, moved, rest);
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     modal::offset_channels,
     pass::{Point, Rows, Weights},
     problem::{Problem, StartState},
-    regimes::{Motion, Regimes},
+    regimes::Regimes,
     sensitivity::Sensitivity,
     start,
     walker::{DEFAULT_TOLERANCE, Walker},
@@ -25,6 +25,8 @@ const DECAYED: f64 = 1e-13;
 
 /// A model at one parameter vector and sample time, ready for any stretch.
 pub(crate) struct Stepper<'a> {
+    equations: &'a Equations,
+    slopes: &'a [Equations],
     free: &'a [usize],
     weights: &'a Weights,
     regimes: Regimes,
@@ -34,13 +36,15 @@ impl<'a> Stepper<'a> {
     /// `None` where the exponential overflows.
     pub(crate) fn new(
         problem: &'a Problem<'_>,
-        equations: &Equations,
-        slopes: &[Equations],
+        equations: &'a Equations,
+        slopes: &'a [Equations],
         point: &Point,
         weights: &'a Weights,
         sample_time_s: f64,
     ) -> Option<Self> {
         Some(Self {
+            equations,
+            slopes,
             free: &problem.free,
             weights,
             regimes: Regimes::new(equations, slopes, &point.values, &problem.free, sample_time_s)?,
@@ -59,7 +63,7 @@ impl<'a> Stepper<'a> {
         let offsets = offset_channels(problem);
         let mut run: Option<Run<'_>> = None;
         let pieces = between::pieces(problem.intersample);
-        let mut raw = vec![0.0; self.regimes.network().equations.input.ncols()];
+        let mut raw = vec![0.0; self.equations.input.ncols()];
         let mut course = Vec::new();
         let mut finite = true;
         feed::read(
@@ -106,7 +110,7 @@ impl<'a> Stepper<'a> {
         inputs: &[f64],
     ) -> Run<'s> {
         let locals = &point.locals[index];
-        let Motion { equations, slopes, .. } = self.regimes.network();
+        let (equations, slopes) = (self.equations, self.slopes);
         let states = equations.state.nrows();
         let (state, moved) = if problem.options.start_state == StartState::Free {
             (locals[..states].to_vec(), None)

@@ -151,7 +151,8 @@ fn slope_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 
     let problem = Problem::new(model, &datasets, Options { start_state, ..Options::default() }).unwrap();
     let values = model.values();
     let point = Point { locals: pass::first_locals(&problem, &values).unwrap(), values };
-    let scales = problem.free.iter().map(|index| point.values[*index].abs()).collect();
+    let size = |value: f64| if value == 0.0 { 0.1 } else { value.abs() };
+    let scales = problem.free.iter().map(|index| size(point.values[*index])).collect();
     let weights = Weights::white(vec![0.1; problem.outputs()], scales);
     let cost = |point: &Point| -> f64 {
         let results = pass::run(&problem, point, &weights).unwrap().unwrap();
@@ -204,6 +205,31 @@ fn slopes_agree_with_differences() {
     assert!(error < 2e-4, "with play: {error:e}");
     let error = slope_error(&axis, emps_data(), StartState::Free);
     assert!(error < 1e-4, "axis: {error:e}");
+}
+
+/// What laws of no strength would answer, on a bench that moves in one way and in three.
+#[test]
+fn slopes_of_silent_laws_agree_with_differences() {
+    let silent = |mut model: Model| {
+        for (effect, place, values) in [
+            ("coulomb_friction", "cam_bearing", &[("torque", 0.0)][..]),
+            ("stiffness_hardening", "coupling_1", &[("cubic", 0.0)]),
+            ("gravity_unbalance", "load", &[("torque", 0.0), ("phase", 0.3)]),
+            ("sensor_hum", "torque_out", &[("amplitude", 0.0), ("frequency", 50.0), ("phase", 0.2)]),
+            ("mesh_loss", "mesh", &[("fraction", 0.0)]),
+        ] {
+            model = model.with_effect(effect, place, values).unwrap();
+        }
+        model
+    };
+    let data = || bench(TRUTH, 0.3, 1.0, 3);
+    for start in [StartState::Free, StartState::Equilibrium] {
+        let error = slope_error(&silent(model(with_friction)), data(), start);
+        assert!(error < 1e-5, "{start:?}: {error:e}");
+    }
+    let loose = model(|text| text).with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
+    let error = slope_error(&silent(loose), data(), StartState::Equilibrium);
+    assert!(error < 2e-4, "with play: {error:e}");
 }
 
 #[test]

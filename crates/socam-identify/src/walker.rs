@@ -10,6 +10,7 @@ use crate::{
     combine,
     exponential::{Level, Sizes},
     laws::{self, Law, Response, Room, SILENT},
+    listeners::Listeners,
     regimes::{Motion, Play, Regimes},
 };
 
@@ -58,6 +59,7 @@ pub(crate) struct Taken<'w> {
     pub(crate) xi: &'w [f64],
     pub(crate) responses: &'w [Response],
     pub(crate) laws: &'w [Law],
+    pub(crate) listeners: &'w Listeners,
 }
 
 /// All there is at a time.
@@ -194,6 +196,7 @@ impl<'a> Walker<'a> {
                 xi: &self.xi,
                 responses: &self.responses,
                 laws: self.laws(),
+                listeners: &self.motion().listeners,
             }));
             self.xi[..n].copy_from_slice(&self.ends[..n]);
             self.keep_forces();

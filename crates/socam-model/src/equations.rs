@@ -42,6 +42,12 @@ impl Port {
         self.parameters.iter().map(|index| all[*index]).collect()
     }
 
+    /// Whether its law answers nothing, whatever it sees, at these `values` of all of the model's parameters.
+    #[must_use]
+    pub fn is_silent(&self, values: &[f64]) -> bool {
+        (self.law.silent)(&self.values(values))
+    }
+
     /// The law's answer; `seen` begins with what this port sees, and this port must be the first of its law.
     #[must_use]
     pub fn answer(&self, seen: &[f64], parameters: &[f64]) -> Response {
@@ -77,6 +83,22 @@ pub struct Equations {
     pub ports: Vec<Port>,
     /// What each state is, for reports.
     pub state_names: Vec<String>,
+}
+
+impl Equations {
+    /// The same with these ports only, as if the others' laws answered nothing.
+    #[must_use]
+    pub fn with_ports(&self, kept: &[usize]) -> Self {
+        Self {
+            force: self.force.select_columns(kept),
+            force_output: self.force_output.select_columns(kept),
+            port: self.port.select_rows(kept),
+            port_input: self.port_input.select_rows(kept),
+            port_force: self.port_force.select_rows(kept).select_columns(kept),
+            ports: kept.iter().filter_map(|port| self.ports.get(*port).cloned()).collect(),
+            ..self.clone()
+        }
+    }
 }
 
 /// The same as rows over [states | inputs | ports], with their slopes.

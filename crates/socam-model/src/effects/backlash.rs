@@ -21,6 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer,
         bend: |parameters| 0.5 * parameters[0],
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "no torque while |play| < gap/2",
     sentence: "The mesh has play: when the torque changes sign, the output is let go for a moment and then knocks.",

@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer: |_, parameters| shape::response(-parameters[0], &[], &[-1.0]),
         bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "T = -T_0",
     sentence: "A constant pull acts on the load: its weight, a belt, or an offset of the drive.",

@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer,
         bend: |parameters| parameters[1],
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "T = -T_c sign(w)",
     sentence: "Something rubs with a drag that does not grow with speed: a seal, a brake or a preloaded bearing.",

@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer,
         bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "c = c_0 (1 + r t)",
     sentence: "The drag changes while the bench runs: grease that warms up, or a brake that fades.",

@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer,
         bend: |parameters| parameters[2],
+        silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
     equation: "T = -(dT + dc |w|)/2, forward and backward",
     sentence: "It drags more one way than the other: a seal lip, a worm, a preloaded screw.",

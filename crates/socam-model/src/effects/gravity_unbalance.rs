@@ -11,7 +11,13 @@ pub(super) const EFFECT: Effect = Effect {
         EffectParameter::new("phase", Kind::Phase, ANY),
     ],
     borrows: None,
-    form: Form::Laws(&[Law { sights: &[Sight::Angle], acts: Acts::Torque, answer, bend: shape::straight }]),
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Angle],
+        acts: Acts::Torque,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
     equation: "T = -m g e sin(theta + phi)",
     sentence: "The load is heavier on one side: gravity pulls it back and forth once per turn.",
 };

@@ -13,7 +13,13 @@ pub(super) const EFFECT: Effect = Effect {
         EffectParameter::new("phase", Kind::Phase, ANY),
     ],
     borrows: Some(super::Borrowed::Stiffness),
-    form: Form::Laws(&[Law { sights: &[Sight::Angle], acts: Acts::Torque, answer, bend: shape::straight }]),
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Angle],
+        acts: Acts::Torque,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[1] == 0.0,
+    }]),
     equation: "theta_out = theta_in / N + A sin(n theta_in + phi)",
     sentence: "The reduction does not roll true: an eccentric cam, an indexing error of the rollers, once or more per turn.",
 };

@@ -17,6 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Drag,
         answer,
         bend: |parameters| parameters[1],
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "T_out = N T_in (1 - f) while it is driven forward",
     sentence: "The mesh eats a fixed share of the torque it passes on: sliding between cam and rollers, or between teeth.",

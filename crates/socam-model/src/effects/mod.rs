@@ -255,6 +255,8 @@ pub struct Law {
     pub answer: fn(sights: &[f64], parameters: &[f64]) -> Response,
     /// Range of its first sight in which it bends (0: it bends nowhere sharply). Fast predictors take shorter steps there.
     pub bend: fn(parameters: &[f64]) -> f64,
+    /// Whether it answers nothing, whatever it sees. Fast predictors then only listen to what it would answer.
+    pub silent: fn(parameters: &[f64]) -> bool,
 }
 
 /// How an effect enters the equations of motion.

@@ -8,7 +8,13 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     parameters: &[EffectParameter::new("coefficient", Kind::Drag, ANY)],
     borrows: None,
-    form: Form::Laws(&[Law { sights: &[Sight::Speed], acts: Acts::Torque, answer, bend: shape::straight }]),
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Speed],
+        acts: Acts::Torque,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
     equation: "T = -b w |w|",
     sentence: "Something churns air or oil: a fan, a disc in a bath, a windage loss.",
 };

@@ -19,6 +19,7 @@ pub(super) const EFFECT: Effect = Effect {
             shape::wave(p[0], std::f64::consts::TAU * p[1], p[2], sights[0], std::f64::consts::TAU)
         },
         bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "y = y_true + A sin(2 pi f t + phi)",
     sentence: "A sensor hums: mains pick-up, a ground loop, a converter's switching.",

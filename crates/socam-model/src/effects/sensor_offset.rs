@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Reading,
         answer: |_, parameters| shape::response(parameters[0], &[], &[1.0]),
         bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "y = y_true + o",
     sentence: "A sensor does not read zero at zero: its zero has drifted, or was never set.",

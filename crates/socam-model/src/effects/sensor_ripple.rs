@@ -17,6 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Reading,
         answer: |sights, p| shape::wave(p[0], p[1], p[2], sights[0], 1.0),
         bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
     }]),
     equation: "y = y_true + A sin(n theta + phi)",
     sentence: "A sensor swings as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",

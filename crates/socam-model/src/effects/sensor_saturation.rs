@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Reading,
         answer,
         bend: shape::straight,
+        silent: shape::never,
     }]),
     equation: "|y| <= y_max",
     sentence: "A sensor's peaks are cut off: its range, or its amplifier's, is too small.",

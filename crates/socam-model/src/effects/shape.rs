@@ -7,6 +7,11 @@ pub(super) fn straight(_: &[f64]) -> f64 {
     0.0
 }
 
+/// At no parameters.
+pub(super) fn never(_: &[f64]) -> bool {
+    false
+}
+
 /// A response from its slopes, however many.
 pub(super) fn response(torque: f64, sights: &[f64], parameters: &[f64]) -> Response {
     let mut slopes = [0.0; MAX_SIGHTS];

@@ -8,7 +8,13 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Spring,
     parameters: &[EffectParameter::new("cubic", Kind::PerAngleSquared, ANY)],
     borrows: Some(Borrowed::Stiffness),
-    form: Form::Laws(&[Law { sights: &[Sight::Twist], acts: Acts::Torque, answer, bend: shape::straight }]),
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Twist],
+        acts: Acts::Torque,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
     equation: "T = k d (1 + a d^2)",
     sentence: "A coupling is stiffer the more it is wound up (or softer): rubber, or a spring near its stop.",
 };

@@ -18,6 +18,7 @@ pub(super) const EFFECT: Effect = Effect {
         acts: Acts::Torque,
         answer,
         bend: |parameters| parameters[3],
+        silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
     equation: "T = -(T_c + (T_s - T_c) exp(-(w/w_s)^2)) sign(w)",
     sentence: "Something rubs, and sticks harder than it slides: a dry or starved bearing, a seal, a brake pad.",

@@ -13,7 +13,13 @@ pub(super) const EFFECT: Effect = Effect {
         EffectParameter::new("phase", Kind::Phase, ANY),
     ],
     borrows: None,
-    form: Form::Laws(&[Law { sights: &[Sight::Angle], acts: Acts::Torque, answer, bend: shape::straight }]),
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Angle],
+        acts: Acts::Torque,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[1] == 0.0,
+    }]),
     equation: "T = T_r sin(n theta + phi)",
     sentence: "The motor's torque swings as it turns: cogging, or commutation.",
 };

@@ -10,7 +10,13 @@ pub(in crate::challenge) static LOSS: Effect = effect(
     ActsAt::Gear,
     &[number("fraction", Kind::Ratio)],
     None,
-    &[Law { sights: &[Sight::Speed, Sight::Torque], acts: Acts::Drag, answer: loss, bend: |_| 0.0 }],
+    &[Law {
+        sights: &[Sight::Speed, Sight::Torque],
+        acts: Acts::Drag,
+        answer: loss,
+        bend: |_| 0.0,
+        silent: |_| false,
+    }],
     "T = -f |T| sign(w)",
 );
 

@@ -32,12 +32,12 @@ const fn number(name: &'static str, kind: Kind) -> EffectParameter {
 
 /// A law that acts as a torque.
 const fn torque(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { sights, acts: Acts::Torque, answer, bend: |_| 0.0 }
+    Law { sights, acts: Acts::Torque, answer, bend: |_| 0.0, silent: |_| false }
 }
 
 /// A law for the state of its own.
 const fn state(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { sights, acts: Acts::State, answer, bend: |_| 0.0 }
+    Law { sights, acts: Acts::State, answer, bend: |_| 0.0, silent: |_| false }
 }
 
 /// An effect made of laws.

@@ -89,6 +89,7 @@ pub(in crate::challenge) static GAIN_DRIFT: Effect = effect(
         acts: Acts::Reading,
         answer: |sights, p| response(p[0] * sights[0] * sights[1], &[p[0] * sights[1], p[0] * sights[0]]),
         bend: |_| 0.0,
+        silent: |_| false,
     }],
     "y = y_true (1 + r t)",
 );

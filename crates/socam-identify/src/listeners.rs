@@ -1,0 +1,163 @@
+//! Laws that answer nothing as yet: nothing depends on them, and what they would answer moves with their own parameters only.
+
+use nalgebra::DMatrix;
+use socam_model::Equations;
+
+use crate::{
+    exponential::{Level, Sizes},
+    laws::Law,
+    walker::Instant,
+};
+
+/// All of a model's, along one way of moving.
+pub(crate) struct Listeners {
+    /// By what they hear first; each hears as much as its law has sights.
+    laws: Vec<Law>,
+    /// What they hear of states, inputs and the forces of the others.
+    port: DMatrix<f64>,
+    port_input: DMatrix<f64>,
+    port_force: DMatrix<f64>,
+    /// What their forces, one for each, would do to states, to what the others see, and to outputs.
+    force: DMatrix<f64>,
+    seen: DMatrix<f64>,
+    output: DMatrix<f64>,
+}
+
+/// A step as they hear it.
+#[derive(Default)]
+pub(crate) struct Hearing {
+    /// What is heard in its middle, then at its end, by its xi; row by row.
+    heard: Vec<f64>,
+    width: usize,
+    /// For each law what its force at the start, in the middle and at the end does to the step's rows: three after each other.
+    drive: Vec<f64>,
+    rows: usize,
+}
+
+/// How what a law would answer moves with one free parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Heard {
+    law: usize,
+    pub(crate) column: usize,
+    pub(crate) slope: f64,
+}
+
+impl Listeners {
+    /// Of the ports `quiet` of `equations`, of whose others `live` answer.
+    pub(crate) fn new(
+        equations: &Equations,
+        values: &[f64],
+        free: &[usize],
+        [live, quiet]: [&[usize]; 2],
+    ) -> Self {
+        let own = equations.with_ports(quiet);
+        let leaders: Vec<usize> = quiet.iter().copied().filter(|p| equations.ports[*p].sight == 0).collect();
+        Self {
+            laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
+            port: own.port,
+            port_input: own.port_input,
+            port_force: equations.port_force.select_rows(quiet).select_columns(live),
+            force: equations.force.select_columns(&leaders),
+            seen: equations.port_force.select_rows(live).select_columns(&leaders),
+            output: equations.force_output.select_columns(&leaders),
+        }
+    }
+
+    /// What a step is to them, which is one of all ports.
+    pub(crate) fn hearing(&self, level: &Level, sizes: Sizes, [live, quiet]: [&[usize]; 2]) -> Hearing {
+        let (n, p) = (sizes.states, sizes.ports);
+        let others = (0..3).flat_map(|node| live.iter().map(move |port| sizes.forces() + node * p + port));
+        let columns: Vec<usize> = (0..sizes.forces()).chain(others).collect();
+        let ends = |ports: &[usize]| -> Vec<usize> {
+            [n, n + p].iter().flat_map(|first| ports.iter().map(move |port| first + port)).collect()
+        };
+        let rows: Vec<usize> = (0..n).chain(ends(live)).collect();
+        let at = |row: usize, column: usize| level.rows[row * sizes.width() + column];
+        let heard =
+            ends(quiet).into_iter().flat_map(|row| columns.iter().map(move |column| at(row, *column)));
+        let mut leaders = Vec::new();
+        let mut first = 0;
+        for law in &self.laws {
+            leaders.push(quiet[first]);
+            first += law.count();
+        }
+        let nodes = leaders.iter().flat_map(|port| (0..3).map(move |node| sizes.forces() + node * p + port));
+        Hearing {
+            heard: heard.collect(),
+            width: columns.len(),
+            drive: nodes.flat_map(|column| rows.iter().map(move |row| at(*row, column))).collect(),
+            rows: rows.len(),
+        }
+    }
+
+    /// What they would answer at an instant.
+    pub(crate) fn at(&self, at: &Instant) -> Vec<Heard> {
+        let sum = |matrix: &DMatrix<f64>, row: usize, by: &[f64]| -> f64 {
+            by.iter().enumerate().map(|(j, value)| matrix[(row, j)] * value).sum()
+        };
+        let heard: Vec<f64> = (0..self.port.nrows())
+            .map(|row| {
+                sum(&self.port, row, &at.state)
+                    + sum(&self.port_input, row, &at.inputs)
+                    + sum(&self.port_force, row, &at.forces)
+            })
+            .collect();
+        let mut all = Vec::new();
+        self.answer(&heard, &mut all);
+        all
+    }
+
+    fn answer(&self, heard: &[f64], all: &mut Vec<Heard>) {
+        let mut first = 0;
+        for (index, law) in self.laws.iter().enumerate() {
+            let slopes = law.at(&heard[first..]).slope_parameters;
+            let own = law.free.iter().map(|(position, column)| Heard {
+                law: index,
+                column: *column,
+                slope: slopes[*position],
+            });
+            all.extend(own);
+            first += law.count();
+        }
+    }
+
+    /// What they would answer in the middle of a step and at its end.
+    pub(crate) fn along(&self, hearing: &Hearing, xi: &[f64], [middle, end]: [&mut Vec<Heard>; 2]) {
+        let rows = hearing.heard.chunks_exact(hearing.width.max(1));
+        let heard: Vec<f64> = rows.map(|row| row.iter().zip(xi).map(|(a, x)| a * x).sum()).collect();
+        let (first, last) = heard.split_at(heard.len() / 2);
+        for (heard, all) in [(first, middle), (last, end)] {
+            all.clear();
+            self.answer(heard, all);
+        }
+    }
+
+    /// Of one of them to the rate of a state, to what a port sees, and to an output.
+    pub(crate) fn to_rate(&self, state: usize, heard: &Heard) -> f64 {
+        self.force[(state, heard.law)] * heard.slope
+    }
+
+    /// See [`Listeners::to_rate`].
+    pub(crate) fn to_port(&self, port: usize, heard: &Heard) -> f64 {
+        self.seen[(port, heard.law)] * heard.slope
+    }
+
+    /// See [`Listeners::to_rate`].
+    pub(crate) fn to_output(&self, output: usize, heard: &Heard) -> f64 {
+        self.output[(output, heard.law)] * heard.slope
+    }
+}
+
+impl Hearing {
+    /// Adds to a step's rows, from row `first` on, what the answers at its start, in its middle and at its end do to them.
+    pub(crate) fn add(&self, nodes: [&[Heard]; 3], first: usize, rows: &mut [f64], columns: usize) {
+        for (node, answers) in nodes.into_iter().enumerate() {
+            for answer in answers {
+                let drive = &self.drive[(3 * answer.law + node) * self.rows..][first..];
+                for (row, factor) in rows.chunks_exact_mut(columns).zip(drive) {
+                    row[answer.column] += factor * answer.slope;
+                }
+            }
+        }
+    }
+}
