@@ -39,6 +39,12 @@ impl Candidate {
         self.effect.id == other.effect.id && self.place == other.place
     }
 
+    /// Whether it is the same and, if it comes back with every turn, as often: what does not run true has several orders.
+    pub(crate) fn repeats(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|candidate| candidate.value("order"));
+        self.is_same(other) && (own == others || own.is_nan())
+    }
+
     /// Of a parameter that a file must give, SI; NaN for any other.
     pub(crate) fn value(&self, name: &str) -> f64 {
         self.values.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)

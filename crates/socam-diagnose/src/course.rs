@@ -15,8 +15,9 @@ use crate::{
     shapes::{self, Unexplained},
 };
 
-/// Candidates that are fitted in earnest.
+/// Candidates that are fitted in earnest, and places of any one effect among them: in a long chain neighbours promise the same.
 const TRIED: usize = 8;
+const PLACES: usize = 4;
 /// Least fall of the sum of squares, in training and on held-out recordings, that counts.
 const LEAST_GAIN: f64 = 25.0;
 const LEAST_HELD_GAIN: f64 = 10.0;
@@ -96,7 +97,7 @@ pub(crate) fn run(
         let problem = bench.problem(&course.last.model)?;
         let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
         let mut all = candidates::all(&course.last.model, &scales);
-        all.retain(|candidate| !course.steps.iter().any(|step| step.candidate.is_same(candidate)));
+        all.retain(|candidate| !course.steps.iter().any(|step| step.candidate.repeats(candidate)));
         let mut seen = screen::screen(
             &course.last.model,
             bench.training,
@@ -250,14 +251,23 @@ fn unnamed(
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
     let by_name = named.map_or(0.0, |(step, _)| step.gain);
+    // A curve over a turn is made of several waves, and the others follow.
+    let is_wave = named.is_some_and(|(step, _)| step.candidate.value("order").is_finite());
+    let nearly = if is_wave && first.is_turn() { 1.0 / shapes::ORDERS as f64 } else { NEARLY };
     if first.p_value > threshold
         || first.gain < LEAST_GAIN * course.last.scale()
-        || by_name > NEARLY * first.gain
+        || by_name > nearly * first.gain
     {
         return Ok(None);
     }
     let found = shapes::confirmed(bench, &course.last, &course.yardstick, first)?;
-    Ok(found.filter(|found| by_name < NEARLY * found.gain && found.misfit_percent > LEAST_SHARE))
+    // Beside what has a name, it has to be worth as much as another name.
+    let least_held = if course.steps.is_empty() { 0.0 } else { LEAST_SHARE };
+    Ok(found.filter(|found| {
+        by_name < nearly * found.gain
+            && found.misfit_percent > LEAST_SHARE
+            && found.held_gain_percent > least_held
+    }))
 }
 
 /// The candidates that promise most, each effect and place once.
@@ -269,8 +279,10 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
         // Where a fit may end depends on where it starts in what the effect is not linear in.
         let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
         let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };
+        let elsewhere = tried.iter().filter(|(candidate, _)| candidate.effect.id == one.start.effect.id);
+        let elsewhere = elsewhere.filter(|(candidate, _)| !candidate.is_same(&one.start)).count();
         // The first bit of play says little of what much of it does.
-        let has_room = tried.len() < TRIED || one.start.effect.id == "backlash";
+        let has_room = (tried.len() < TRIED && elsewhere < PLACES) || one.start.effect.id == "backlash";
         if one.possible && significant && starts < most && has_room {
             tried.push((one.start.clone(), one.promise.p_value));
         }

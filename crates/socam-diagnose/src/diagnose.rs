@@ -2,24 +2,28 @@
 
 use socam_identify::{
     Identification, IdentifyError, LeftOut, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate,
-    Problem, Watch, influence, output_error,
+    Problem, StartState, Watch, influence, output_error,
 };
-use socam_model::{Model, ModelError, Update};
+use socam_model::{EffectUse, Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
 use thiserror::Error;
 
 use crate::{
     Diagnosis, Evidence, answer,
     bench::Bench,
+    candidates::Candidate,
     cleaned::{self, cleaned, connected},
     course::{self, Course},
-    noise_floor, pictures,
+    noise_floor,
+    pictures::{self, Pair},
     validation::Folds,
 };
 
 /// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
 /// on along what the data hardly determine.
 const BASE: usize = 20;
+/// No bench obeys a law better than to this share of its strength: what the law leaves out bends it as much in all recordings.
+const OBEYED: f64 = 1e-3;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
 const REFINED: usize = 25;
 
@@ -34,13 +38,22 @@ pub struct Options {
     pub starts: usize,
     /// Seed of their spread.
     pub seed: u64,
+    /// Where each recording starts from.
+    pub start_state: StartState,
     /// Who follows the search and may end it.
     pub watch: Watch,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { false_alarm_rate: 0.01, most_effects: 3, starts: 2, seed: 1, watch: Watch::default() }
+        Self {
+            false_alarm_rate: 0.01,
+            most_effects: 3,
+            starts: 2,
+            seed: 1,
+            start_state: StartState::Free,
+            watch: Watch::default(),
+        }
     }
 }
 
@@ -118,6 +131,7 @@ pub fn diagnose(
     let fit = FitOptions {
         starts: options.starts,
         seed: options.seed,
+        start_state: options.start_state,
         watch: options.watch.clone(),
         ..FitOptions::default()
     };
@@ -144,8 +158,10 @@ pub fn diagnose(
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
-    let floor = noise_floor::floor(corrected, &course.last.at.values, course.yardstick.levels(), step_s);
-    let evidence = pictures::evidence(&bench, &course, &floor)?;
+    let pairs = Pair::all(&bench, &course)?;
+    let (at, levels) = (&course.last.at.values, course.yardstick.levels());
+    let floor = noise_floor::floor(corrected, at, levels, &Pair::proof(&pairs), step_s);
+    let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
     let mut diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s)?;
     notes.extend(outliers.iter().map(LeftOut::sentence));
@@ -181,13 +197,18 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
 
 /// Whether the recordings say how strong the effect is that was added last; what has no strength was not found.
 fn is_determined(course: &Course, after: &Identification) -> bool {
-    let (Some(step), Some(used)) = (course.steps.last(), course.last.model.effects.last()) else {
-        return true;
-    };
-    let own = used.effect.parameters.iter().zip(&used.parameters);
-    let mut strength =
-        own.filter(|(parameter, _)| step.candidate.strength.contains(&parameter.name)).peekable();
-    strength.peek().is_none() || strength.any(|(_, index)| after.parameters[*index].value.is_some())
+    let Some(step) = course.steps.last() else { return true };
+    let strength = strengths(&course.last.model, &step.candidate);
+    strength.is_empty() || strength.iter().any(|index| after.parameters[*index].value.is_some())
+}
+
+/// Parameters of a model that say how strong an effect in it is.
+fn strengths(model: &Model, candidate: &Candidate) -> Vec<usize> {
+    let is_it = |used: &&EffectUse| used.effect.id == candidate.effect.id && used.place == candidate.place;
+    let own = model.effects.iter().filter(is_it);
+    let named = own.flat_map(|used| used.effect.parameters.iter().zip(&used.parameters));
+    let strength = named.filter(|(parameter, _)| candidate.strength.contains(&parameter.name));
+    strength.map(|(_, index)| *index).collect()
 }
 
 /// The corrected model's fit with intervals.
@@ -202,10 +223,13 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     let last = &course.last;
     let widths =
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
+    let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
+    let named = course.steps.iter().flat_map(|step| strengths(&last.model, &step.candidate));
+    for index in named {
+        widths[index] = widths[index].max(OBEYED * last.at.values[index].abs());
+    }
     let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
-    for ((estimate, width), bounds) in
-        after.parameters.iter_mut().zip(widths.into_iter().flatten()).zip(bounds)
-    {
+    for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
         widen(estimate, width, bounds);
     }
     Ok(after)

@@ -1,45 +1,154 @@
-//! What a perfect model would leave: noise of the outputs, and what noise of the inputs becomes on its way through.
+//! What a perfect model would leave: noise of the outputs, and what errors of the inputs become on their way through.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
-use socam_identify::{Intersample, NoiseLevels, Predictor, Start};
-use socam_model::Model;
+use rand_distr::{Distribution, StandardNormal, Uniform};
+use socam_identify::{Intersample, NoiseLevels, Predictor, Start, compare::Traces};
+use socam_model::{Model, Take};
 
-/// Samples of noise that are sent through the model.
+/// Samples that are sent through the model, so many times.
 const ROWS: usize = 8000;
+const DRAWS: usize = 4;
 /// Of these the first are not counted.
 const SETTLING: usize = 2000;
+/// Samples to either side over which a signal is averaged to see where it lies between the steps of its converter.
+const SMOOTHING: usize = 25;
+/// Values that differ by no whole number of steps, to this share of one, are not rounded; nor are those of which so few are alike.
+const ALIKE: f64 = 1e-3;
+const LEAST_REPEATED: usize = 4;
+/// Root mean square of what is rounded away, in units of the noise that was found, up to which it is believed.
+const BELIEVED: f64 = 2.0;
 
-/// Standard deviation of each output's residual, SI.
-pub(crate) fn floor(model: &Model, values: &[f64], levels: &NoiseLevels, sample_time_s: f64) -> Vec<f64> {
-    let through = passed_on(model, values, levels, sample_time_s);
+/// Standard deviation of each output's residual, SI, on recordings like these.
+pub(crate) fn floor(
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+    recorded: &[&Traces],
+    sample_time_s: f64,
+) -> Vec<f64> {
+    let through = passed_on(model, values, levels, recorded, sample_time_s);
     let both = |(own, through): (&f64, &f64)| own.hypot(*through);
     levels.outputs.iter().zip(&through).map(both).collect()
 }
 
-/// What noise of the inputs alone leaves; nothing where it cannot be worked out.
-fn passed_on(model: &Model, values: &[f64], levels: &NoiseLevels, sample_time_s: f64) -> Vec<f64> {
+/// What errors of the inputs alone leave; nothing where it cannot be worked out.
+fn passed_on(
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+    recorded: &[&Traces],
+    sample_time_s: f64,
+) -> Vec<f64> {
     let none = vec![0.0; levels.outputs.len()];
     // Laws bend around a motion that is not there now.
     let mut linear = model.clone();
     linear.effects.retain(|used| used.effect.laws().is_empty());
     let Ok(predictor) = Predictor::new(&linear, values, sample_time_s) else { return none };
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let sizes = levels.inputs.iter().copied().chain(std::iter::repeat(0.0));
-    let inputs: Vec<Vec<f64>> = linear
-        .inputs()
-        .zip(sizes)
-        .map(|(_, std)| {
-            let draw = |_| std * Distribution::<f64>::sample(&StandardNormal, &mut random);
-            (0..ROWS).map(draw).collect()
-        })
-        .collect();
-    let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
     let still = vec![0.0; predictor.states()];
-    let Ok(run) = predictor.run(&slices, Intersample::BandLimited, Start::State(&still)) else { return none };
-    let size = |output: &Vec<f64>| {
-        let kept = &output[SETTLING..];
-        (kept.iter().map(|value| value * value).sum::<f64>() / kept.len() as f64).sqrt()
+    let mut squares = none.clone();
+    for draw in 0..DRAWS {
+        let like = recorded.get(draw % recorded.len().max(1));
+        let sizes = levels.inputs.iter().copied().chain(std::iter::repeat(0.0));
+        let inputs: Vec<Vec<f64>> = linear
+            .inputs()
+            .zip(sizes)
+            .enumerate()
+            .map(|(index, (channel, std))| {
+                let signal = like.and_then(|traces| traces.inputs.get(index));
+                let signal = signal.filter(|_| channel.take == Take::Value).map_or(&[][..], Vec::as_slice);
+                error(signal, std, &mut random)
+            })
+            .collect();
+        let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
+        let Ok(run) = predictor.run(&slices, Intersample::BandLimited, Start::State(&still)) else {
+            return none;
+        };
+        for (sum, output) in squares.iter_mut().zip(&run.outputs) {
+            let kept = &output[SETTLING..];
+            *sum += kept.iter().map(|value| value * value).sum::<f64>() / (kept.len() * DRAWS) as f64;
+        }
+    }
+    squares.into_iter().map(f64::sqrt).collect()
+}
+
+/// Errors of an input like this one: white noise, and what its converter rounds away. Where a signal moves little and is not noisy,
+/// that stands still for long, and goes through a drivetrain where noise does not.
+fn error(signal: &[f64], std: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+    // Levels of a command are no steps of a converter: those would have been taken for noise.
+    let step = step(signal).filter(|step| step / 12_f64.sqrt() < BELIEVED * std).unwrap_or(0.0);
+    let own = (std * std - step * step / 12.0).max(0.0).sqrt();
+    let mut noise = || own * Distribution::<f64>::sample(&StandardNormal, &mut *random);
+    if step == 0.0 {
+        return (0..ROWS).map(|_| noise()).collect();
+    }
+    let noise: Vec<f64> = (0..ROWS).map(|_| noise()).collect();
+    let between = Uniform::new(0.0, step).map_or(0.0, |uniform| uniform.sample(random));
+    let smooth = smoothed(signal);
+    let one = |(noise, truth): (&f64, &f64)| {
+        let truth = truth + between;
+        ((truth + noise) / step).round() * step - truth
     };
-    run.outputs.iter().map(size).collect()
+    noise.iter().zip(smooth.iter().cycle()).map(one).collect()
+}
+
+/// Of the converter whose values these are; `None` where they are not rounded, or never change.
+fn step(signal: &[f64]) -> Option<f64> {
+    let mut values: Vec<f64> = signal.iter().copied().filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let count = values.len();
+    values.dedup();
+    if values.len() * LEAST_REPEATED > count {
+        return None;
+    }
+    let gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole = |gap: &f64| (gap / least - (gap / least).round()).abs() < ALIKE * (gap / least).max(1.0);
+    (least.is_finite() && gaps.iter().all(whole)).then_some(least)
+}
+
+fn smoothed(signal: &[f64]) -> Vec<f64> {
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(signal.iter().scan(0.0, |sum, value| {
+            *sum += if value.is_finite() { *value } else { 0.0 };
+            Some(*sum)
+        }))
+        .collect();
+    let mean = |k: usize| {
+        let (from, to) = (k.saturating_sub(SMOOTHING), (k + SMOOTHING + 1).min(signal.len()));
+        (sums[to] - sums[from]) / (to - from) as f64
+    };
+    (0..signal.len()).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_of_a_converter_are_seen() {
+        let wave = |k: i32| 3.0 * (0.01 * f64::from(k)).sin();
+        let rounded = |step: f64| (0..4000).map(|k| (wave(k) / step).round() * step).collect::<Vec<f64>>();
+        assert!((step(&rounded(0.02)).unwrap() - 0.02).abs() < 1e-9);
+        assert_eq!(step(&(0..4000).map(wave).collect::<Vec<f64>>()), None);
+        assert_eq!(step(&[1.5; 100]), None);
+    }
+
+    /// What is rounded away of a signal that stands still stays; of one that is noisy it is noise.
+    #[test]
+    fn rounding_stands_still_with_its_signal() {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let level = |k: i32| if k < 2000 { 5.0 } else { 5.1 };
+        let still: Vec<f64> = (0..4000).map(level).collect();
+        let error = |std, random: &mut ChaCha8Rng| super::error(&still, std, random);
+        let quiet = error(0.1 / 12_f64.sqrt(), &mut random);
+        assert!(
+            quiet[100..1900].iter().all(|value| (value - quiet[100]).abs() < 1e-12 && value.abs() <= 0.05)
+        );
+        let noisy = error(0.3, &mut random);
+        assert!(mean(&noisy[100..1900]).abs() < 0.03);
+        // As wide as these levels are apart, nothing is rounded.
+        assert!(error(0.0, &mut random).iter().all(|value| *value == 0.0));
+    }
 }

@@ -20,46 +20,61 @@ const BINS: usize = 40;
 const LINES: usize = 400;
 
 /// Both models' residuals of one recording.
-struct Pair {
+pub(crate) struct Pair {
     name: String,
     held_out: bool,
     before: Traces,
     after: Option<Traces>,
 }
 
-/// `floor` is the noise floor of each output, SI.
-pub(crate) fn evidence(bench: &Bench<'_>, course: &Course, floor: &[f64]) -> Result<Evidence, IdentifyError> {
-    let corrected = !course.steps.is_empty();
-    let mut pairs = Vec::new();
-    let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
-    let (base, last) = (&course.base, &course.last);
-    let before = compare::traces(&bench.problem(&base.model)?, &base.at, None)?;
-    let after =
-        if corrected { compare::traces(&bench.problem(&last.model)?, &last.at, None)? } else { Vec::new() };
-    pairs.extend(paired(&training, false, before, after));
-    if bench.folds.kind == Validation::Holdout {
-        let fold = &bench.folds.folds[0];
-        let names: Vec<String> = fold.held_out.iter().map(|data| data.name().to_owned()).collect();
-        let of = |model: &Model, at: &Measured| {
-            compare::traces(&Problem::new(model, &fold.held_out, bench.fit.clone())?, at, None)
+impl Pair {
+    /// Of all recordings that were fitted, then of those that were held out.
+    pub(crate) fn all(bench: &Bench<'_>, course: &Course) -> Result<Vec<Self>, IdentifyError> {
+        let corrected = !course.steps.is_empty();
+        let mut pairs = Vec::new();
+        let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
+        let (base, last) = (&course.base, &course.last);
+        let before = compare::traces(&bench.problem(&base.model)?, &base.at, None)?;
+        let after = if corrected {
+            compare::traces(&bench.problem(&last.model)?, &last.at, None)?
+        } else {
+            Vec::new()
         };
-        let before = of(&base.model, &base.held[0])?;
-        let after = if corrected { of(&last.model, &last.held[0])? } else { Vec::new() };
-        pairs.extend(paired(&names, true, before, after));
+        pairs.extend(paired(&training, false, before, after));
+        if bench.folds.kind == Validation::Holdout {
+            let fold = &bench.folds.folds[0];
+            let names: Vec<String> = fold.held_out.iter().map(|data| data.name().to_owned()).collect();
+            let of = |model: &Model, at: &Measured| {
+                compare::traces(&Problem::new(model, &fold.held_out, bench.fit.clone())?, at, None)
+            };
+            let before = of(&base.model, &base.held[0])?;
+            let after = if corrected { of(&last.model, &last.held[0])? } else { Vec::new() };
+            pairs.extend(paired(&names, true, before, after));
+        }
+        Ok(pairs)
     }
-    let model = &base.model;
+
+    /// Those that prove something: that were held out, or else all.
+    pub(crate) fn proof(pairs: &[Self]) -> Vec<&Traces> {
+        let held_out = pairs.iter().any(|pair| pair.held_out);
+        pairs.iter().filter(|pair| pair.held_out == held_out).map(|pair| &pair.before).collect()
+    }
+}
+
+/// `floor` is the noise floor of each output, SI.
+pub(crate) fn evidence(model: &Model, pairs: &[Pair], floor: &[f64]) -> Evidence {
     let recordings = pairs.iter().map(|pair| recording(model, pair)).collect();
     let outputs = model.outputs().enumerate();
     let channels = outputs.map(|(output, channel)| ChannelEvidence {
         name: channel.name.clone(),
         unit: channel.unit.to_owned(),
         noise_std: floor[output],
-        over_speed: over(model, &pairs, output, Quantity::Speed),
-        over_angle: over(model, &pairs, output, Quantity::Turned),
-        over_torque: over(model, &pairs, output, Quantity::Torque),
-        spectrum: lines(&pairs, output, floor[output]),
+        over_speed: over(model, pairs, output, Quantity::Speed),
+        over_angle: over(model, pairs, output, Quantity::Turned),
+        over_torque: over(model, pairs, output, Quantity::Torque),
+        spectrum: lines(pairs, output, floor[output]),
     });
-    Ok(Evidence { recordings, channels: channels.collect() })
+    Evidence { recordings, channels: channels.collect() }
 }
 
 fn paired(names: &[String], held_out: bool, before: Vec<Traces>, after: Vec<Traces>) -> Vec<Pair> {

@@ -815,9 +815,9 @@ impl Reader<'_> {
 /// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
 fn add_clocks(model: &mut Model) {
     let asks = |sight: Sight| model.effects.iter().any(|used| used.effect.sees(sight));
-    let speed = |role: Role| {
-        let plain = |c: &&Channel| c.role == role && c.quantity == Quantity::Speed && c.take == Take::Value;
-        model.channels.iter().find(plain)
+    let tachometer = |role: Role| {
+        let is_one = |c: &&Channel| c.role == role && c.quantity == Quantity::Speed;
+        model.channels.iter().find(is_one)
     };
     let clock = |like: &Channel, name: &str, quantity: Quantity, take: Take| Channel {
         name: name.into(),
@@ -840,9 +840,11 @@ fn add_clocks(model: &mut Model) {
         clocks.push(clock(input, "time", Quantity::Time, Take::Elapsed));
     }
     if asks(Sight::Angle)
-        && let Some(tachometer) = speed(Role::Input).or_else(|| speed(Role::Output))
+        && let Some(tachometer) = tachometer(Role::Input).or_else(|| tachometer(Role::Output))
     {
-        clocks.push(clock(tachometer, "turned", Quantity::Turned, Take::Turned));
+        // The rate of an encoder's angle: then the angle itself is there, and counts on from one recording to the next.
+        let take = if tachometer.take == Take::Rate { Take::Value } else { Take::Turned };
+        clocks.push(clock(tachometer, "turned", Quantity::Turned, take));
     }
     model.channels.extend(clocks);
 }

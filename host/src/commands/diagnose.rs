@@ -11,7 +11,7 @@ use socam_diagnose::{
 };
 use socam_recording::{Dataset, OutputFile, Selection};
 
-use super::Outcome;
+use super::{Outcome, identify::Start};
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::{model_file, table, watch};
@@ -43,6 +43,9 @@ pub(crate) struct Args {
     /// Of steady states: by what share of itself a reading differs by chance from another one of the same operating point [default: 0.002]
     #[arg(long, value_name = "SHARE")]
     repeatability: Option<f64>,
+    /// Where each recording starts from
+    #[arg(long, value_enum, default_value = "free")]
+    start: Start,
     /// Most effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: u8,
@@ -88,6 +91,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             false_alarm_rate: args.false_alarm_rate,
             most_effects: args.most.into(),
             seed: args.seed,
+            start_state: args.start.state(),
             watch: fit.watch.clone(),
             ..socam_diagnose::Options::default()
         };

@@ -109,11 +109,20 @@ enum Method {
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Start {
+pub(super) enum Start {
     /// An unknown state, estimated
     Free,
     /// Equilibrium at the first input sample
     Equilibrium,
+}
+
+impl Start {
+    pub(super) fn state(self) -> StartState {
+        match self {
+            Self::Free => StartState::Free,
+            Self::Equilibrium => StartState::Equilibrium,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -222,10 +231,6 @@ fn open_all(runs: &[String]) -> anyhow::Result<Vec<Dataset>> {
 }
 
 fn options(args: &Args, model: &Model) -> anyhow::Result<Options> {
-    let start_state = match args.start {
-        Start::Free => StartState::Free,
-        Start::Equilibrium => StartState::Equilibrium,
-    };
     let intersample = args.between.map(|between| match between {
         Between::Linear => Intersample::Linear,
         Between::BandLimited => Intersample::BandLimited,
@@ -233,7 +238,7 @@ fn options(args: &Args, model: &Model) -> anyhow::Result<Options> {
     let noise = noise(&args.noise, model)?;
     Ok(Options {
         noise,
-        start_state,
+        start_state: args.start.state(),
         intersample,
         starts: args.starts.into(),
         seed: args.seed,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::{Model, Take};
+use crate::{Model, Quantity, Take};
 
 /// Parameters of the thesis model by name.
 fn p(model: &Model, name: &str) -> f64 {
@@ -353,6 +353,15 @@ fn an_input_may_be_made_of_an_angle() {
     let model = with("column = \"encoder_rad\"\ntake = \"rate\"").unwrap();
     let input = model.inputs().next().unwrap();
     assert_eq!((input.column.as_str(), input.take), ("encoder_rad", Take::Rate));
+    // Angles that laws ask for are then the encoder's own, and count on from one recording to the next.
+    let eccentric = [("order", 1.0), ("amplitude", 1e-3), ("phase", 0.0)];
+    let clock = |model: &Model| {
+        let grown = model.with_effect("kinematic_error", "mesh", &eccentric).unwrap();
+        let clock = grown.inputs().find(|input| input.quantity == Quantity::Turned).unwrap();
+        (clock.column.clone(), clock.take)
+    };
+    assert_eq!(clock(&model), ("encoder_rad".into(), Take::Value));
+    assert_eq!(clock(&plain), ("motor_speed_rad_s".into(), Take::Turned));
     let wave = with("column = \"encoder_rad\"\ntake = { sin = 2 }").unwrap();
     assert_eq!(wave.inputs().next().unwrap().take, Take::Sin(2.0));
     // A model that is written keeps it.
