@@ -25,7 +25,7 @@ const LONGEST: f64 = 1.5;
 /// Log-likelihood that a further step must promise.
 const LEAST_GAIN: f64 = 0.05;
 /// Rows of each of the first stretches on which the first steps are made, and their number.
-const FIRST_ROWS: u64 = 6000;
+const FIRST_ROWS: u64 = 2000;
 const FIRST_STRETCHES: usize = 6;
 const FIRST_STEPS: usize = 12;
 /// Steps on all data.
