@@ -21,7 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
         silent: |parameters| parameters[1] == 0.0,
     }]),
     equation: "T = T_r sin(n theta + phi)",
-    sentence: "The motor's torque swings as it turns: cogging, or commutation.",
+    sentence: "The machine's torque swings as it turns: cogging, or commutation.",
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {
