@@ -130,7 +130,7 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
     Finding {
         effect: UNEXPLAINED.into(),
         location: found.place.clone(),
-        sentence: words::unexplained(&found.place, is_channel, found.curve.over, found.misfit_percent),
+        sentence: words::unexplained(found, is_channel),
         equation: String::new(),
         parameters: Vec::new(),
         components: Vec::new(),

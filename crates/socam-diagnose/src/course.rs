@@ -243,8 +243,12 @@ fn unnamed(
     named: Option<&(Step, Fitted)>,
     suspicious: bool,
 ) -> Result<Option<Unexplained>, IdentifyError> {
+    // Where something is wrong already, more of it is likelier than something else elsewhere.
+    let known = |place: &str| course.steps.iter().any(|step| step.candidate.place == place);
+    let is_elsewhere =
+        !course.steps.is_empty() && named.is_some_and(|(step, _)| !known(&step.candidate.place));
     let left = named.map_or(course.last.scale(), |(_, fitted)| fitted.scale());
-    if left < MISFIT && (named.is_some() || !suspicious) {
+    if left < MISFIT && !is_elsewhere && (named.is_some() || !suspicious) {
         return Ok(None);
     }
     let shapes = shapes::all(bench, &course.last, &course.yardstick, scales)?;
@@ -253,7 +257,11 @@ fn unnamed(
     let by_name = named.map_or(0.0, |(step, _)| step.gain);
     // A curve over a turn is made of several waves, and the others follow.
     let is_wave = named.is_some_and(|(step, _)| step.candidate.value("order").is_finite());
-    let nearly = if is_wave && first.is_turn() { 1.0 / shapes::ORDERS as f64 } else { NEARLY };
+    let nearly = match (is_wave && first.is_turn(), is_elsewhere && known(first.place())) {
+        (true, _) => 1.0 / shapes::ORDERS as f64,
+        (_, true) => 1.0,
+        _ => NEARLY,
+    };
     if first.p_value > threshold
         || first.gain < LEAST_GAIN * course.last.scale()
         || by_name > nearly * first.gain

@@ -60,6 +60,18 @@ fn wave(sights: &[f64], p: &[f64]) -> Response {
     Response { torque: p[0] * sin, slopes, slope_parameters }
 }
 
+/// A share of what is read, by time.
+fn swelling(sights: &[f64], p: &[f64]) -> Response {
+    let Response { torque, slopes: by_time, slope_parameters } = hump(&sights[1..], p);
+    let mut slopes = [0.0; MAX_SIGHTS];
+    slopes[..2].copy_from_slice(&[torque, sights[0] * by_time[0]]);
+    Response {
+        torque: sights[0] * torque,
+        slopes,
+        slope_parameters: slope_parameters.map(|slope| sights[0] * slope),
+    }
+}
+
 fn against(sights: &[f64], p: &[f64]) -> Response {
     turned(hump(sights, p))
 }
@@ -99,6 +111,8 @@ static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Time], Acts:
 static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[Sight::Twist], Acts::Torque, hump)]);
 static CHANNEL_READING: Effect = shape(ActsAt::Channel, &[law(&[Sight::Reading], Acts::Reading, hump)]);
 static CHANNEL_TIME: Effect = shape(ActsAt::Channel, &[law(&[Sight::Time], Acts::Reading, hump)]);
+static CHANNEL_GAIN: Effect =
+    shape(ActsAt::Channel, &[law(&[Sight::Reading, Sight::Time], Acts::Reading, swelling)]);
 
 /// A place, what its unknown torque may depend on, and from where to where that goes.
 struct Free {
@@ -109,6 +123,8 @@ struct Free {
     range: (f64, f64),
     /// What one unit of the range is in units of the curve's abscissa: a twist is drawn as the torque that it takes.
     scale: f64,
+    /// Likewise of the curve's height: a gain is drawn as what it makes of the largest reading.
+    height: f64,
 }
 
 /// What remains, as a shape at a place that would carry it.
@@ -123,6 +139,11 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
+    /// Where it is.
+    pub(crate) fn place(&self) -> &str {
+        &self.free.place
+    }
+
     /// Whether it comes back with every turn.
     pub(crate) fn is_turn(&self) -> bool {
         self.free.is_turn()
@@ -133,6 +154,8 @@ impl Shape {
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
+    /// Whether it is a share of what a sensor reads.
+    pub(crate) is_gain: bool,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
     pub(crate) gain: f64,
@@ -160,7 +183,7 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
     let mut all = Vec::new();
     let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale| {
         if range.1 > range.0 {
-            all.push(Free { effect, place: place.to_owned(), over, unit, range, scale });
+            all.push(Free { effect, place: place.to_owned(), over, unit, range, scale, height: 1.0 });
         }
     };
     let duration_s = bench.training.iter().map(|data| data.end_s() - data.start_s()).fold(0.0, f64::max);
@@ -184,6 +207,11 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
         };
         add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0);
         add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
+        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
+    }
+    for free in all.iter_mut().filter(|free| free.is_gain()) {
+        let output = model.outputs().position(|channel| channel.name == free.place);
+        free.height = output.map_or(1.0, |output| scales.reading(output));
     }
     all
 }
@@ -203,6 +231,10 @@ impl Free {
         std::ptr::eq(self.effect, &raw const BEARING_ANGLE)
     }
 
+    fn is_gain(&self) -> bool {
+        std::ptr::eq(self.effect, &raw const CHANNEL_GAIN)
+    }
+
     fn curve(&self, model: &Model, heights: &[f64], std: &[f64]) -> Curve {
         let pieces = self.pieces();
         let known = |std: f64| Some(std).filter(|std| std.is_finite());
@@ -213,9 +245,10 @@ impl Free {
             (x.clone(), x.iter().map(at).map(Some).collect(), vec![known(std.sqrt()); x.len()])
         } else {
             // What never was there has no height.
-            let heights = heights.iter().zip(std).map(|(height, std)| std.is_finite().then_some(*height));
+            let heights =
+                heights.iter().zip(std).map(|(height, std)| std.is_finite().then_some(height * self.height));
             let x = pieces.iter().map(|piece| piece[0] * self.scale).collect();
-            (x, heights.collect(), std.iter().map(|std| known(*std)).collect())
+            (x, heights.collect(), std.iter().map(|std| known(std * self.height)).collect())
         };
         let channel = model.channels.iter().find(|channel| channel.name == self.place);
         Curve {
@@ -291,6 +324,7 @@ pub(crate) fn confirmed(
     let held_gain_percent = last.held_gain_percent(&fitted);
     let found = Unexplained {
         place: shape.free.place.clone(),
+        is_gain: shape.free.is_gain(),
         curve: shape.free.curve(&last.model, &heights, &shape.std),
         p_value: shape.p_value,
         gain,

@@ -2,7 +2,10 @@
 
 use socam_model::effects::Effect;
 
-use crate::document::{Curve, EffectParameter, Over};
+use crate::{
+    document::{Curve, EffectParameter, Over},
+    shapes::Unexplained,
+};
 
 /// For a mechanic: what it is, where, and how much.
 pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParameter]) -> String {
@@ -18,10 +21,17 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
 }
 
 /// The same of what has no name.
-pub(crate) fn unexplained(place: &str, is_channel: bool, over: Over, percent: f64) -> String {
-    let place = place.replace('_', " ");
-    let what = if is_channel { "an error of that sensor" } else { "a torque" };
-    let over = match over {
+pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
+    let place = found.place.replace('_', " ");
+    let what = match (is_channel, found.is_gain) {
+        (_, true) => "a gain of that sensor",
+        (true, _) => "an error of that sensor",
+        _ => "a torque",
+    };
+    let over = match found.curve.over {
+        Over::Time if found.is_gain => {
+            " that changes as time goes by (its curve is what that makes of the largest reading)"
+        }
         Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",
         Over::Speed => " that depends on speed",
         Over::Angle => " that repeats with each turn",
@@ -30,7 +40,8 @@ pub(crate) fn unexplained(place: &str, is_channel: bool, over: Over, percent: f6
         Over::Frequency => "",
     };
     format!(
-        "At {place}: {what}{over} is missing, and nothing that has a name here fits; it would carry {percent:.0} % of the misfit"
+        "At {place}: {what}{over} is missing, and nothing that has a name here fits; it would carry {:.0} % of the misfit",
+        found.misfit_percent
     )
 }
 
