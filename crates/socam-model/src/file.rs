@@ -816,7 +816,9 @@ impl Reader<'_> {
 fn add_clocks(model: &mut Model) {
     let asks = |sight: Sight| model.effects.iter().any(|used| used.effect.sees(sight));
     let tachometer = |role: Role| {
-        let is_one = |c: &&Channel| c.role == role && c.quantity == Quantity::Speed;
+        let is_one = |c: &&Channel| {
+            c.role == role && c.quantity == Quantity::Speed && matches!(c.take, Take::Value | Take::Rate)
+        };
         model.channels.iter().find(is_one)
     };
     let clock = |like: &Channel, name: &str, quantity: Quantity, take: Take| Channel {

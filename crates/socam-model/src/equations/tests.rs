@@ -364,6 +364,7 @@ fn an_input_may_be_made_of_an_angle() {
     assert_eq!(clock(&plain), ("motor_speed_rad_s".into(), Take::Turned));
     let wave = with("column = \"encoder_rad\"\ntake = { sin = 2 }").unwrap();
     assert_eq!(wave.inputs().next().unwrap().take, Take::Sin(2.0));
+    assert_eq!(clock(&wave), ("output_speed_rad_s".into(), Take::Turned));
     // A model that is written keeps it.
     let update = crate::Update { name: "k4".into(), value: 100.0, ci95: None, source: "test".into() };
     let written = Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
