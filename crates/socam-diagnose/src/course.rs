@@ -12,7 +12,7 @@ use crate::{
     race,
     scales::Scales,
     screen::{self, Promising, carried},
-    shapes::{self, Unexplained},
+    shapes::{self, Shape, Unexplained},
 };
 
 /// Candidates that are fitted in earnest, and places of any one effect among them: in a long chain neighbours promise the same.
@@ -198,6 +198,11 @@ impl Course {
         Ok(())
     }
 
+    /// Whether something that was added is there.
+    fn is_wrong_at(&self, place: &str) -> bool {
+        self.steps.iter().any(|step| step.candidate.place == place)
+    }
+
     /// Takes the last step back.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         let (Some(_), Some(Fitted { model, .. })) = (self.steps.pop(), self.before.pop()) else {
@@ -243,10 +248,8 @@ fn unnamed(
     named: Option<&(Step, Fitted)>,
     suspicious: bool,
 ) -> Result<Option<Unexplained>, IdentifyError> {
-    // Where something is wrong already, more of it is likelier than something else elsewhere.
-    let known = |place: &str| course.steps.iter().any(|step| step.candidate.place == place);
     let is_elsewhere =
-        !course.steps.is_empty() && named.is_some_and(|(step, _)| !known(&step.candidate.place));
+        named.is_some_and(|(step, _)| !course.steps.is_empty() && !course.is_wrong_at(&step.candidate.place));
     let left = named.map_or(course.last.scale(), |(_, fitted)| fitted.scale());
     if left < MISFIT && !is_elsewhere && (named.is_some() || !suspicious) {
         return Ok(None);
@@ -255,12 +258,9 @@ fn unnamed(
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
     let by_name = named.map_or(0.0, |(step, _)| step.gain);
-    // A curve over a turn is made of several waves, and the others follow.
-    let is_wave = named.is_some_and(|(step, _)| step.candidate.value("order").is_finite());
-    let nearly = match (is_wave && first.is_turn(), is_elsewhere && known(first.place())) {
-        (true, _) => 1.0 / shapes::ORDERS as f64,
-        (_, true) => 1.0,
-        _ => NEARLY,
+    let nearly = match named {
+        Some((step, _)) => share_of_a_name(course, &step.candidate, first),
+        None => NEARLY,
     };
     if first.p_value > threshold
         || first.gain < LEAST_GAIN * course.last.scale()
@@ -276,6 +276,17 @@ fn unnamed(
             && found.misfit_percent > LEAST_SHARE
             && found.held_gain_percent > least_held
     }))
+}
+
+/// How much of what a curve would gain a name has to, to be believed.
+fn share_of_a_name(course: &Course, named: &Candidate, curve: &Shape) -> f64 {
+    // A curve over a turn is made of several waves, and the others follow.
+    if named.value("order").is_finite() && curve.is_turn() {
+        return 1.0 / shapes::ORDERS as f64;
+    }
+    // Where something is wrong already, more of it is likelier than something else elsewhere.
+    let is_more = course.is_wrong_at(curve.place()) && !course.is_wrong_at(&named.place);
+    if is_more { 1.0 } else { NEARLY }
 }
 
 /// The candidates that promise most, each effect and place once.

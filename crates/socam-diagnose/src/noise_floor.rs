@@ -26,27 +26,15 @@ pub(crate) fn floor(
     recorded: &[&Traces],
     sample_time_s: f64,
 ) -> Vec<f64> {
-    let through = passed_on(model, values, levels, recorded, sample_time_s);
-    let both = |(own, through): (&f64, &f64)| own.hypot(*through);
-    levels.outputs.iter().zip(&through).map(both).collect()
-}
-
-/// What errors of the inputs alone leave; nothing where it cannot be worked out.
-fn passed_on(
-    model: &Model,
-    values: &[f64],
-    levels: &NoiseLevels,
-    recorded: &[&Traces],
-    sample_time_s: f64,
-) -> Vec<f64> {
-    let none = vec![0.0; levels.outputs.len()];
+    // Where what the inputs leave cannot be worked out, nothing.
+    let own = levels.outputs.clone();
     // Laws bend around a motion that is not there now.
     let mut linear = model.clone();
     linear.effects.retain(|used| used.effect.laws().is_empty());
-    let Ok(predictor) = Predictor::new(&linear, values, sample_time_s) else { return none };
+    let Ok(predictor) = Predictor::new(&linear, values, sample_time_s) else { return own };
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let still = vec![0.0; predictor.states()];
-    let mut squares = none.clone();
+    let mut squares = vec![0.0; own.len()];
     for draw in 0..DRAWS {
         let like = recorded.get(draw % recorded.len().max(1));
         let sizes = levels.inputs.iter().copied().chain(std::iter::repeat(0.0));
@@ -62,14 +50,14 @@ fn passed_on(
             .collect();
         let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
         let Ok(run) = predictor.run(&slices, Intersample::BandLimited, Start::State(&still)) else {
-            return none;
+            return own;
         };
         for (sum, output) in squares.iter_mut().zip(&run.outputs) {
             let kept = &output[SETTLING..];
             *sum += kept.iter().map(|value| value * value).sum::<f64>() / (kept.len() * DRAWS) as f64;
         }
     }
-    squares.into_iter().map(f64::sqrt).collect()
+    own.iter().zip(squares).map(|(own, square)| own.hypot(square.sqrt())).collect()
 }
 
 /// Errors of an input like this one: white noise, and what its converter rounds away. Where a signal moves little and is not noisy,
@@ -78,11 +66,11 @@ fn error(signal: &[f64], std: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
     // Levels of a command are no steps of a converter: those would have been taken for noise.
     let step = step(signal).filter(|step| step / 12_f64.sqrt() < BELIEVED * std).unwrap_or(0.0);
     let own = (std * std - step * step / 12.0).max(0.0).sqrt();
-    let mut noise = || own * Distribution::<f64>::sample(&StandardNormal, &mut *random);
+    let draw = |_| own * Distribution::<f64>::sample(&StandardNormal, &mut *random);
+    let noise: Vec<f64> = (0..ROWS).map(draw).collect();
     if step == 0.0 {
-        return (0..ROWS).map(|_| noise()).collect();
+        return noise;
     }
-    let noise: Vec<f64> = (0..ROWS).map(|_| noise()).collect();
     let between = Uniform::new(0.0, step).map_or(0.0, |uniform| uniform.sample(random));
     let smooth = smoothed(signal);
     let one = |(noise, truth): (&f64, &f64)| {

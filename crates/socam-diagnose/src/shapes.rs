@@ -181,22 +181,22 @@ pub(crate) fn all(
 
 fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
     let mut all = Vec::new();
-    let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale| {
+    let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale, height| {
         if range.1 > range.0 {
-            all.push(Free { effect, place: place.to_owned(), over, unit, range, scale, height: 1.0 });
+            all.push(Free { effect, place: place.to_owned(), over, unit, range, scale, height });
         }
     };
     let duration_s = bench.training.iter().map(|data| data.end_s() - data.start_s()).fold(0.0, f64::max);
     for bearing in &model.bearings {
         let speed = scales.speed(bearing.node);
-        add(&BEARING_SPEED, &bearing.name, Over::Speed, "rad/s", (-speed, speed), 1.0);
-        add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0);
-        add(&BEARING_TIME, &bearing.name, Over::Time, "s", (0.0, duration_s), 1.0);
+        add(&BEARING_SPEED, &bearing.name, Over::Speed, "rad/s", (-speed, speed), 1.0, 1.0);
+        add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0, 1.0);
+        add(&BEARING_TIME, &bearing.name, Over::Time, "s", (0.0, duration_s), 1.0, 1.0);
     }
     for (index, spring) in model.springs.iter().enumerate().filter(|(_, spring)| is_part(&spring.name)) {
         let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
         let twist = torque / stiffness;
-        add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness);
+        add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness, 1.0);
     }
     for (output, channel) in model.outputs().enumerate() {
         let most = scales.reading(output);
@@ -205,13 +205,9 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
             socam_model::Quantity::Speed => Over::Speed,
             _ => Over::Angle,
         };
-        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0);
-        add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
-        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0);
-    }
-    for free in all.iter_mut().filter(|free| free.is_gain()) {
-        let output = model.outputs().position(|channel| channel.name == free.place);
-        free.height = output.map_or(1.0, |output| scales.reading(output));
+        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0, 1.0);
+        add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0, 1.0);
+        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0, most);
     }
     all
 }

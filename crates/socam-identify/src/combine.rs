@@ -2,10 +2,16 @@
 //! work here.
 
 use faer::{MatMut, MatRef};
+use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
 /// Most columns of the product that are made in one reading of the signals; their sums stay in registers.
 const TILE: usize = 6;
+
+/// One row of a matrix times a few values.
+pub(crate) fn row_times(matrix: &DMatrix<f64>, row: usize, by: &[f64]) -> f64 {
+    by.iter().enumerate().map(|(j, value)| matrix[(row, j)] * value).sum()
+}
 
 /// Signals over some samples, one after the other.
 pub(crate) struct Signals {

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use socam_model::Equations;
 
 use crate::{
+    combine::row_times,
     exponential::{Level, Sizes},
     laws::Law,
     walker::Instant,
@@ -13,6 +14,8 @@ use crate::{
 pub(crate) struct Listeners {
     /// By what they hear first; each hears as much as its law has sights.
     laws: Vec<Law>,
+    /// First port of each.
+    leaders: Vec<usize>,
     /// What they hear of states, inputs and the forces of the others.
     port: DMatrix<f64>,
     port_input: DMatrix<f64>,
@@ -60,6 +63,7 @@ impl Listeners {
             force: equations.force.select_columns(&leaders),
             seen: equations.port_force.select_rows(live).select_columns(&leaders),
             output: equations.force_output.select_columns(&leaders),
+            leaders,
         }
     }
 
@@ -75,13 +79,8 @@ impl Listeners {
         let at = |row: usize, column: usize| level.rows[row * sizes.width() + column];
         let heard =
             ends(quiet).into_iter().flat_map(|row| columns.iter().map(move |column| at(row, *column)));
-        let mut leaders = Vec::new();
-        let mut first = 0;
-        for law in &self.laws {
-            leaders.push(quiet[first]);
-            first += law.count();
-        }
-        let nodes = leaders.iter().flat_map(|port| (0..3).map(move |node| sizes.forces() + node * p + port));
+        let nodes =
+            self.leaders.iter().flat_map(|port| (0..3).map(move |node| sizes.forces() + node * p + port));
         Hearing {
             heard: heard.collect(),
             width: columns.len(),
@@ -92,14 +91,11 @@ impl Listeners {
 
     /// What they would answer at an instant.
     pub(crate) fn at(&self, at: &Instant) -> Vec<Heard> {
-        let sum = |matrix: &DMatrix<f64>, row: usize, by: &[f64]| -> f64 {
-            by.iter().enumerate().map(|(j, value)| matrix[(row, j)] * value).sum()
-        };
         let heard: Vec<f64> = (0..self.port.nrows())
             .map(|row| {
-                sum(&self.port, row, &at.state)
-                    + sum(&self.port_input, row, &at.inputs)
-                    + sum(&self.port_force, row, &at.forces)
+                row_times(&self.port, row, &at.state)
+                    + row_times(&self.port_input, row, &at.inputs)
+                    + row_times(&self.port_force, row, &at.forces)
             })
             .collect();
         let mut all = Vec::new();

@@ -4,10 +4,10 @@
 //! while teeth are apart; but each way for itself is linear, and exact in steps of any length. So a step ends where the twist in
 //! the mesh meets a boundary, and what is stiff costs nothing.
 
-use nalgebra::DMatrix;
 use socam_model::Equations;
 
 use crate::{
+    combine::row_times,
     exponential::{self, Level, Sizes},
     laws::Law,
     listeners::Listeners,
@@ -161,17 +161,17 @@ impl Regimes {
     pub(crate) fn side_at(&self, state: &[f64], inputs: &[f64]) -> usize {
         let Some(Play { port, .. }) = self.play else { return 0 };
         let e = &self.network().equations;
-        let twist: f64 = state.iter().enumerate().map(|(i, x)| e.port[(port, i)] * x).sum::<f64>()
-            + inputs.iter().enumerate().map(|(i, u)| e.port_input[(port, i)] * u).sum::<f64>();
+        let twist = row_times(&e.port, port, state) + row_times(&e.port_input, port, inputs);
         self.sides.iter().position(|side| twist <= side.range[1]).unwrap_or(0)
     }
 }
 
 fn rates(e: &Equations, at: &Instant) -> Vec<f64> {
-    let sum = |matrix: &DMatrix<f64>, i: usize, by: &[f64]| -> f64 {
-        by.iter().enumerate().map(|(j, value)| matrix[(i, j)] * value).sum()
+    let rate = |i| {
+        row_times(&e.state, i, &at.state)
+            + row_times(&e.input, i, &at.inputs)
+            + row_times(&e.force, i, &at.forces)
     };
-    let rate = |i| sum(&e.state, i, &at.state) + sum(&e.input, i, &at.inputs) + sum(&e.force, i, &at.forces);
     (0..e.state.nrows()).map(rate).collect()
 }
 

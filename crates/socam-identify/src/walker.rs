@@ -7,7 +7,7 @@
 
 use crate::{
     between::Course,
-    combine,
+    combine::{self, row_times},
     exponential::{Level, Sizes},
     laws::{self, Law, Response, Room, SILENT},
     listeners::Listeners,
@@ -151,12 +151,8 @@ impl<'a> Walker<'a> {
         if ports == 0 {
             return;
         }
-        let base: Vec<f64> = (0..ports)
-            .map(|p| {
-                let state: f64 = self.state().iter().enumerate().map(|(i, x)| e.port[(p, i)] * x).sum();
-                state + inputs.iter().enumerate().map(|(i, u)| e.port_input[(p, i)] * u).sum::<f64>()
-            })
-            .collect();
+        let seen = |p| row_times(&e.port, p, self.state()) + row_times(&e.port_input, p, inputs);
+        let base: Vec<f64> = (0..ports).map(seen).collect();
         let laws = self.laws();
         let now = &mut self.speeds[ports..];
         now.copy_from_slice(&base);
@@ -345,10 +341,10 @@ impl<'a> Walker<'a> {
     pub(crate) fn outputs(&self, inputs: &[f64], outputs: &mut [f64]) {
         let e = &self.motion().equations;
         for (o, output) in outputs.iter_mut().enumerate() {
-            let state: f64 = self.state().iter().enumerate().map(|(i, x)| e.output[(o, i)] * x).sum();
-            let through: f64 = inputs.iter().enumerate().map(|(i, u)| e.feedthrough[(o, i)] * u).sum();
-            let force: f64 = self.forces().iter().enumerate().map(|(p, f)| e.force_output[(o, p)] * f).sum();
-            *output = state + through + force;
+            let through = row_times(&e.feedthrough, o, inputs);
+            *output = row_times(&e.output, o, self.state())
+                + through
+                + row_times(&e.force_output, o, self.forces());
         }
     }
 }
