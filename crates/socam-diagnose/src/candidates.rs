@@ -172,7 +172,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "sensor_hum" => {
             scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
         }
-        "sensor_ripple" => [1.0, 2.0].map(|order| wave("order", order, "amplitude")).to_vec(),
+        "sensor_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
         _ => vec![effect.parameters.iter().filter(|p| p.default.is_none()).map(|p| (p.name, 0.0)).collect()],
     }
 }

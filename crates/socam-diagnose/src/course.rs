@@ -203,17 +203,19 @@ impl Course {
         self.steps.iter().any(|step| step.candidate.place == place)
     }
 
-    /// Takes the last step back.
-    pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
-        let (Some(_), Some(Fitted { model, .. })) = (self.steps.pop(), self.before.pop()) else {
-            return Ok(());
-        };
-        let values = carried((&self.last.model, &self.last.at.values), &model);
-        if let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? {
-            self.last = fitted;
-        }
+    /// Takes the last step back, unless the model is the worse for it even when it begins where the step has led: of two springs in a
+    /// row, neither of which is known, one may harden although nobody can say by how much.
+    pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<bool, IdentifyError> {
+        let Some(Fitted { model, .. }) = self.before.last() else { return Ok(false) };
+        let values = carried((&self.last.model, &self.last.at.values), model);
+        let fitted = bench.fitted(model, &values, None, &self.yardstick)?;
+        let Some(fitted) = fitted.filter(|fitted| !is_worth_it(fitted, &self.last)) else { return Ok(false) };
+        self.steps.pop();
+        self.before.pop();
+        self.last = fitted;
         // A model without the effect may have fewer inputs.
-        self.judge_noise(bench)
+        self.judge_noise(bench)?;
+        Ok(true)
     }
 }
 

@@ -150,10 +150,9 @@ pub fn diagnose(
             break before.clone();
         }
         let after = refined(&bench, &course)?;
-        if course.steps.is_empty() || is_determined(&course, &after) {
+        if is_determined(&course, &after) || !course.undo(&bench)? {
             break after;
         }
-        course.undo(&bench)?;
     };
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
@@ -195,7 +194,7 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
-/// Whether the recordings say how strong the effect is that was added last; what has no strength was not found.
+/// Whether the recordings say how strong the effect is that was added last.
 fn is_determined(course: &Course, after: &Identification) -> bool {
     let Some(step) = course.steps.last() else { return true };
     let strength = strengths(&course.last.model, &step.candidate);
