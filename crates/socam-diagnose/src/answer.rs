@@ -25,6 +25,9 @@ const OPEN: f64 = 0.05;
 /// Residuals of recordings that were not fitted, in noise floors, from which on a model does not explain them whatever tests say.
 /// Where nothing is missing it is 0.9 to 1.1.
 const CONTRADICTION: f64 = 2.0;
+/// Mean square of the same, whitened and in units of noise, from which on a model is not called adequate. Where nothing is missing, a
+/// noisy input and coarse converters leave up to 1.09.
+const INADEQUATE: f64 = 1.2;
 
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
@@ -146,13 +149,23 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
     }
 }
 
-/// What is left far above noise although nothing that was tried holds on recordings that were not fitted: no model explains it.
+/// What is left above noise although nothing that was tried holds on recordings that were not fitted: no model explains it.
 fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
     let each = course.last.model.outputs().zip(floor).enumerate().filter_map(|(output, (channel, floor))| {
         let held = rms(&course.last.held, output)?;
-        Some((channel, held, held / floor)).filter(|(.., times)| *times > CONTRADICTION)
+        Some((channel, held, held / floor))
     });
     let (channel, held, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let (is_far, left) = (times > CONTRADICTION, course.last.scale());
+    if !is_far && left < INADEQUATE {
+        return None;
+    }
+    let why = if is_far {
+        "these recordings contradict one another, or one of them is not of this bench"
+    } else {
+        "something small is missing that has neither a name nor a place here"
+    };
+    let (held, unit, name) = (words::short(held), channel.unit, &channel.name);
     Some(Finding {
         effect: UNEXPLAINED.into(),
         location: channel.name.clone(),
@@ -163,11 +176,8 @@ fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
         evidence: Proof::default(),
         rivals: Vec::new(),
         sentence: format!(
-            "What was not fitted is missed by {} {} in {}, {times:.1} times its noise floor, and nothing that was tried helps there: \
-             these recordings contradict one another, or one of them is not of this bench",
-            words::short(held),
-            channel.unit,
-            channel.name
+            "What was not fitted is missed by {held} {unit} in {name}, {times:.1} times its noise floor (all channels: {left:.1} times \
+             the power of noise), and nothing that was tried helps there: {why}"
         ),
         equation: String::new(),
     })
