@@ -9,8 +9,9 @@ use crate::scales::Scales;
 
 /// Small enough to be nothing, large enough to be divided by.
 const NEXT_TO_NOTHING_S: f64 = 1e-8;
-/// Stiffness of a shaft that is as good as rigid, N m/rad (N/m), and its damping.
-const RIGID: (f64, f64) = (1e6, 1.0);
+/// Stiffness of a shaft that is as good as rigid, N m/rad (N/m), and how long it may take to spring back.
+const RIGID: f64 = 1e6;
+const RELAXATION_S: [f64; 3] = [1e-6, 3e-3, 3e-2];
 
 /// An effect at a place with its other parameters at one point of their grid, its strength at nothing.
 #[derive(Debug, Clone)]
@@ -155,7 +156,9 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
             let deflection = |part: f64| (part * twist).max(1e-6);
             vec![vec![("torque", 0.0), ("deflection", deflection(0.3))]]
         }
-        "missing_compliance" => vec![vec![("stiffness", RIGID.0), ("damping", RIGID.1)]],
+        "missing_compliance" => RELAXATION_S
+            .map(|relaxation_s| vec![("stiffness", RIGID), ("damping", RIGID * relaxation_s)])
+            .to_vec(),
         "coupling_slip" => [0.9, 0.7].map(|part| vec![("torque", part * torque)]).to_vec(),
         "gravity_unbalance" => vec![vec![("torque", 0.0), ("phase", 0.0)]],
         "external_disturbance" => {
@@ -182,11 +185,11 @@ fn wave(what: &'static str, value: f64, size: &'static str) -> Values {
     vec![(what, value), (size, 0.0), ("phase", 0.0)]
 }
 
-/// Once and twice per turn of either shaft.
+/// A few times per turn of either shaft.
 fn gear_orders(model: &Model, place: &str) -> impl Iterator<Item = f64> {
     let gear = model.gears.iter().find(|gear| gear.name == place);
     let ratio = gear.map_or(1.0, |gear| model.parameters[gear.ratio].value.abs());
-    let mut orders = vec![1.0, 2.0, 1.0 / ratio, 2.0 / ratio];
+    let mut orders: Vec<f64> = (1..=4).map(f64::from).flat_map(|times| [times, times / ratio]).collect();
     orders.sort_by(f64::total_cmp);
     orders.dedup();
     orders.into_iter()
@@ -208,5 +211,5 @@ pub(crate) fn has_memory(effect: &Effect) -> bool {
 
 /// Stiffness of a shaft that gives as much as a change of the rigid one's by so much.
 pub(crate) fn stiffness_of(change: f64) -> f64 {
-    RIGID.0 * RIGID.0 / change
+    RIGID * RIGID / change
 }

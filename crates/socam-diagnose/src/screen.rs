@@ -161,7 +161,12 @@ fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
             let moved = |share: f64| moved(candidate, name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
             let share = if candidate.is_full() { 0.0 } else { A_LITTLE };
-            start = start.with(name, moved(share).clamp(least, most));
+            let moved = moved(share).clamp(least, most);
+            start = start.with(name, moved);
+            // It springs back as fast however stiff it is.
+            if candidate.effect.id == "missing_compliance" {
+                start = start.with("damping", moved * candidate.value("damping") / before);
+            }
         }
     }
     Promising { start, promise, possible }
