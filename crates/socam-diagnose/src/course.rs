@@ -203,13 +203,15 @@ impl Course {
         self.steps.iter().any(|step| step.candidate.place == place)
     }
 
-    /// Takes the last step back, unless the model is the worse for it even when it begins where the step has led: of two springs in a
-    /// row, neither of which is known, one may harden although nobody can say by how much.
+    /// Takes the last step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither
+    /// of which is known, one may harden although nobody can say by how much.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<bool, IdentifyError> {
         let Some(Fitted { model, .. }) = self.before.last() else { return Ok(false) };
         let values = carried((&self.last.model, &self.last.at.values), model);
         let fitted = bench.fitted(model, &values, None, &self.yardstick)?;
-        let Some(fitted) = fitted.filter(|fitted| !is_worth_it(fitted, &self.last)) else { return Ok(false) };
+        let Some(fitted) = fitted.filter(|fitted| fitted.scale() < MISFIT * self.last.scale()) else {
+            return Ok(false);
+        };
         self.steps.pop();
         self.before.pop();
         self.last = fitted;
