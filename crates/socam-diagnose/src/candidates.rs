@@ -35,6 +35,15 @@ impl Candidate {
         matches!(self.effect.id, "coupling_slip" | "sensor_saturation")
     }
 
+    /// What its strength is where it does nothing.
+    pub(crate) fn nothing(&self) -> f64 {
+        match self.effect.id {
+            "sensor_gain" => 1.0,
+            "missing_compliance" | "coupling_slip" | "sensor_saturation" => f64::INFINITY,
+            _ => 0.0,
+        }
+    }
+
     /// Whether the other one is this effect at this place too, whatever its values.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id && self.place == other.place

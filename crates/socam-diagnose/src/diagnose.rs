@@ -194,20 +194,26 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
-/// Whether the recordings say how strong the effect is that was added last.
+/// Whether the recordings say that the effect that was added last is of some strength.
 fn is_determined(course: &Course, after: &Identification) -> bool {
     let Some(step) = course.steps.last() else { return true };
-    let strength = strengths(&course.last.model, &step.candidate);
-    strength.is_empty() || strength.iter().any(|index| after.parameters[*index].value.is_some())
+    let strengths = strengths(&course.last.model, &step.candidate);
+    let is_some = |(index, nothing): &(usize, f64)| {
+        let ParameterEstimate { value, ci95: [low, high], .. } = &after.parameters[*index];
+        let may_be_nothing =
+            low.is_some_and(|low| low <= *nothing) && high.is_some_and(|high| *nothing <= high);
+        value.is_some() && !may_be_nothing
+    };
+    strengths.is_empty() || strengths.iter().any(is_some)
 }
 
-/// Parameters of a model that say how strong an effect in it is.
-fn strengths(model: &Model, candidate: &Candidate) -> Vec<usize> {
+/// Parameters of a model that say how strong an effect in it is, and what they are where it is of no strength.
+fn strengths(model: &Model, candidate: &Candidate) -> Vec<(usize, f64)> {
     let is_it = |used: &&EffectUse| used.effect.id == candidate.effect.id && used.place == candidate.place;
     let own = model.effects.iter().filter(is_it);
     let named = own.flat_map(|used| used.effect.parameters.iter().zip(&used.parameters));
     let strength = named.filter(|(parameter, _)| candidate.strength.contains(&parameter.name));
-    strength.map(|(_, index)| *index).collect()
+    strength.map(|(_, index)| (*index, candidate.nothing())).collect()
 }
 
 /// The corrected model's fit with intervals.
@@ -224,8 +230,9 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
     let named = course.steps.iter().flat_map(|step| strengths(&last.model, &step.candidate));
-    for index in named {
-        widths[index] = widths[index].max(OBEYED * last.at.values[index].abs());
+    for (index, nothing) in named {
+        let strength = last.at.values[index] - if nothing.is_finite() { nothing } else { 0.0 };
+        widths[index] = widths[index].max(OBEYED * strength.abs());
     }
     let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
     for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
