@@ -13,6 +13,9 @@ const NEXT_TO_NOTHING_S: f64 = 1e-8;
 const RIGID: f64 = 1e6;
 const RELAXATION_S: [f64; 3] = [1e-6, 3e-3, 3e-2];
 
+/// Inertia that is as good as none, as a share of the least there is.
+const TRIFLE: f64 = 1e-3;
+
 /// An effect at a place with its other parameters at one point of their grid, its strength at nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
@@ -82,7 +85,7 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     found
 }
 
-/// Where a diagnosis looks for an effect: what acts from outside acts on the load, and inertia is missed where there is some.
+/// Where a diagnosis looks for an effect: what acts from outside acts on the load.
 fn places(model: &Model, effect: &Effect) -> Vec<String> {
     let driven: Vec<&str> = model.inputs().map(|input| input.at.as_str()).collect();
     let prescribed = |name: &str| {
@@ -92,7 +95,7 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
     let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
     let kept: Vec<&str> = match effect.id {
         "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),
-        "missing_inertia" => all.filter(|place| massive(place) && !prescribed(place)).collect(),
+        "missing_inertia" => all.filter(|place| !prescribed(place)).collect(),
         _ if effect.acts_at == ActsAt::Node => {
             let last = all.rfind(|place| massive(place) && !prescribed(place));
             last.into_iter().collect()
@@ -165,6 +168,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
             let deflection = |part: f64| (part * twist).max(1e-6);
             vec![vec![("torque", 0.0), ("deflection", deflection(0.3))]]
         }
+        "missing_inertia" => vec![vec![("inertia", least_inertia(model, place))]],
         "missing_compliance" => RELAXATION_S
             .map(|relaxation_s| vec![("stiffness", RIGID), ("damping", RIGID * relaxation_s)])
             .to_vec(),
@@ -187,6 +191,15 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "sensor_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
         _ => vec![effect.parameters.iter().filter(|p| p.default.is_none()).map(|p| (p.name, 0.0)).collect()],
     }
+}
+
+/// None where there is some already; a trifle where the model has none: a node with it moves by other equations than one without.
+fn least_inertia(model: &Model, place: &str) -> f64 {
+    if model.nodes.iter().any(|node| node.name == place && node.inertia.is_some()) {
+        return 0.0;
+    }
+    let known = model.nodes.iter().filter_map(|node| Some(model.parameters[node.inertia?].value));
+    TRIFLE * known.fold(1.0, f64::min)
 }
 
 /// A wave of no size.

@@ -209,7 +209,8 @@ impl Course {
         let Some(Fitted { model, .. }) = self.before.last() else { return Ok(false) };
         let values = carried((&self.last.model, &self.last.at.values), model);
         let fitted = bench.fitted(model, &values, None, &self.yardstick)?;
-        let Some(fitted) = fitted.filter(|fitted| fitted.scale() < MISFIT * self.last.scale()) else {
+        let total = |fitted: &Fitted| fitted.at.total() + fitted.held_chi2();
+        let Some(fitted) = fitted.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) else {
             return Ok(false);
         };
         self.steps.pop();

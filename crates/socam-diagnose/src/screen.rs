@@ -157,7 +157,11 @@ fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
         for (name, step) in candidate.strength.iter().zip(&promise.step) {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
-            let (least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
+            let (mut least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
+            // What has no inertia of its own cannot have less.
+            if candidate.effect.id == "missing_inertia" && before > 0.0 {
+                least = before;
+            }
             let moved = |share: f64| moved(candidate, name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
             let share = if candidate.is_full() { 0.0 } else { A_LITTLE };

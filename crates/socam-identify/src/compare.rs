@@ -30,7 +30,7 @@ pub const COARSE: f64 = 2.0;
 /// See [`COARSE`].
 pub const FINE: f64 = 0.05;
 /// How much stronger than the yardstick has it noise may be in the band where an effect acts, in power: coloured noise is.
-pub const INFLATION: f64 = 16.0;
+pub const INFLATION: f64 = 8.0;
 /// Parameters that stand for one effect; more are points of a curve, which may be next to dependent on one another and are kept
 /// small by a pull of [`RIDGE`] of what the data say of each.
 const FEW: usize = 4;
