@@ -163,15 +163,7 @@ impl Course {
             if is_worth_it(&fitted, &self.last) {
                 continue;
             }
-            let gone = self.steps.remove(index);
-            self.before.remove(index + 1);
-            if let Some(next) = self.steps.get_mut(index) {
-                next.gain += gone.gain;
-                let left = (1.0 - 0.01 * gone.held_gain_percent) * (1.0 - 0.01 * next.held_gain_percent);
-                next.held_gain_percent = 100.0 * (1.0 - left);
-            }
-            self.last = fitted;
-            self.judge_noise(bench)?;
+            self.remove(bench, index, fitted)?;
         }
         Ok(())
     }
@@ -203,22 +195,35 @@ impl Course {
         self.steps.iter().any(|step| step.candidate.place == place)
     }
 
-    /// Takes the last step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither
-    /// of which is known, one may harden although nobody can say by how much.
-    pub(crate) fn undo(&mut self, bench: &Bench<'_>) -> Result<bool, IdentifyError> {
-        let Some(Fitted { model, .. }) = self.before.last() else { return Ok(false) };
-        let values = carried((&self.last.model, &self.last.at.values), model);
-        let fitted = bench.fitted(model, &values, None, &self.yardstick)?;
+    /// Takes a step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither of which
+    /// is known, one may harden although nobody can say by how much.
+    pub(crate) fn undo(&mut self, bench: &Bench<'_>, index: usize) -> Result<bool, IdentifyError> {
+        let Some(without) = self.without(index) else { return Ok(false) };
+        let values = carried((&self.last.model, &self.last.at.values), &without);
         let total = |fitted: &Fitted| fitted.at.total() + fitted.held_chi2();
-        let Some(fitted) = fitted.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) else {
-            return Ok(false);
-        };
-        self.steps.pop();
-        self.before.pop();
+        let fitted = bench.fitted(&without, &values, None, &self.yardstick)?;
+        match fitted.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) {
+            Some(fitted) => self.remove(bench, index, fitted).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
+    /// Goes on without a step; what it gained is the next one's.
+    fn remove(&mut self, bench: &Bench<'_>, index: usize, fitted: Fitted) -> Result<(), IdentifyError> {
+        let gone = self.steps.remove(index);
+        match self.steps.get_mut(index) {
+            Some(next) => {
+                self.before.remove(index + 1);
+                next.gain += gone.gain;
+                let left = (1.0 - 0.01 * gone.held_gain_percent) * (1.0 - 0.01 * next.held_gain_percent);
+                next.held_gain_percent = 100.0 * (1.0 - left);
+            }
+            None => {
+                self.before.pop();
+            }
+        }
         self.last = fitted;
-        // A model without the effect may have fewer inputs.
-        self.judge_noise(bench)?;
-        Ok(true)
+        self.judge_noise(bench)
     }
 }
 

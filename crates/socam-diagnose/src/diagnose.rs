@@ -4,14 +4,13 @@ use socam_identify::{
     Identification, IdentifyError, LeftOut, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate,
     Problem, StartState, Watch, influence, output_error,
 };
-use socam_model::{EffectUse, Model, ModelError, Update};
+use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
 use thiserror::Error;
 
 use crate::{
     Diagnosis, Evidence, answer,
     bench::Bench,
-    candidates::Candidate,
     cleaned::{self, cleaned, connected},
     course::{self, Course},
     noise_floor,
@@ -150,7 +149,9 @@ pub fn diagnose(
             break before.clone();
         }
         let after = refined(&bench, &course)?;
-        if is_determined(&course, &after) || !course.undo(&bench)? {
+        let steps = (0..course.steps.len()).rev();
+        let doubtful = steps.filter(|step| !is_determined(&course, *step, &after)).collect();
+        if !undo_one(&mut course, &bench, doubtful)? {
             break after;
         }
     };
@@ -194,26 +195,37 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
-/// Whether the recordings say that the effect that was added last is of some strength.
-fn is_determined(course: &Course, after: &Identification) -> bool {
-    let Some(step) = course.steps.last() else { return true };
-    let strengths = strengths(&course.last.model, &step.candidate);
-    let is_some = |(index, nothing): &(usize, f64)| {
+/// Takes back the first of these steps that can be.
+fn undo_one(course: &mut Course, bench: &Bench<'_>, steps: Vec<usize>) -> Result<bool, IdentifyError> {
+    for step in steps {
+        if course.undo(bench, step)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Whether the recordings say that the effect that a step added is of some strength.
+fn is_determined(course: &Course, step: usize, after: &Identification) -> bool {
+    let nothing = course.steps[step].candidate.nothing();
+    let is_some = |index: &usize| {
         let ParameterEstimate { value, ci95: [low, high], .. } = &after.parameters[*index];
         let may_be_nothing =
-            low.is_some_and(|low| low <= *nothing) && high.is_some_and(|high| *nothing <= high);
+            low.is_some_and(|low| low <= nothing) && high.is_some_and(|high| nothing <= high);
         value.is_some() && !may_be_nothing
     };
+    let strengths = strengths(course, step);
     strengths.is_empty() || strengths.iter().any(is_some)
 }
 
-/// Parameters of a model that say how strong an effect in it is, and what they are where it is of no strength.
-fn strengths(model: &Model, candidate: &Candidate) -> Vec<(usize, f64)> {
-    let is_it = |used: &&EffectUse| used.effect.id == candidate.effect.id && used.place == candidate.place;
-    let own = model.effects.iter().filter(is_it);
-    let named = own.flat_map(|used| used.effect.parameters.iter().zip(&used.parameters));
-    let strength = named.filter(|(parameter, _)| candidate.strength.contains(&parameter.name));
-    strength.map(|(_, index)| (*index, candidate.nothing())).collect()
+/// Parameters of the last model that say how strong the effect is that a step added.
+fn strengths(course: &Course, step: usize) -> Vec<usize> {
+    let model = &course.last.model;
+    let used = &model.effects[model.effects.len() - course.steps.len() + step];
+    let own = used.effect.parameters.iter().zip(&used.parameters);
+    let strength =
+        own.filter(|(parameter, _)| course.steps[step].candidate.strength.contains(&parameter.name));
+    strength.map(|(_, index)| *index).collect()
 }
 
 /// The corrected model's fit with intervals.
@@ -229,10 +241,12 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     let widths =
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
-    let named = course.steps.iter().flat_map(|step| strengths(&last.model, &step.candidate));
-    for (index, nothing) in named {
-        let strength = last.at.values[index] - if nothing.is_finite() { nothing } else { 0.0 };
-        widths[index] = widths[index].max(OBEYED * strength.abs());
+    for (number, step) in course.steps.iter().enumerate() {
+        let nothing = Some(step.candidate.nothing()).filter(|nothing| nothing.is_finite());
+        for index in strengths(course, number) {
+            let strength = last.at.values[index] - nothing.unwrap_or(0.0);
+            widths[index] = widths[index].max(OBEYED * strength.abs());
+        }
     }
     let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
     for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use socam_diagnose::Diagnosis;
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_sim::challenge::{Case, Recordings};
+use socam_sim::challenge::{Case, Kind, Recordings};
 
 use super::Outcome;
 use crate::output;
@@ -30,7 +30,8 @@ use score::Score;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host challenge
-  socam-host challenge --cases 0..1000 --resume challenge
+  socam-host challenge --cases 0..300 --resume challenge
+  socam-host challenge --cases 300..1000 --clean --resume challenge
   socam-host challenge --cases 0..400 --open --json")]
 pub(crate) struct Args {
     /// Numbers of the cases, the last one left out
@@ -45,6 +46,9 @@ pub(crate) struct Args {
     /// Leave the locked cases alone
     #[arg(long)]
     open: bool,
+    /// Only benches with nothing hidden: how often the diagnosis cries wolf
+    #[arg(long)]
+    clean: bool,
     /// Number of threads; all cores when not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -99,7 +103,8 @@ fn score_all(
 ) -> anyhow::Result<(Vec<Score>, Failures)> {
     let mut wanted = Vec::new();
     for number in args.cases.clone() {
-        if !(args.open && Case::draw(args.seed, number)?.locked) {
+        let case = Case::draw(args.seed, number)?;
+        if !(args.open && case.locked || args.clean && case.kind != Kind::Clean) {
             wanted.push(number);
         }
     }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{Diagnosis, Finding, UNEXPLAINED};
+use socam_model::Model;
 use socam_sim::challenge::{Case, Hidden, Kind};
 
 use super::oracle::Oracle;
@@ -110,10 +111,19 @@ fn has_wrong_name(case: &Case, findings: &[Finding]) -> bool {
     if case.kind == Kind::Outside && findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
         return false;
     }
+    let beside = !case.hidden.is_empty() && is_right(case, findings);
     findings.iter().filter(|finding| finding.effect != UNEXPLAINED).any(|finding| match case.kind {
         Kind::Outside => !is_place(&finding.location, &case.hidden[0].place),
+        _ if beside && is_small_mass(case, finding) => false,
         _ => !case.hidden.iter().any(|hidden| is_it(finding, hidden)),
     })
+}
+
+/// Benches have some inertia wherever their model has none: where what was hidden has been found, that is no wrong name.
+fn is_small_mass(case: &Case, finding: &Finding) -> bool {
+    let is_bare =
+        |model: Model| model.nodes.iter().any(|node| node.name == finding.location && node.inertia.is_none());
+    finding.effect == "missing_inertia" && case.base().is_ok_and(is_bare)
 }
 
 /// `None` where the answer does not say how far it is from the noise.

@@ -2,7 +2,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Parser;
 use serde_json::json;
-use socam_sim::challenge::Kind;
 
 use super::*;
 
@@ -66,4 +65,14 @@ fn locked_cases_are_left_alone_where_that_is_asked_for() {
     let (scores, failures) =
         score_all(&args(&["--cases", "20..40", "--open"]), 1, &folder, &adequate).unwrap();
     assert!(scores.is_empty() && failures.is_empty());
+}
+
+#[test]
+fn clean_benches_can_be_tried_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = Folder::open(dir.path()).unwrap();
+    let (scores, failures) =
+        score_all(&args(&["--cases", "0..4", "--clean"]), 2, &folder, &adequate).unwrap();
+    assert!(failures.is_empty() && !scores.is_empty());
+    assert!(scores.iter().all(|score| score.kind == Kind::Clean && score.right));
 }

@@ -78,6 +78,17 @@ fn a_twin_counts_if_it_owns_up() {
 }
 
 #[test]
+fn small_masses_are_there() {
+    let truth = [("constant_load", "load")];
+    let load = || finding("constant_load", "load", &[]);
+    let inertia = |place| finding("missing_inertia", place, &[]);
+    assert!(!score(Kind::Single, &truth, &[load(), inertia("torque_sensor_out")]).wrong_name);
+    assert!(score(Kind::Single, &truth, &[load(), inertia("disk")]).wrong_name);
+    assert!(score(Kind::Single, &truth, &[inertia("torque_sensor_out")]).wrong_name);
+    assert!(score(Kind::Clean, &[], &[inertia("torque_sensor_out")]).wrong_name);
+}
+
+#[test]
 fn two_effects_count_in_any_order_but_before_others() {
     let truth = [("constant_load", "load"), ("backlash", "mesh")];
     let found = truth.map(|(effect, place)| finding(effect, place, &[]));
