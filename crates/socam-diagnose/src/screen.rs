@@ -87,7 +87,7 @@ fn together(
             promise.gain += at.total() - promise.total;
             promise.p_value = f64::from(promise.gain <= 0.0);
         }
-        foretold(candidate, promise)
+        foretold(model, candidate, promise)
     });
     Ok(each.collect())
 }
@@ -146,7 +146,7 @@ pub(crate) fn estimated(model: &Model, grown: &Model) -> Vec<usize> {
 /// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.
 const A_LITTLE: f64 = 0.02;
 
-fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
+fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising {
     let mut start = candidate.clone();
     let mut possible = true;
     if candidate.is_wave() {
@@ -158,9 +158,8 @@ fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
             let (mut least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
-            // What has no inertia of its own cannot have less.
-            if candidate.effect.id == "missing_inertia" && before > 0.0 {
-                least = before;
+            if candidate.effect.id == "missing_inertia" {
+                least = before - inertia(model, &candidate.place);
             }
             let moved = |share: f64| moved(candidate, name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
@@ -174,6 +173,12 @@ fn foretold(candidate: &Candidate, promise: Promise) -> Promising {
         }
     }
     Promising { start, promise, possible }
+}
+
+/// Of a node; nothing has less than none.
+fn inertia(model: &Model, place: &str) -> f64 {
+    let node = model.nodes.iter().find(|node| node.name == place);
+    node.and_then(|node| node.inertia).map_or(0.0, |index| model.parameters[index].value)
 }
 
 /// A stiffness is moved by what it gives: from one that is as good as rigid.
