@@ -136,7 +136,8 @@ pub(crate) fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String
 
 fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
     let fail = |problem: String| Err(SimError::argument(hidden.to_string(), problem));
-    let Some(effect) = effects::find(&hidden.effect) else {
+    let given = hidden.parameters.iter().map(|given| given.name.as_str());
+    let Some(effect) = effects::find_with(&hidden.effect, given) else {
         let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
         return fail(format!("there is no effect `{}`; effects are {}", hidden.effect, known.join(", ")));
     };
@@ -152,13 +153,8 @@ fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
     if let Some(unknown) =
         hidden.parameters.iter().find(|given| effect.parameters.iter().all(|p| p.name != given.name))
     {
-        let names: Vec<_> = effect.parameters.iter().map(|parameter| parameter.name).collect();
-        return fail(format!(
-            "{} has no parameter `{}`; it has {}",
-            effect.id,
-            unknown.name,
-            names.join(", ")
-        ));
+        let names = effects::parameters_of(effect.id).join(", ");
+        return fail(format!("{} has no parameter `{}`; it has {names}", effect.id, unknown.name));
     }
     let given = |name: &str| hidden.parameters.iter().any(|given| given.name == name);
     if let Some(needed) = effect.parameters.iter().find(|p| p.default.is_none() && !given(p.name)) {

@@ -28,6 +28,16 @@ fn hidden_physics_is_found_in_twenty_benches() {
     let creeping = cases.iter().find(|case| case["hidden"][0]["effect"] == "gain_drift").unwrap();
     let named = serde_json::json!([["sensor_gain", "torque_out"], ["unexplained", "torque_out"]]);
     assert_eq!(creeping["named"], named);
+    // Bristles give before they slip: a law that does too leaves nothing but noise, and knows their torque.
+    let hides = |case: &&Value, effect: &str| {
+        case["hidden"].as_array().unwrap().iter().any(|hidden| hidden["effect"] == effect)
+    };
+    let rubbing: Vec<_> = cases.iter().filter(|case| hides(case, "coulomb_friction")).collect();
+    assert!(rubbing.len() > 1);
+    for case in rubbing {
+        assert_eq!(case["at_the_floor"], true, "{case:#}");
+        assert!(case["intervals"].as_array().unwrap().iter().all(|interval| interval[1] == true), "{case:#}");
+    }
 }
 
 /// On this bench a constant pull is found first; once friction that differs with direction is in the model, it is nothing any more.

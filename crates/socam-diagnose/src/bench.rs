@@ -8,7 +8,7 @@ use socam_identify::{
 use socam_model::Model;
 use socam_recording::Dataset;
 
-use crate::{Options, document::Validation, validation::Folds};
+use crate::{Options, candidates::Candidate, document::Validation, validation::Folds};
 
 /// Iterations of a fit in earnest, and of one that only follows another choice of recordings.
 const ITERATIONS: usize = 25;
@@ -43,9 +43,21 @@ impl Fitted {
         (self.held_chi2() - self.held_count()).max(0.0)
     }
 
+    /// Whether what it leaves on held-out recordings may well be noise: within three standard deviations of chi-square's.
+    pub(crate) fn is_at_noise(&self) -> bool {
+        self.held_misfit() < 3.0 * (2.0 * self.held_count()).sqrt()
+    }
+
     /// What it leaves on training recordings beyond noise.
     pub(crate) fn misfit(&self) -> f64 {
         (self.at.total() - self.at.count.iter().sum::<f64>()).max(0.0)
+    }
+
+    /// Its model with effects added, at their candidates' values.
+    pub(crate) fn with<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
+        added.try_fold(self.model.clone(), |model, candidate| {
+            model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()
+        })
     }
 
     /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.

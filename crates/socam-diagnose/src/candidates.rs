@@ -1,8 +1,8 @@
 //! Every way in which an effect of the catalogue may be added to a model: where, and from which values a fit may start.
 
 use socam_model::{
-    Model,
-    effects::{ActsAt, CATALOGUE, Effect, Form, Sight},
+    Model, Motion,
+    effects::{ActsAt, CATALOGUE, Effect, Form, REFINED, Sight},
 };
 
 use crate::scales::Scales;
@@ -13,6 +13,8 @@ const NEXT_TO_NOTHING_S: f64 = 1e-8;
 const RIGID: f64 = 1e6;
 const RELAXATION_S: [f64; 3] = [1e-6, 3e-3, 3e-2];
 
+/// How far a contact may give before it slips, rad (cm).
+const PRESLIDING: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Inertia that is as good as none, as a share of the least there is.
 const TRIFLE: f64 = 1e-3;
 
@@ -74,7 +76,7 @@ impl Candidate {
 pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
     // What comes back with every turn needs something that turns.
-    let turns = model.motion == socam_model::Motion::Rotation;
+    let turns = model.motion == Motion::Rotation;
     for effect in CATALOGUE.iter().filter(|effect| turns || !is_by_turn(effect)) {
         for place in places(model, effect) {
             for values in grid(model, effect, &place, scales) {
@@ -219,6 +221,28 @@ fn gear_orders(model: &Model, place: &str) -> impl Iterator<Item = f64> {
 
 fn is_by_turn(effect: &Effect) -> bool {
     matches!(effect.id, "gravity_unbalance" | "torque_ripple" | "kinematic_error" | "sensor_ripple")
+}
+
+/// Refined laws that may stand for an effect, the simplest first, each from several points of what it has beside.
+pub(crate) fn refined(candidate: &Candidate, motion: Motion) -> Vec<Vec<Candidate>> {
+    let has = |name: &str| candidate.values.iter().any(|(known, _)| *known == name);
+    let is_it = |effect: &&&'static Effect| {
+        effect.acts_at == candidate.effect.acts_at
+            && given(effect).all(|name| name == "deflection" || has(name))
+    };
+    let start = |effect: &'static Effect, deflection: f64| {
+        let value = |name| if name == "deflection" { deflection } else { candidate.value(name) };
+        let values = given(effect).map(|name| (name, value(name))).collect();
+        Candidate { effect, values, strength: strength(effect), ..candidate.clone() }
+    };
+    let laws = REFINED.iter().filter(is_it);
+    let unit = if motion == Motion::Rotation { 1.0 } else { 0.01 };
+    laws.map(|effect| PRESLIDING.map(|deflection| start(effect, unit * deflection)).to_vec()).collect()
+}
+
+/// Names of the parameters that a file must give.
+fn given(effect: &'static Effect) -> impl Iterator<Item = &'static str> {
+    effect.parameters.iter().filter(|own| own.default.is_none()).map(|own| own.name)
 }
 
 /// Whether an effect changes the network itself, so that it is tried in a model without others of its kind.

@@ -271,7 +271,7 @@ pub(crate) fn add_effect(
     let fault = |message: String| ModelError::File { line: 1, message };
     let mut document: DocumentMut =
         text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
-    let known = effects::find(effect);
+    let known = effects::find_with(effect, values.iter().map(|(name, _)| *name));
     let mut used = InlineTable::new();
     for (name, number) in values {
         let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
@@ -572,7 +572,8 @@ impl Reader<'_> {
 
     fn effect(&mut self, raw: RawEffect, model: &mut Model) -> Result<(), ModelError> {
         let id = raw.effect.get_ref();
-        let Some(effect) = effects::find(id) else {
+        let given = raw.parameters.0.iter().map(|(name, _)| name.get_ref().as_str());
+        let Some(effect) = effects::find_with(id, given) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
             return self
                 .fail(&raw.effect, format!("there is no effect \"{id}\"; effects are {}", known.join(", ")));
@@ -585,11 +586,8 @@ impl Reader<'_> {
         }
         let known = |name: &str| effect.parameters.iter().any(|parameter| parameter.name == name);
         if let Some((name, _)) = raw.parameters.0.iter().find(|(name, _)| !known(name.get_ref())) {
-            let names: Vec<_> = effect.parameters.iter().map(|parameter| parameter.name).collect();
-            return self.fail(
-                name,
-                format!("{id} has no parameter \"{}\"; it has {}", name.get_ref(), names.join(", ")),
-            );
+            let names = effects::parameters_of(id).join(", ");
+            return self.fail(name, format!("{id} has no parameter \"{}\"; it has {names}", name.get_ref()));
         }
         let mut indices = Vec::new();
         for parameter in effect.parameters {

@@ -17,6 +17,7 @@ mod kinematic_error;
 mod mesh_loss;
 mod missing_compliance;
 mod missing_inertia;
+mod presliding;
 mod quadratic_drag;
 mod sensor_delay;
 mod sensor_gain;
@@ -65,9 +66,30 @@ pub const CATALOGUE: &[&Effect] = &[
     &sensor_ripple::EFFECT,
 ];
 
+/// Laws that stand for an effect of the catalogue where a parameter is given that it has not.
+pub const REFINED: &[&Effect] = &[&presliding::COULOMB, &presliding::STRIBECK];
+
 /// Looks an effect up by its id.
 pub fn find(id: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.id == id)
+}
+
+/// Looks an effect up by its id and parameters that are given for it: its refined law, where only that knows them all.
+pub fn find_with<'n>(id: &str, given: impl Iterator<Item = &'n str> + Clone) -> Option<&'static Effect> {
+    let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
+    laws_of(id).find(knows).or_else(|| find(id))
+}
+
+/// Names of all parameters that may be given for an effect.
+pub fn parameters_of(id: &str) -> Vec<&'static str> {
+    let mut names: Vec<&str> = laws_of(id).flat_map(|effect| effect.parameters).map(|own| own.name).collect();
+    let mut known = std::collections::HashSet::new();
+    names.retain(|name| known.insert(*name));
+    names
+}
+
+fn laws_of(id: &str) -> impl Iterator<Item = &'static Effect> {
+    CATALOGUE.iter().chain(REFINED).copied().filter(move |effect| effect.id == id)
 }
 
 /// Where an effect can sit.

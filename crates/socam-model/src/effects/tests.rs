@@ -24,7 +24,7 @@ fn plausible(parameter: &EffectParameter) -> f64 {
 
 #[test]
 fn slopes_of_every_law_agree_with_differences() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter().chain(REFINED) {
         let mut parameters: Vec<f64> = effect.parameters.iter().map(plausible).collect();
         match effect.borrows {
             Some(Borrowed::Contact) => parameters.extend([0.7, 0.3]),
@@ -75,7 +75,7 @@ fn slopes_of_every_law_agree_with_differences() {
 #[test]
 fn every_effect_enters_a_model_wherever_it_may_act() {
     let base = Model::builtin("speed-o-cam").unwrap();
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter().chain(REFINED) {
         let places: Vec<String> = base.places(effect).into_iter().map(str::to_owned).collect();
         assert!(!places.is_empty(), "{}", effect.id);
         for place in places {
