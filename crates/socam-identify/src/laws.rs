@@ -16,7 +16,7 @@ const BEYOND: f64 = 1e9;
 /// See [`Law::leniency`].
 const LENIENCY: f64 = 1e4;
 /// The same for a speed that drives a state: what yields bends at every turn of a noisy motion, and forgets. Stiffness and yield then
-/// come out within a millionth of their intervals, in a quarter of the time.
+/// come out within a thousandth of their intervals, in a quarter of the time.
 const MEMORY_LENIENCY: f64 = 100.0;
 
 /// What a port's law does with what the port sees; the ports of one law stand next to each other, see
