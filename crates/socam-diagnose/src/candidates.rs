@@ -94,7 +94,7 @@ fn places(model: &Model, effect: &Effect) -> Vec<String> {
         model.inputs().any(|input| input.quantity == socam_model::Quantity::Speed && input.at == name)
     };
     let mut all = model.places(effect).into_iter().filter(|place| is_part(place));
-    let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
+    let massive = |name: &str| inertia(model, name).is_some();
     let kept: Vec<&str> = match effect.id {
         "torque_ripple" => all.filter(|place| driven.contains(place) && !prescribed(place)).collect(),
         "missing_inertia" => all.filter(|place| !prescribed(place)).collect(),
@@ -191,17 +191,23 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
             scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
         }
         "sensor_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
-        _ => vec![effect.parameters.iter().filter(|p| p.default.is_none()).map(|p| (p.name, 0.0)).collect()],
+        _ => vec![given(effect).map(|name| (name, 0.0)).collect()],
     }
 }
 
 /// None where there is some already; a trifle where the model has none: a node with it moves by other equations than one without.
 fn least_inertia(model: &Model, place: &str) -> f64 {
-    if model.nodes.iter().any(|node| node.name == place && node.inertia.is_some()) {
+    if inertia(model, place).is_some() {
         return 0.0;
     }
-    let known = model.nodes.iter().filter_map(|node| Some(model.parameters[node.inertia?].value));
+    let known = model.nodes.iter().filter_map(|node| inertia(model, &node.name));
     TRIFLE * known.fold(1.0, f64::min)
+}
+
+/// Of a node, where the model has some.
+pub(crate) fn inertia(model: &Model, place: &str) -> Option<f64> {
+    let node = model.nodes.iter().find(|node| node.name == place)?;
+    Some(model.parameters[node.inertia?].value)
 }
 
 /// A wave of no size.
@@ -224,7 +230,7 @@ fn is_by_turn(effect: &Effect) -> bool {
 }
 
 /// Refined laws that may stand for an effect, the simplest first, each from several points of what it has beside.
-pub(crate) fn refined(candidate: &Candidate, motion: Motion) -> Vec<Vec<Candidate>> {
+pub(crate) fn refined_laws(candidate: &Candidate, motion: Motion) -> Vec<Vec<Candidate>> {
     let has = |name: &str| candidate.values.iter().any(|(known, _)| *known == name);
     let is_it = |effect: &&&'static Effect| {
         effect.acts_at == candidate.effect.acts_at
@@ -241,7 +247,7 @@ pub(crate) fn refined(candidate: &Candidate, motion: Motion) -> Vec<Vec<Candidat
 }
 
 /// Names of the parameters that a file must give.
-fn given(effect: &'static Effect) -> impl Iterator<Item = &'static str> {
+fn given(effect: &Effect) -> impl Iterator<Item = &'static str> {
     effect.parameters.iter().filter(|own| own.default.is_none()).map(|own| own.name)
 }
 

@@ -161,7 +161,9 @@ impl Course {
     /// Puts refined laws in the place of those that were added, where they explain most of what these leave beyond noise.
     fn refine(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.steps.len() {
-            for starts in candidates::refined(&self.steps[index].candidate.clone(), self.base.model.motion) {
+            for starts in
+                candidates::refined_laws(&self.steps[index].candidate.clone(), self.base.model.motion)
+            {
                 if self.last.is_at_noise() {
                     return Ok(());
                 }

@@ -158,8 +158,9 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
             let (mut least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
+            // Nothing has less inertia than none.
             if candidate.effect.id == "missing_inertia" {
-                least = before - inertia(model, &candidate.place);
+                least = before - candidates::inertia(model, &candidate.place).unwrap_or(0.0);
             }
             let moved = |share: f64| moved(candidate, name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
@@ -173,12 +174,6 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
         }
     }
     Promising { start, promise, possible }
-}
-
-/// Of a node; nothing has less than none.
-fn inertia(model: &Model, place: &str) -> f64 {
-    let node = model.nodes.iter().find(|node| node.name == place);
-    node.and_then(|node| node.inertia).map_or(0.0, |index| model.parameters[index].value)
 }
 
 /// A stiffness is moved by what it gives: from one that is as good as rigid.

@@ -1,6 +1,8 @@
 //! Friction inside a coupling: it follows another way back than it went.
 
-use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, presliding, shape,
+};
 
 /// A spring that yields, beside the elastic one: T = torque z / deflection, z' = v - |v| z / deflection (Dahl 1968; Bouc and
 /// Wen with exponent one). `torque` is what it carries at most, `deflection` the twist that takes it to 63 % of that.
@@ -36,17 +38,12 @@ pub(super) const EFFECT: Effect = Effect {
 const ROUNDING: f64 = 0.02;
 
 fn creep(sights: &[f64], p: &[f64]) -> Response {
-    let (rate, state, deflection) = (sights[0], sights[1], p[1]);
-    let (sign, bend, _) = shape::sign(rate, ROUNDING);
-    let (size, share) = (rate * sign, state / deflection);
-    shape::response(
-        rate - size * share,
-        &[1.0 - share * (sign + rate * bend), -size / deflection],
-        &[0.0, size * share / deflection],
-    )
+    let (rate, slopes, [.., by_deflection, _]) =
+        presliding::bend(sights, [p[1], ROUNDING], presliding::STEADY);
+    shape::response(rate, &slopes, &[0.0, by_deflection])
 }
 
 fn pull(sights: &[f64], p: &[f64]) -> Response {
-    let share = sights[0] / p[1];
-    shape::response(p[0] * share, &[p[0] / p[1]], &[share, -p[0] * share / p[1]])
+    let (against, by_state, by_deflection) = presliding::pull(sights[0], p[0], p[1]);
+    shape::response(-against, &[-by_state], &[sights[0] / p[1], -by_deflection])
 }

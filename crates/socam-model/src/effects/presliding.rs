@@ -19,8 +19,7 @@ pub(super) const COULOMB: Effect = Effect {
             sights: &[Sight::Speed, Sight::State],
             acts: Acts::State,
             answer: |sights, p| {
-                let steady = Ease { value: 1.0, by_speed: 0.0, by_parameters: [0.0; 3] };
-                let (rate, slopes, [.., by_deflection, by_transition]) = bend(sights, [p[1], p[2]], steady);
+                let (rate, slopes, [.., by_deflection, by_transition]) = bend(sights, [p[1], p[2]], STEADY);
                 shape::response(rate, &slopes, &[0.0, by_deflection, by_transition])
             },
             bend: |p| p[2],
@@ -85,11 +84,14 @@ pub(super) const STRIBECK: Effect = Effect {
 const TRANSITION: EffectParameter = EffectParameter::usual("transition_speed", Kind::Speed, (5e-3, 2e-4));
 
 /// How much sooner bristles slip than those of the static torque: T_s / g, its slope by speed, and those by the parameters.
-struct Ease {
+pub(super) struct Ease {
     value: f64,
     by_speed: f64,
     by_parameters: [f64; 3],
 }
+
+/// Where friction is the same at any speed.
+pub(super) const STEADY: Ease = Ease { value: 1.0, by_speed: 0.0, by_parameters: [0.0; 3] };
 
 fn ease(speed: f64, p: &[f64]) -> Ease {
     let ratio = speed / p[2];
@@ -110,7 +112,11 @@ fn ease(speed: f64, p: &[f64]) -> Ease {
 }
 
 /// Rate of the bristles' bend, its slopes by sights, and those by the ease's parameters, deflection and transition speed.
-fn bend(sights: &[f64], [deflection, transition]: [f64; 2], ease: Ease) -> (f64, [f64; 2], [f64; 5]) {
+pub(super) fn bend(
+    sights: &[f64],
+    [deflection, transition]: [f64; 2],
+    ease: Ease,
+) -> (f64, [f64; 2], [f64; 5]) {
     let (speed, share) = (sights[0], sights[1] / deflection);
     let (sign, steepness, by_width) = shape::sign(speed, transition);
     let size = speed * sign;
@@ -130,7 +136,7 @@ fn bend(sights: &[f64], [deflection, transition]: [f64; 2], ease: Ease) -> (f64,
 }
 
 /// Torque of bent bristles, its slope by the bend and by deflection.
-fn pull(bent: f64, torque: f64, deflection: f64) -> (f64, f64, f64) {
+pub(super) fn pull(bent: f64, torque: f64, deflection: f64) -> (f64, f64, f64) {
     let share = bent / deflection;
     (-torque * share, -torque / deflection, torque * share / deflection)
 }
