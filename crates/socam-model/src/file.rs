@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
-    Servo, Shaft, Site, Spring, Take, Update,
+    Servo, Shaft, Site, Spring, Take,
     effects::{self, ActsAt, Borrowed, Effect, Kind, Sight},
     model::{CONTACT_DAMPING, MESH_DAMPING, MESH_STIFFNESS},
     units,
@@ -193,112 +193,6 @@ pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
     .model(raw)
 }
 
-/// The text with updated parameters, values in the file's own units.
-pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
-    let fault = |message: String| ModelError::File { line: 1, message };
-    let mut document: toml_edit::DocumentMut =
-        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
-    for update in updates {
-        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else {
-            continue;
-        };
-        // A law's own default stands in no file.
-        let Some(entry) =
-            document["parameters"].get_mut(&update.name).and_then(toml_edit::Item::as_table_like_mut)
-        else {
-            continue;
-        };
-        // A value at its bound must not come out beyond it by a rounding, or the file could not be read again.
-        let bound = |index: usize| {
-            let bound = entry.get("bounds")?.as_array()?.get(index)?;
-            bound.as_float().or(bound.as_integer().map(|integer| integer as f64))
-        };
-        let (least, most) = (bound(0).unwrap_or(f64::NEG_INFINITY), bound(1).unwrap_or(f64::INFINITY));
-        let inside = (parameter.bounds.0..=parameter.bounds.1).contains(&update.value);
-        let value = update.value / parameter.file_factor;
-        let value = if inside { value.max(least).min(most) } else { value };
-        entry.insert("value", toml_edit::value(value));
-        match update.ci95 {
-            Some(ends) => {
-                let ends: toml_edit::Array = ends.iter().map(|end| end / parameter.file_factor).collect();
-                entry.insert("ci95", toml_edit::value(ends));
-            }
-            None => {
-                entry.remove("ci95");
-            }
-        }
-        entry.insert("source", toml_edit::value(&update.source));
-    }
-    Ok(document.to_string())
-}
-
-/// The text with priors, from which searches then start too.
-pub(crate) fn write_priors(
-    text: &str,
-    parameters: &[Parameter],
-    priors: &[(&str, Prior)],
-    source: &str,
-) -> Result<String, ModelError> {
-    let fault = |message: String| ModelError::File { line: 1, message };
-    let mut document: toml_edit::DocumentMut =
-        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
-    for (name, prior) in priors {
-        let parameter = parameters.iter().find(|parameter| parameter.name == *name);
-        let entry = document["parameters"].get_mut(name).and_then(toml_edit::Item::as_table_like_mut);
-        let Some((parameter, entry)) = parameter.zip(entry) else {
-            return Err(fault(format!("there is no parameter {name} to know something of")));
-        };
-        let mut known = toml_edit::InlineTable::new();
-        known.insert("value", (prior.value / parameter.file_factor).into());
-        known.insert("std", (prior.std / parameter.file_factor).into());
-        entry.insert("value", toml_edit::value(prior.value / parameter.file_factor));
-        entry.remove("ci95");
-        entry.insert("source", toml_edit::value(source));
-        entry.insert("prior", toml_edit::value(known));
-    }
-    Ok(document.to_string())
-}
-
-/// The text with an effect and its parameters added.
-pub(crate) fn add_effect(
-    text: &str,
-    motion: Motion,
-    effect: &str,
-    place: &str,
-    values: &[(&str, f64)],
-) -> Result<String, ModelError> {
-    use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
-    let fault = |message: String| ModelError::File { line: 1, message };
-    let mut document: DocumentMut =
-        text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))?;
-    let known = effects::find_with(effect, values.iter().map(|(name, _)| *name));
-    let mut used = InlineTable::new();
-    for (name, number) in values {
-        let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
-        let unit = match kind.map(|kind| kind.unit(motion == Motion::Rotation)) {
-            None | Some("") => "1",
-            Some(unit) => unit,
-        };
-        let full = free_name(&document, &format!("{place}_{effect}_{name}"));
-        let mut entry = InlineTable::new();
-        entry.insert("value", (*number).into());
-        entry.insert("unit", unit.into());
-        entry.insert("source", "diagnosis".into());
-        document["parameters"][&full] = value(entry);
-        used.insert(*name, full.into());
-    }
-    let mut table = Table::new();
-    table.insert("effect", value(effect));
-    table.insert("at", value(place));
-    table.insert("parameters", value(used));
-    let effects = document.entry("effects").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
-    match effects.as_array_of_tables_mut() {
-        Some(tables) => tables.push(table),
-        None => return Err(fault("effects must be [[effects]] tables".into())),
-    }
-    Ok(document.to_string())
-}
-
 /// The model with an effect that no file can name; `None` where it cannot act there.
 pub(crate) fn put(model: &Model, effect: &'static Effect, place: &str, values: &[f64]) -> Option<Model> {
     let mut model = model.clone();
@@ -319,13 +213,6 @@ pub(crate) fn put(model: &Model, effect: &'static Effect, place: &str, values: &
     model.channels.retain(|channel| !channel.quantity.is_clock());
     add_clocks(&mut model);
     fits.then_some(model)
-}
-
-/// The name, or the first with a number behind it that no parameter has.
-fn free_name(document: &toml_edit::DocumentMut, name: &str) -> String {
-    let taken = |name: &str| document["parameters"].get(name).is_some();
-    let numbered = (2..).map(|number| format!("{name}_{number}"));
-    std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
 }
 
 fn line_of(text: &str, offset: usize) -> usize {

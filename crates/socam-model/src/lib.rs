@@ -17,6 +17,7 @@
 //! Speed Reducer*, McGill University, 2002 (chapter 3).
 
 mod apart;
+mod edit;
 pub mod effects;
 mod equations;
 mod error;

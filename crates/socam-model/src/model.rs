@@ -1,7 +1,7 @@
 //! The drivetrain as its file describes it, checked and in SI.
 
 use crate::{
-    ModelError, Take,
+    ModelError, Take, edit,
     effects::{ActsAt, Borrowed, Effect, Form, Sight},
     file,
 };
@@ -306,7 +306,7 @@ impl Model {
 
     /// The file's text with some parameters' values replaced; comments, order and all else stay.
     pub fn text_with(&self, updates: &[Update]) -> Result<String, ModelError> {
-        file::write(&self.text, &self.parameters, updates)
+        edit::write(&self.text, &self.parameters, updates)
     }
 
     /// The file's text with priors of some parameters; they also become the values from which a search starts.
@@ -314,7 +314,7 @@ impl Model {
     /// # Errors
     /// For a parameter that the file does not have.
     pub fn text_with_priors(&self, priors: &[(&str, Prior)], source: &str) -> Result<String, ModelError> {
-        file::write_priors(&self.text, &self.parameters, priors, source)
+        edit::write_priors(&self.text, &self.parameters, priors, source)
     }
 
     /// The model with one effect more, as a model file; its parameters are named after place and effect.
@@ -322,7 +322,7 @@ impl Model {
     /// # Errors
     /// As for a file with a wrong entry: a place or parameter that does not exist, a value that makes no sense.
     pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
-        let mut grown = Self::parse(&file::add_effect(&self.text, self.motion, effect, place, values)?)?;
+        let mut grown = Self::parse(&edit::add_effect(self, effect, place, values)?)?;
         // What was changed since the file was read stays changed.
         for parameter in &mut grown.parameters {
             if let Some(known) = self.parameter(&parameter.name) {

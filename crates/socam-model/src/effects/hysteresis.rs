@@ -6,12 +6,14 @@ use super::{
 
 /// A spring that yields, beside the elastic one: T = torque z / deflection, z' = v - |v| z / deflection (Dahl 1968; Bouc and
 /// Wen with exponent one). `torque` is what it carries at most, `deflection` the twist that takes it to 63 % of that.
+/// Where the twist's rate is below `transition_speed`, the modulus is rounded, such that nothing creeps at rest.
 pub(super) const EFFECT: Effect = Effect {
     id: "hysteresis",
     acts_at: ActsAt::Spring,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("deflection", Kind::Angle, POSITIVE),
+        EffectParameter::usual("transition_speed", Kind::Speed, (0.02, 8e-4)),
     ],
     borrows: None,
     form: Form::Laws(&[
@@ -34,13 +36,10 @@ pub(super) const EFFECT: Effect = Effect {
     sentence: "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",
 };
 
-/// Of the twist's rate, rad/s: below it the modulus is rounded, such that nothing creeps at rest.
-const ROUNDING: f64 = 0.02;
-
 fn creep(sights: &[f64], p: &[f64]) -> Response {
-    let (rate, slopes, [.., by_deflection, _]) =
-        presliding::bend(sights, [p[1], ROUNDING], presliding::STEADY);
-    shape::response(rate, &slopes, &[0.0, by_deflection])
+    let (rate, slopes, [.., by_deflection, by_width]) =
+        presliding::bend(sights, [p[1], p[2]], presliding::STEADY);
+    shape::response(rate, &slopes, &[0.0, by_deflection, by_width])
 }
 
 fn pull(sights: &[f64], p: &[f64]) -> Response {

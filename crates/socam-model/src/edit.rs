@@ -1,0 +1,124 @@
+//! A model file's text with something changed in it: comments, order and all else stay.
+
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
+
+use crate::{
+    Model, ModelError, Motion, Parameter, Prior, Update,
+    effects::{self, Kind},
+};
+
+/// The text with updated parameters, values in the file's own units.
+pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
+    let mut document = parsed(text)?;
+    for update in updates {
+        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else {
+            continue;
+        };
+        // A law's own default stands in no file.
+        let Some(entry) = document["parameters"].get_mut(&update.name).and_then(Item::as_table_like_mut)
+        else {
+            continue;
+        };
+        // A value at its bound must not come out beyond it by a rounding, or the file could not be read again.
+        let bound = |index: usize| {
+            let bound = entry.get("bounds")?.as_array()?.get(index)?;
+            bound.as_float().or(bound.as_integer().map(|integer| integer as f64))
+        };
+        let (least, most) = (bound(0).unwrap_or(f64::NEG_INFINITY), bound(1).unwrap_or(f64::INFINITY));
+        let inside = (parameter.bounds.0..=parameter.bounds.1).contains(&update.value);
+        let own = update.value / parameter.file_factor;
+        let own = if inside { own.max(least).min(most) } else { own };
+        entry.insert("value", value(own));
+        match update.ci95 {
+            Some(ends) => {
+                let ends: Array = ends.iter().map(|end| end / parameter.file_factor).collect();
+                entry.insert("ci95", value(ends));
+            }
+            None => {
+                entry.remove("ci95");
+            }
+        }
+        entry.insert("source", value(&update.source));
+    }
+    Ok(document.to_string())
+}
+
+/// The text with priors, from which searches then start too.
+pub(crate) fn write_priors(
+    text: &str,
+    parameters: &[Parameter],
+    priors: &[(&str, Prior)],
+    source: &str,
+) -> Result<String, ModelError> {
+    let mut document = parsed(text)?;
+    for (name, prior) in priors {
+        let parameter = parameters.iter().find(|parameter| parameter.name == *name);
+        let entry = document["parameters"].get_mut(name).and_then(Item::as_table_like_mut);
+        let Some((parameter, entry)) = parameter.zip(entry) else {
+            return Err(fault(format!("there is no parameter {name} to know something of")));
+        };
+        let mut known = InlineTable::new();
+        known.insert("value", (prior.value / parameter.file_factor).into());
+        known.insert("std", (prior.std / parameter.file_factor).into());
+        entry.insert("value", value(prior.value / parameter.file_factor));
+        entry.remove("ci95");
+        entry.insert("source", value(source));
+        entry.insert("prior", value(known));
+    }
+    Ok(document.to_string())
+}
+
+/// The text with an effect and its parameters added.
+pub(crate) fn add_effect(
+    model: &Model,
+    effect: &str,
+    place: &str,
+    values: &[(&str, f64)],
+) -> Result<String, ModelError> {
+    let mut document = parsed(&model.text)?;
+    let known = effects::find_with(effect, values.iter().map(|(name, _)| *name));
+    let mut used = InlineTable::new();
+    for (name, number) in values {
+        let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
+        let unit = kind.map_or("1", |kind| unit(model, kind, place));
+        let full = free_name(&document, &format!("{place}_{effect}_{name}"));
+        let mut entry = InlineTable::new();
+        entry.insert("value", (*number).into());
+        entry.insert("unit", unit.into());
+        entry.insert("source", "diagnosis".into());
+        document["parameters"][&full] = value(entry);
+        used.insert(*name, full.into());
+    }
+    let mut table = Table::new();
+    table.insert("effect", value(effect));
+    table.insert("at", value(place));
+    table.insert("parameters", value(used));
+    let effects = document.entry("effects").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+    match effects.as_array_of_tables_mut() {
+        Some(tables) => tables.push(table),
+        None => return Err(fault("effects must be [[effects]] tables".into())),
+    }
+    Ok(document.to_string())
+}
+
+/// Of a parameter of an effect at a place: what has no unit of its own has that of its channel.
+fn unit<'m>(model: &'m Model, kind: Kind, place: &str) -> &'m str {
+    let unit = kind.unit(model.motion == Motion::Rotation);
+    let channel = model.channels.iter().find(|channel| channel.name == place).filter(|_| unit.is_empty());
+    channel.map_or(if unit.is_empty() { "1" } else { unit }, |channel| channel.unit)
+}
+
+fn parsed(text: &str) -> Result<DocumentMut, ModelError> {
+    text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))
+}
+
+fn fault(message: String) -> ModelError {
+    ModelError::File { line: 1, message }
+}
+
+/// The name, or the first with a number behind it that no parameter has.
+fn free_name(document: &DocumentMut, name: &str) -> String {
+    let taken = |name: &str| document["parameters"].get(name).is_some();
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
+}
