@@ -13,6 +13,10 @@ const NEXT_TO_NOTHING_S: f64 = 1e-8;
 const RIGID: f64 = 1e6;
 const RELAXATION_S: [f64; 3] = [1e-6, 3e-3, 3e-2];
 
+/// A shaft that may give begins so many times as stiff as the softest spring beside it, and springs back in so long.
+const STIFFER: [f64; 2] = [3.0, 30.0];
+const SPRINGS_BACK_S: [f64; 3] = [1e-4, 3e-3, 2e-2];
+
 /// How far a contact may give before it slips, rad (cm).
 const PRESLIDING: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Inertia that is as good as none, as a share of the least there is.
@@ -193,6 +197,22 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "sensor_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
         _ => vec![given(effect).map(|name| (name, 0.0)).collect()],
     }
+}
+
+/// Points from which a fit is begun. How stiff a shaft is that gives, slopes at a rigid one do not say: what it adds to a twist goes
+/// with the inverse of that, and a damper beside it hides it.
+pub(crate) fn starts(candidate: Candidate, model: &Model, values: &[f64]) -> Vec<Candidate> {
+    if candidate.effect.id != "missing_compliance" {
+        return vec![candidate];
+    }
+    let shaft = model.shafts.iter().find(|shaft| shaft.name == candidate.place);
+    let is_end = |node: usize| shaft.is_some_and(|shaft| [shaft.nodes.0, shaft.nodes.1].contains(&node));
+    let beside = model.springs.iter().filter(|s| is_end(s.from) || s.to.is_some_and(is_end));
+    let beside = beside.map(|spring| values[spring.stiffness]);
+    let softest = beside.fold(RIGID, f64::min);
+    let stiffnesses = STIFFER.map(|times| times * softest);
+    let each = stiffnesses.iter().flat_map(|k| SPRINGS_BACK_S.map(|relaxation_s| (*k, k * relaxation_s)));
+    each.map(|(k, c)| candidate.with("stiffness", k).with("damping", c)).collect()
 }
 
 /// None where there is some already; a trifle where the model has none: a node with it moves by other equations than one without.

@@ -355,10 +355,7 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
         let significant = one.promise.p_value < threshold && one.promise.gain > least;
         // Where a fit may end depends on where it starts in what the effect is not linear in.
         let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
-        let most = match one.start.effect.id {
-            "stribeck_friction" | "missing_compliance" => 3,
-            _ => 1,
-        };
+        let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };
         let elsewhere = tried.iter().filter(|(candidate, _)| candidate.effect.id == one.start.effect.id);
         let elsewhere = elsewhere.filter(|(candidate, _)| !candidate.is_same(&one.start)).count();
         // The first bit of play says little of what much of it does.
@@ -367,7 +364,12 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
             tried.push((one.start.clone(), one.promise.p_value));
         }
     }
-    tried
+    let (model, values) = (&course.last.model, &course.last.at.values);
+    let begun = tried.into_iter().flat_map(|(candidate, p_value)| {
+        let starts = candidates::starts(candidate, model, values);
+        starts.into_iter().map(move |start| (start, p_value))
+    });
+    begun.collect()
 }
 
 /// What was chosen.

@@ -15,6 +15,8 @@ use crate::{
 
 /// Iterations: so many to begin with, then so often so many more, unless these gained next to nothing.
 const FIRST_LEG: usize = 4;
+/// Iterations to begin with for what does not begin weak.
+const FAR_LEG: usize = 10;
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -42,16 +44,17 @@ pub(crate) fn race(
     let begun = tried.par_iter().enumerate().map(|(index, (candidate, _))| {
         let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
         let Ok(grown) = grown else { return Ok(None) };
-        let values = carried((&before.model, &before.at.values), &grown);
         // While an effect is weak, nothing says what its other parameters should be: they wait for its strength.
+        let is_far = candidate.effect.id == "missing_compliance";
         let mut begun = grown.clone();
-        if let Some(used) = grown.effects.last() {
+        if let Some(used) = grown.effects.last().filter(|_| !is_far) {
             let own = used.effect.parameters.iter().zip(&used.parameters);
             let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
             others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
         }
+        let values = carried((&before.model, &before.at.values), &grown);
         // From start states of its own: where physics is missing, those of the fit before make up for it.
-        let leg = (compare::COARSE, FIRST_LEG);
+        let leg = (compare::COARSE, if is_far { FAR_LEG } else { FIRST_LEG });
         let at = compare::descend(&bench.problem(&begun)?, yardstick, &values, None, leg)?;
         Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
     });
