@@ -13,6 +13,8 @@ use crate::{Options, candidates::Candidate, document::Validation, validation::Fo
 /// Iterations of a fit in earnest, and of one that only follows another choice of recordings.
 const ITERATIONS: usize = 25;
 const FOLLOWING: usize = 6;
+/// Mean square of what is left on held-out recordings, in units of noise, below which that was overrated.
+const QUIETER: f64 = 0.8;
 
 /// A model at its best fit, and how it predicts what it was not fitted to.
 #[derive(Debug, Clone)]
@@ -43,9 +45,19 @@ impl Fitted {
         (self.held_chi2() - self.held_count()).max(0.0)
     }
 
-    /// Whether what it leaves on held-out recordings may well be noise: within three standard deviations of chi-square's.
+    /// What it leaves on all recordings beyond noise. Noise was judged in training: where it is clearly less on held-out recordings,
+    /// part of it was none.
+    pub(crate) fn left(&self) -> f64 {
+        let (count, held_count) = (self.at.count.iter().sum::<f64>(), self.held_count());
+        let held = self.held_chi2() / held_count.max(1.0);
+        let floor = if held < QUIETER { held } else { 1.0 };
+        let each = [(self.at.total(), count), (self.held_chi2(), held_count)];
+        each.map(|(total, count)| (total - floor * count).max(0.0)).iter().sum()
+    }
+
+    /// Whether that may well be noise: within three standard deviations of chi-square's.
     pub(crate) fn is_at_noise(&self) -> bool {
-        self.held_misfit() < 3.0 * (2.0 * self.held_count()).sqrt()
+        self.left() < 3.0 * (2.0 * (self.at.count.iter().sum::<f64>() + self.held_count())).sqrt()
     }
 
     /// What it leaves on training recordings beyond noise.

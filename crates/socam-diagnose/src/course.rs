@@ -1,6 +1,5 @@
 //! Step by step: which effect to add, and whether it is worth it.
 
-use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, NoiseLevels,
     compare::{self, Yardstick},
@@ -16,6 +15,8 @@ use crate::{
     shapes::{self, Shape, Unexplained},
 };
 
+mod refine;
+
 /// Candidates that are fitted in earnest, and places of any one effect among them: in a long chain neighbours promise the same.
 const TRIED: usize = 8;
 const PLACES: usize = 4;
@@ -30,8 +31,6 @@ const DOUBT_SHARE: f64 = 2e-3;
 const MISFIT: f64 = 1.05;
 /// From where on parameters may have been bent so far that they do not find back by themselves.
 const BENT: f64 = 2.0;
-/// Iterations of each start of a refined law.
-const REFINING: usize = 6;
 /// So many iterations from the file's values must come within so many times the sum of squares of the fit there is.
 const AFRESH: usize = 10;
 const HOPEFUL: f64 = 2.0;
@@ -141,67 +140,6 @@ impl Course {
     /// The fits before and after each step.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Fitted, &Fitted)> {
         self.before.iter().zip(self.before.iter().skip(1).chain([&self.last]))
-    }
-
-    /// Puts a law that predicts better in the place of the simpler one that was preferred, where it explains most of what that leaves
-    /// beyond noise: noise is known only now.
-    fn enrich(&mut self, bench: &Bench<'_>, (step, fitted): (Step, Fitted)) -> Result<(), IdentifyError> {
-        let fitted = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
-        let Some(fitted) = fitted else { return Ok(()) };
-        let gain = self.last.held_chi2() - fitted.held_chi2();
-        if gain > LEAST_GAIN && gain > NEARLY * self.last.held_misfit() {
-            self.last = fitted;
-            self.steps.pop();
-            self.steps.push(step);
-            self.judge_noise(bench)?;
-        }
-        Ok(())
-    }
-
-    /// Puts refined laws in the place of those that were added, where they explain most of what these leave beyond noise.
-    fn refine(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
-        for index in 0..self.steps.len() {
-            for starts in
-                candidates::refined_laws(&self.steps[index].candidate.clone(), self.base.model.motion)
-            {
-                if self.last.is_at_noise() {
-                    return Ok(());
-                }
-                let Some((candidate, fitted)) = self.best_of(bench, index, starts)? else { continue };
-                let gain = self.last.held_chi2() - fitted.held_chi2();
-                if gain > LEAST_GAIN && gain > NEARLY * self.last.held_misfit() {
-                    self.last = fitted;
-                    let step = &mut self.steps[index];
-                    step.rivals.retain(|(rival, _)| !rival.is_same(&candidate));
-                    step.candidate = candidate;
-                    self.judge_noise(bench)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The last model with another law in the place of one that was added, from the best of several starts.
-    fn best_of(
-        &self,
-        bench: &Bench<'_>,
-        index: usize,
-        starts: Vec<Candidate>,
-    ) -> Result<Option<(Candidate, Fitted)>, IdentifyError> {
-        let begun = starts.into_par_iter().map(|start| {
-            let each = self.steps.iter().enumerate();
-            let each = each.map(|(other, step)| if other == index { &start } else { &step.candidate });
-            let Some(model) = self.base.with(each) else { return Ok(None) };
-            let values = carried((&self.last.model, &self.last.at.values), &model);
-            let leg = (compare::COARSE, REFINING);
-            let at = compare::descend(&bench.problem(&model)?, &self.yardstick, &values, None, leg)?;
-            Ok(at.map(|at| (start, Fitted { model, at, held: Vec::new() })))
-        });
-        let begun: Result<Vec<_>, IdentifyError> = begun.collect();
-        let best = begun?.into_iter().flatten().min_by(|a, b| a.1.at.total().total_cmp(&b.1.at.total()));
-        let Some((start, begun)) = best else { return Ok(None) };
-        let fitted = bench.fitted(&begun.model, &begun.at.values, Some(&begun), &self.yardstick)?;
-        Ok(fitted.map(|fitted| (start, fitted)))
     }
 
     /// Takes out what was added earlier and would not be added now: what came last explains it too.
