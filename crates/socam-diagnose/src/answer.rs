@@ -1,7 +1,7 @@
 //! The document, from the way that led to it.
 
 use socam_identify::{Identification, IdentifyError, compare::Measured};
-use socam_model::{EffectUse, Model};
+use socam_model::{EffectUse, Model, effects};
 
 use crate::{
     Diagnosis,
@@ -29,6 +29,9 @@ const CONTRADICTION: f64 = 2.0;
 /// noisy input and coarse converters leave up to 1.09.
 const INADEQUATE: f64 = 1.2;
 
+/// Of a sample time: by so short a time a signal that is late and one that is slow look alike, to a hundredth of what is fastest in it.
+const SHORT: f64 = 0.05;
+
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
     bench: &Bench<'_>,
@@ -39,7 +42,8 @@ pub(crate) fn document(
     cpu_s: f64,
 ) -> Result<Diagnosis, IdentifyError> {
     let steps = course.steps.iter().enumerate();
-    let mut findings: Vec<Finding> = steps.map(|(index, step)| finding(course, index, step, after)).collect();
+    let mut findings: Vec<Finding> =
+        steps.map(|(index, step)| finding(bench, course, index, step, after)).collect();
     for (finding, (before, after)) in findings.iter_mut().zip(course.pairs()) {
         let own = region::region(bench, before, Some(after), &finding.location, floor)?;
         finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
@@ -102,7 +106,7 @@ fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
     .collect()
 }
 
-fn finding(course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
+fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
     let model = &course.last.model;
     let added = model.effects.len() - course.steps.len();
     let used = &model.effects[added + index];
@@ -123,8 +127,22 @@ fn finding(course: &Course, index: usize, step: &Step, after: &Identification) -
             holdout_gain_percent: Some(step.held_gain_percent),
             misfit_percent: None,
         },
-        rivals: rivals(step),
+        rivals: rivals(step, alike(bench, step, course.fitted(index, step.candidate.strength[0]))),
     }
+}
+
+/// Another effect that the recordings cannot tell from a step's, whatever the fits say: a lag or a delay that is far shorter than a
+/// sample.
+fn alike(bench: &Bench<'_>, step: &Step, strength: Option<f64>) -> Option<Candidate> {
+    let own = &step.candidate;
+    let other = match own.effect.id {
+        "sensor_lag" => "sensor_delay",
+        "sensor_delay" => "sensor_lag",
+        _ => return None,
+    };
+    let step_s = bench.training.first()?.sample_time_s();
+    let is_short = strength.is_some_and(|time_s| time_s < SHORT * step_s);
+    effects::find(other).filter(|_| is_short).map(|effect| Candidate { effect, ..own.clone() })
 }
 
 /// What has a place and a shape but no name.
@@ -208,10 +226,14 @@ fn effect_parameters(model: &Model, used: &EffectUse, after: &Identification) ->
 }
 
 /// Weights as of a likelihood, the finding's own being one before they are made to sum to one.
-fn rivals(step: &Step) -> Vec<Rival> {
+fn rivals(step: &Step, alike: Option<Candidate>) -> Vec<Rival> {
     let weight = |worse: f64| (-0.5 * worse).exp().min(1.0);
-    let total: f64 = 1.0 + step.rivals.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();
-    let named = step.rivals.iter().map(|(candidate, worse)| Rival {
+    let others =
+        step.rivals.iter().filter(|(rival, _)| !alike.as_ref().is_some_and(|twin| twin.is_same(rival)));
+    let all: Vec<(&Candidate, f64)> =
+        alike.iter().map(|twin| (twin, 0.0)).chain(others.map(|(rival, worse)| (rival, *worse))).collect();
+    let total: f64 = 1.0 + all.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();
+    let named = all.iter().map(|(candidate, worse)| Rival {
         effect: candidate.effect.id.into(),
         location: candidate.place.clone(),
         weight: weight(*worse) / total,

@@ -56,7 +56,7 @@ impl Course {
     }
 
     /// Value of a parameter of an effect that was added, at the last fit.
-    fn fitted(&self, index: usize, name: &str) -> Option<f64> {
+    pub(crate) fn fitted(&self, index: usize, name: &str) -> Option<f64> {
         let model = &self.last.model;
         let used = &model.effects[model.effects.len() - self.steps.len() + index];
         let own = used.effect.parameters.iter().zip(&used.parameters);
