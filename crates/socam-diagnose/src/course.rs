@@ -46,6 +46,8 @@ const LEAST_PROMISE: f64 = 1e-3;
 const PREFERENCE: f64 = 8.0;
 const PREFERENCE_SHARE: f64 = 0.05;
 
+/// Share of what an effect gained below which another one at the same place, or a curve anywhere, is taken for what its law leaves.
+const SHADOW: f64 = 2e-3;
 /// From what factor on a parameter of the bench is taken to have become another, as its logarithm.
 const TURNED: f64 = 1.0;
 
@@ -122,7 +124,8 @@ pub(crate) fn run(
         let suspicious = !tried.is_empty();
         let named = best(bench, &course, tried)?;
         course.unexplained = unnamed(bench, &course, &scales, named.as_ref().map(|n| &n.chosen), suspicious)?;
-        let Some(Named { chosen, nearest }) = named.filter(|_| course.unexplained.is_none()) else { break };
+        let is_news = |named: &Named| course.unexplained.is_none() && !course.is_shadow(&named.chosen.0);
+        let Some(Named { chosen, nearest }) = named.filter(is_news) else { break };
         course.steps.push(chosen.0);
         course.before.push(course.last.clone());
         course.last = afresh(bench, &course, chosen.1)?;
@@ -179,6 +182,14 @@ impl Course {
     /// Whether something that was added is there.
     fn is_wrong_at(&self, place: &str) -> bool {
         self.steps.iter().any(|step| step.candidate.place == place)
+    }
+
+    /// Whether a step is what the law of an earlier one at the same place leaves: none is quite obeyed.
+    fn is_shadow(&self, step: &Step) -> bool {
+        let casts = |earlier: &Step| {
+            earlier.candidate.place == step.candidate.place && step.gain < SHADOW * earlier.gain
+        };
+        self.steps.iter().any(casts)
     }
 
     /// Takes a step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither of which
@@ -253,13 +264,14 @@ fn unnamed(
     let shapes = shapes::all(bench, &course.last, &course.yardstick, scales)?;
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
+    let strongest = course.steps.iter().map(|step| step.gain).fold(0.0, f64::max);
     let by_name = named.map_or(0.0, |(step, _)| step.gain);
     let nearly = match named {
         Some((step, _)) => share_of_a_name(course, &step.candidate, first),
         None => NEARLY,
     };
     if first.p_value > threshold
-        || first.gain < LEAST_GAIN * course.last.scale()
+        || first.gain < (LEAST_GAIN * course.last.scale()).max(SHADOW * strongest)
         || by_name > nearly * first.gain
     {
         return Ok(None);
