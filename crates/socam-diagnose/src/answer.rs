@@ -1,7 +1,7 @@
 //! The document, from the way that led to it.
 
 use socam_identify::{Identification, IdentifyError, compare::Measured};
-use socam_model::{EffectUse, Model, effects};
+use socam_model::{Model, effects};
 
 use crate::{
     Diagnosis,
@@ -107,10 +107,7 @@ fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
 }
 
 fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
-    let model = &course.last.model;
-    let added = model.effects.len() - course.steps.len();
-    let used = &model.effects[added + index];
-    let parameters = effect_parameters(model, used, after);
+    let parameters = effect_parameters(course, index, after);
     let place = &step.candidate.place;
     Finding {
         effect: step.candidate.effect.id.into(),
@@ -202,13 +199,13 @@ fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
 }
 
 /// Those that a file gives; a phase within a turn.
-fn effect_parameters(model: &Model, used: &EffectUse, after: &Identification) -> Vec<EffectParameter> {
-    let given = used.effect.parameters.iter().zip(&used.parameters);
-    given
-        .filter(|(_, index)| !model.parameters[**index].fixed)
-        .map(|(own, index)| {
-            let estimate = &after.parameters[*index];
-            let turns = if own.name == "phase" {
+fn effect_parameters(course: &Course, step: usize, after: &Identification) -> Vec<EffectParameter> {
+    course
+        .parameters(step)
+        .filter(|(_, index)| !course.last.model.parameters[*index].fixed)
+        .map(|(name, index)| {
+            let estimate = &after.parameters[index];
+            let turns = if name == "phase" {
                 let value = estimate.value.unwrap_or(0.0);
                 value - (value + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
                     + std::f64::consts::PI
@@ -216,7 +213,7 @@ fn effect_parameters(model: &Model, used: &EffectUse, after: &Identification) ->
                 0.0
             };
             EffectParameter {
-                name: own.name.into(),
+                name: name.into(),
                 value: estimate.value.map(|value| value - turns),
                 unit: estimate.unit.clone(),
                 ci95: estimate.ci95.map(|end| end.map(|end| end - turns)),

@@ -145,6 +145,19 @@ impl Course {
         self.before.iter().zip(self.before.iter().skip(1).chain([&self.last]))
     }
 
+    /// Parameters of an effect that was added: their names, and where the last model has them.
+    pub(crate) fn parameters(&self, step: usize) -> impl Iterator<Item = (&'static str, usize)> + '_ {
+        let model = &self.last.model;
+        let used = &model.effects[model.effects.len() - self.steps.len() + step];
+        used.effect.parameters.iter().zip(&used.parameters).map(|(own, index)| (own.name, *index))
+    }
+
+    /// Value of one of them at the last fit.
+    pub(crate) fn fitted(&self, step: usize, name: &str) -> Option<f64> {
+        let index = self.parameters(step).find(|(own, _)| *own == name)?.1;
+        Some(self.last.at.values[index])
+    }
+
     /// Takes out what was added earlier and would not be added now: what came last explains it too.
     fn drop_superfluous(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.steps.len().saturating_sub(1)).rev() {

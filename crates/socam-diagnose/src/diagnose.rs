@@ -23,6 +23,8 @@ use crate::{
 const BASE: usize = 20;
 /// No bench obeys a law better than to this share of its strength: what the law leaves out bends it as much in all recordings.
 const OBEYED: f64 = 1e-3;
+/// Nor does a clock that samples go truer.
+const CLOCK: f64 = 1e-5;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
 const REFINED: usize = 25;
 
@@ -220,12 +222,8 @@ fn is_determined(course: &Course, step: usize, after: &Identification) -> bool {
 
 /// Parameters of the last model that say how strong the effect is that a step added.
 fn strengths(course: &Course, step: usize) -> Vec<usize> {
-    let model = &course.last.model;
-    let used = &model.effects[model.effects.len() - course.steps.len() + step];
-    let own = used.effect.parameters.iter().zip(&used.parameters);
-    let strength =
-        own.filter(|(parameter, _)| course.steps[step].candidate.strength.contains(&parameter.name));
-    strength.map(|(_, index)| *index).collect()
+    let strength = course.steps[step].candidate.strength;
+    course.parameters(step).filter(|(name, _)| strength.contains(name)).map(|(_, index)| index).collect()
 }
 
 /// The corrected model's fit with intervals.
@@ -246,6 +244,9 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
         for index in strengths(course, number) {
             let strength = last.at.values[index] - nothing.unwrap_or(0.0);
             widths[index] = widths[index].max(OBEYED * strength.abs());
+        }
+        for (_, index) in course.parameters(number).filter(|(name, _)| *name == "frequency") {
+            widths[index] = widths[index].max(CLOCK * last.at.values[index]);
         }
     }
     let bounds = model.parameters.iter().map(|parameter| parameter.bounds);

@@ -55,14 +55,6 @@ impl Course {
         refined.flatten().map(|start| given.map_or(start.clone(), |d| start.with("deflection", d))).collect()
     }
 
-    /// Value of a parameter of an effect that was added, at the last fit.
-    pub(crate) fn fitted(&self, index: usize, name: &str) -> Option<f64> {
-        let model = &self.last.model;
-        let used = &model.effects[model.effects.len() - self.steps.len() + index];
-        let own = used.effect.parameters.iter().zip(&used.parameters);
-        own.filter(|(own, _)| own.name == name).map(|(_, index)| self.last.at.values[*index]).next()
-    }
-
     /// Puts the best of several laws in the place of one that was added, if it explains most of what that leaves.
     fn replace(
         &mut self,
