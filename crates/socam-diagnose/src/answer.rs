@@ -1,10 +1,12 @@
 //! The document, from the way that led to it.
 
 use socam_identify::{Identification, IdentifyError, compare::Measured};
-use socam_model::{Model, effects};
+use socam_model::Model;
+use socam_recording::Dataset;
 
 use crate::{
     Diagnosis,
+    alike::alike,
     bench::{Bench, Fitted},
     candidates::{self, Candidate},
     course::{Course, Step},
@@ -28,9 +30,6 @@ const CONTRADICTION: f64 = 2.0;
 /// Mean square of the same, whitened and in units of noise, from which on a model is not called adequate. Where nothing is missing, a
 /// noisy input and coarse converters leave up to 1.09.
 const INADEQUATE: f64 = 1.2;
-
-/// Of a sample time: by so short a time a signal that is late and one that is slow look alike, to a hundredth of what is fastest in it.
-const SHORT: f64 = 0.05;
 
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(
@@ -109,6 +108,8 @@ fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
 fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
     let parameters = effect_parameters(course, index, after);
     let place = &step.candidate.place;
+    let strength = step.candidate.strength.first().and_then(|name| course.fitted(index, name));
+    let step_s = bench.training.first().map_or(0.0, Dataset::sample_time_s);
     Finding {
         effect: step.candidate.effect.id.into(),
         location: place.clone(),
@@ -124,22 +125,8 @@ fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after:
             holdout_gain_percent: Some(step.held_gain_percent),
             misfit_percent: None,
         },
-        rivals: rivals(step, alike(bench, step, course.fitted(index, step.candidate.strength[0]))),
+        rivals: rivals(step, &alike(&course.last.model, &step.candidate, strength, step_s)),
     }
-}
-
-/// Another effect that the recordings cannot tell from a step's, whatever the fits say: a lag or a delay that is far shorter than a
-/// sample.
-fn alike(bench: &Bench<'_>, step: &Step, strength: Option<f64>) -> Option<Candidate> {
-    let own = &step.candidate;
-    let other = match own.effect.id {
-        "sensor_lag" => "sensor_delay",
-        "sensor_delay" => "sensor_lag",
-        _ => return None,
-    };
-    let step_s = bench.training.first()?.sample_time_s();
-    let is_short = strength.is_some_and(|time_s| time_s < SHORT * step_s);
-    effects::find(other).filter(|_| is_short).map(|effect| Candidate { effect, ..own.clone() })
 }
 
 /// What has a place and a shape but no name.
@@ -223,10 +210,10 @@ fn effect_parameters(course: &Course, step: usize, after: &Identification) -> Ve
 }
 
 /// Weights as of a likelihood, the finding's own being one before they are made to sum to one.
-fn rivals(step: &Step, alike: Option<Candidate>) -> Vec<Rival> {
+fn rivals(step: &Step, alike: &[Candidate]) -> Vec<Rival> {
     let weight = |worse: f64| (-0.5 * worse).exp().min(1.0);
-    let others =
-        step.rivals.iter().filter(|(rival, _)| !alike.as_ref().is_some_and(|twin| twin.is_same(rival)));
+    let is_alike = |rival: &Candidate| alike.iter().any(|twin| twin.is_same(rival));
+    let others = step.rivals.iter().filter(|(rival, _)| !is_alike(rival));
     let all: Vec<(&Candidate, f64)> =
         alike.iter().map(|twin| (twin, 0.0)).chain(others.map(|(rival, worse)| (rival, *worse))).collect();
     let total: f64 = 1.0 + all.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();

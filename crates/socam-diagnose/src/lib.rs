@@ -7,6 +7,7 @@
 //!
 //! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 
+mod alike;
 mod answer;
 mod bench;
 mod candidates;
