@@ -76,6 +76,11 @@ impl Fitted {
     pub(crate) fn scale(&self) -> f64 {
         (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
     }
+
+    /// The same of what it leaves on training recordings.
+    pub(crate) fn training_scale(&self) -> f64 {
+        (self.at.total() / self.at.count.iter().sum::<f64>().max(1.0)).max(1.0)
+    }
 }
 
 /// Recordings and assumptions that all fits share.

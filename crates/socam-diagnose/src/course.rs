@@ -240,7 +240,7 @@ impl Course {
 /// What is missing bends all other parameters, and a fit may not find its way back from there: where much was missing, the base
 /// model's are also begun where its file has them.
 fn afresh(bench: &Bench<'_>, course: &Course, fitted: Fitted) -> Result<Fitted, IdentifyError> {
-    if course.last.scale() < BENT {
+    if course.last.scale().max(course.last.training_scale()) < BENT {
         return Ok(fitted);
     }
     let mut values = fitted.at.values.clone();
