@@ -1,9 +1,7 @@
 //! Effects that no recording of a bench tells from a candidate, by what they are: whether both were fitted to the end or not.
 
-use socam_model::{
-    Channel, Model, Parameter, Quantity, Role,
-    effects::{self, ActsAt},
-};
+use socam_identify::springs_in_a_row;
+use socam_model::{Model, Parameter, Quantity, Site, Spring, effects};
 
 use crate::candidates::Candidate;
 
@@ -30,41 +28,36 @@ pub(crate) fn alike(
     other.map(|effect| Candidate { effect, ..own.clone() }).into_iter().collect()
 }
 
-/// The same in the other of two springs with nothing but a massless point between them: both carry one torque, and only their twists'
-/// sum is seen.
-fn in_a_row(model: &Model, own: &Candidate, may: impl Fn(usize, usize) -> bool) -> Vec<Candidate> {
-    let ends = |index: usize| [Some(model.springs[index].from), model.springs[index].to];
-    let Some(spring) = model.springs.iter().position(|spring| spring.name == own.place) else {
-        return Vec::new();
-    };
-    let between = ends(spring).into_iter().flatten().filter(|node| is_bare(model, *node));
-    let others = between.flat_map(|node| {
-        let at_it = (0..model.springs.len()).filter(move |other| ends(*other).contains(&Some(node)));
-        let at_it: Vec<usize> = at_it.collect();
-        if at_it.len() == 2 { at_it } else { Vec::new() }
+/// The same in the other of two springs that act as one: both carry one torque, and only their twists' sum is seen.
+fn in_a_row(model: &Model, own: &Candidate, may: impl Fn(&Spring, &Spring) -> bool) -> Vec<Candidate> {
+    // What was found in a spring does not part it from its neighbour.
+    let mut plain = model.clone();
+    plain.effects.retain(|used| !matches!(used.at, Site::Spring(_)));
+    let pairs = springs_in_a_row(&plain).filter(|(a, b)| !is_seen_between(&plain, a, b) && may(a, b));
+    let others = pairs.filter_map(|(a, b)| match own.place.as_str() {
+        place if place == a.name => Some(b),
+        place if place == b.name => Some(a),
+        _ => None,
     });
-    let others = others.filter(|other| *other != spring && may(*other, spring));
-    others.map(|other| Candidate { place: model.springs[other].name.clone(), ..own.clone() }).collect()
+    others.map(|other| Candidate { place: other.name.clone(), ..own.clone() }).collect()
 }
 
 /// Whether neither of two springs' stiffness is known, and each could have the other's.
-fn can_swap(model: &Model, a: usize, b: usize) -> bool {
-    let [a, b] = [a, b].map(|spring| &model.parameters[model.springs[spring].stiffness]);
+fn can_swap(model: &Model, a: &Spring, b: &Spring) -> bool {
+    let [a, b] = [a, b].map(|spring| &model.parameters[spring.stiffness]);
     let could = |own: &Parameter, value: f64| !own.fixed && (own.bounds.0..=own.bounds.1).contains(&value);
     could(a, b.value) && could(b, a.value)
 }
 
-/// Whether nothing but springs' torque meets at a node.
-fn is_bare(model: &Model, node: usize) -> bool {
-    let name = &model.nodes[node].name;
-    let moves = |channel: &Channel| channel.at == *name && channel.quantity != Quantity::Torque;
-    let drives = |channel: &Channel| channel.at == *name && channel.role == Role::Input;
-    model.nodes[node].inertia.is_none()
-        && !model.gears.iter().any(|gear| gear.from == node || gear.to == node)
-        && !model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
-        && !model.bearings.iter().any(|bearing| bearing.node == node)
-        && !model.channels.iter().any(|channel| moves(channel) || drives(channel))
-        && !model.effects.iter().any(|used| used.effect.acts_at == ActsAt::Node && used.place == *name)
+/// Whether a sensor shows how the point between two springs moves.
+fn is_seen_between(model: &Model, a: &Spring, b: &Spring) -> bool {
+    let is_end = |spring: &Spring, node: usize| spring.from == node || spring.to == Some(node);
+    let mut between = (0..model.nodes.len()).filter(|node| is_end(a, *node) && is_end(b, *node));
+    let moves = |node: usize| {
+        let mut at_it = model.outputs().filter(move |channel| channel.at == model.nodes[node].name);
+        at_it.any(|channel| channel.quantity != Quantity::Torque)
+    };
+    between.any(moves)
 }
 
 #[cfg(test)]

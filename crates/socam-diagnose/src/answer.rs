@@ -344,7 +344,5 @@ fn not_found(course: &Course) -> Vec<NotFound> {
 
 fn unit(model: &Model, candidate: &Candidate, parameter: &str) -> String {
     let own = candidate.effect.parameters.iter().find(|own| own.name == parameter);
-    let unit = own.map_or("", |own| own.kind.unit(model.motion == socam_model::Motion::Rotation));
-    let channel = model.channels.iter().find(|channel| channel.name == candidate.place);
-    if unit.is_empty() { channel.map_or("", |channel| channel.unit).into() } else { unit.into() }
+    own.map_or("", |own| model.unit_at(own.kind, &candidate.place)).into()
 }

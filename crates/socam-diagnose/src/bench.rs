@@ -30,6 +30,10 @@ impl Fitted {
         self.held.iter().map(Measured::total).sum()
     }
 
+    fn count(&self) -> f64 {
+        self.at.count.iter().sum()
+    }
+
     fn held_count(&self) -> f64 {
         self.held.iter().flat_map(|measured| &measured.count).sum()
     }
@@ -48,7 +52,7 @@ impl Fitted {
     /// What it leaves on all recordings beyond noise. Noise was judged in training: where it is clearly less on held-out recordings,
     /// part of it was none.
     pub(crate) fn left(&self) -> f64 {
-        let (count, held_count) = (self.at.count.iter().sum::<f64>(), self.held_count());
+        let (count, held_count) = (self.count(), self.held_count());
         let held = self.held_chi2() / held_count.max(1.0);
         let floor = if held < QUIETER { held } else { 1.0 };
         let each = [(self.at.total(), count), (self.held_chi2(), held_count)];
@@ -57,12 +61,12 @@ impl Fitted {
 
     /// Whether that may well be noise: within three standard deviations of chi-square's.
     pub(crate) fn is_at_noise(&self) -> bool {
-        self.left() < 3.0 * (2.0 * (self.at.count.iter().sum::<f64>() + self.held_count())).sqrt()
+        self.left() < 3.0 * (2.0 * (self.count() + self.held_count())).sqrt()
     }
 
     /// What it leaves on training recordings beyond noise.
     pub(crate) fn misfit(&self) -> f64 {
-        (self.at.total() - self.at.count.iter().sum::<f64>()).max(0.0)
+        (self.at.total() - self.count()).max(0.0)
     }
 
     /// Its model with effects added, at their candidates' values.
@@ -79,7 +83,7 @@ impl Fitted {
 
     /// The same of what it leaves on training recordings.
     pub(crate) fn training_scale(&self) -> f64 {
-        (self.at.total() / self.at.count.iter().sum::<f64>().max(1.0)).max(1.0)
+        (self.at.total() / self.count().max(1.0)).max(1.0)
     }
 }
 

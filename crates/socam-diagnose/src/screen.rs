@@ -167,10 +167,6 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
             let share = if candidate.is_full() { 0.0 } else { A_LITTLE };
             let moved = moved(share).clamp(least, most);
             start = start.with(name, moved);
-            // It springs back as fast however stiff it is.
-            if candidate.effect.id == "missing_compliance" {
-                start = start.with("damping", moved * candidate.value("damping") / before);
-            }
         }
     }
     Promising { start, promise, possible }

@@ -26,8 +26,8 @@ pub(crate) fn all(model: &Model, values: &[f64]) -> Vec<Combination> {
     pairs(model).flat_map(each).collect()
 }
 
-/// Springs that act as one.
-pub(crate) fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
+/// Pairs of springs that act as one: nothing but a massless point between them, and no force law in either.
+pub fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
     (0..model.nodes.len()).filter_map(|node| pair(model, node))
 }
 

@@ -58,7 +58,7 @@ mod tests;
 
 pub use amends::{LeftOut, Reason};
 pub use band::{Band, BandFit, evaluate_band};
-pub use combinations::combination_values;
+pub use combinations::{combination_values, pairs as springs_in_a_row};
 pub use error::IdentifyError;
 pub use foretell::Information;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};

@@ -2,10 +2,7 @@
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
 
-use crate::{
-    Model, ModelError, Motion, Parameter, Prior, Update,
-    effects::{self, Kind},
-};
+use crate::{Model, ModelError, Parameter, Prior, Update, effects};
 
 /// The text with updated parameters, values in the file's own units.
 pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
@@ -80,7 +77,7 @@ pub(crate) fn add_effect(
     let mut used = InlineTable::new();
     for (name, number) in values {
         let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
-        let unit = kind.map_or("1", |kind| unit(model, kind, place));
+        let unit = kind.map_or("1", |kind| model.unit_at(kind, place));
         let full = free_name(&document, &format!("{place}_{effect}_{name}"));
         let mut entry = InlineTable::new();
         entry.insert("value", (*number).into());
@@ -99,13 +96,6 @@ pub(crate) fn add_effect(
         None => return Err(fault("effects must be [[effects]] tables".into())),
     }
     Ok(document.to_string())
-}
-
-/// Of a parameter of an effect at a place: what has no unit of its own has that of its channel.
-fn unit<'m>(model: &'m Model, kind: Kind, place: &str) -> &'m str {
-    let unit = kind.unit(model.motion == Motion::Rotation);
-    let channel = model.channels.iter().find(|channel| channel.name == place).filter(|_| unit.is_empty());
-    channel.map_or(if unit.is_empty() { "1" } else { unit }, |channel| channel.unit)
 }
 
 fn parsed(text: &str) -> Result<DocumentMut, ModelError> {

@@ -2,7 +2,7 @@
 
 use crate::{
     ModelError, Take, edit,
-    effects::{ActsAt, Borrowed, Effect, Form, Sight},
+    effects::{ActsAt, Borrowed, Effect, Form, Kind, Sight},
     file,
 };
 
@@ -342,6 +342,17 @@ impl Model {
         let model = file::put(self, effect, place, values).ok_or_else(refused)?;
         model.equations(&model.values())?;
         Ok(model)
+    }
+
+    /// SI unit of an effect's parameter of some kind at a place: what has no unit of its own has that of its channel.
+    #[must_use]
+    pub fn unit_at(&self, kind: Kind, place: &str) -> &str {
+        match kind.unit(self.motion == Motion::Rotation) {
+            "" => {
+                self.channels.iter().find(|channel| channel.name == place).map_or("1", |channel| channel.unit)
+            }
+            unit => unit,
+        }
     }
 
     /// Places at which an effect may act.

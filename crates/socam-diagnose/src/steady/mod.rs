@@ -375,9 +375,7 @@ fn estimate(model: &Model, own: &Explanation, fitted: &Fitted) -> EffectParamete
 fn unit(model: &Model, own: &Explanation) -> String {
     let parameter =
         effects::find(own.effect).and_then(|e| e.parameters.iter().find(|p| p.name == own.parameter));
-    let unit = parameter.map_or("", |p| p.kind.unit(model.motion == socam_model::Motion::Rotation));
-    let channel = model.channels.iter().find(|channel| channel.name == own.place);
-    if unit.is_empty() { channel.map_or("", |channel| channel.unit).into() } else { unit.into() }
+    parameter.map_or("", |p| model.unit_at(p.kind, &own.place)).into()
 }
 
 /// What the table says, in its own numbers.
