@@ -7,7 +7,7 @@
 
 use crate::{
     ModelError,
-    effects::{Acts, Form, Kind, Sight},
+    effects::{Acts, Form, Kind, Sight, sensor_delay},
     equations::{Equations, Port, Rows},
     jet::{Jet, Scalar},
     model::{Channel, EffectUse, Model, Quantity, Role, Site, Spring},
@@ -788,20 +788,16 @@ impl<'a, 'm> Motion<'a, 'm> {
                     reading = self.nothing();
                     reading.add_at(0, *first, &self.one());
                 }
-                // Sections of unlike length: equal ones could not be diagonalised.
+                // Each section: a' = b, b' = q (y - a)/d² - p b/d; out comes y - 2 p/q d b. Scaled: b is stored as d b.
                 Form::Delay => {
-                    for (section, share) in [0.48, 0.52].into_iter().enumerate() {
+                    let rate = self.one().over(&self.a.scalar(used.parameters[0]));
+                    for (section, (p, q)) in sensor_delay::SECTIONS.into_iter().enumerate() {
                         let [late, later] = [0, 1].map(|state| first + 2 * section + state);
-                        let time = self.a.scalar(used.parameters[0]).times(&constant(share));
-                        let rate = self.one().over(&time);
-                        let square = rate.times(&rate).times(&constant(12.0));
-                        // a' = b, b' = 12 (y - a)/t² - 6 b/t; out comes y - t b. Scaled: b is stored as t b.
                         rates.add_at(late, later, &rate);
-                        let pull = square.times(&time);
-                        rates.add_block(later, 0, &reading.scaled(&pull));
-                        rates.add_at(later, late, &pull.times(&constant(-1.0)));
-                        rates.add_at(later, later, &rate.times(&constant(-6.0)));
-                        reading.add_at(0, later, &constant(-1.0));
+                        rates.add_block(later, 0, &reading.scaled(&rate.times(&constant(q))));
+                        rates.add_at(later, late, &rate.times(&constant(-q)));
+                        rates.add_at(later, later, &rate.times(&constant(-p)));
+                        reading.add_at(0, later, &constant(-2.0 * p / q));
                     }
                 }
                 _ => {}
@@ -928,7 +924,7 @@ fn states_of(used: &EffectUse) -> usize {
     match used.effect.form {
         Form::Laws(laws) => laws.iter().filter(|law| law.acts == Acts::State).count(),
         Form::Lag => 1,
-        Form::Delay => 4,
+        Form::Delay => 2 * sensor_delay::SECTIONS.len(),
         Form::Inertia | Form::Compliance | Form::Gain => 0,
     }
 }

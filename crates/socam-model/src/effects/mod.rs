@@ -19,7 +19,7 @@ mod missing_compliance;
 mod missing_inertia;
 mod presliding;
 mod quadratic_drag;
-mod sensor_delay;
+pub(crate) mod sensor_delay;
 mod sensor_gain;
 mod sensor_hum;
 mod sensor_lag;
