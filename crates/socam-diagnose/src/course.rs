@@ -161,21 +161,20 @@ impl Course {
     /// Takes out what was added earlier and would not be added now: what came last explains it too.
     fn drop_superfluous(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.steps.len().saturating_sub(1)).rev() {
-            let Some(without) = self.without(index) else { continue };
-            let values = carried((&self.last.model, &self.last.at.values), &without);
-            let Some(fitted) = bench.fitted(&without, &values, None, &self.yardstick)? else { continue };
-            if is_worth_it(&fitted, &self.last) {
-                continue;
+            let without = self.without(bench, index)?;
+            if let Some(fitted) = without.filter(|fitted| !is_worth_it(fitted, &self.last)) {
+                self.remove(bench, index, fitted)?;
             }
-            self.remove(bench, index, fitted)?;
         }
         Ok(())
     }
 
-    /// The last model but for one of the effects that were added.
-    fn without(&self, index: usize) -> Option<Model> {
+    /// Fits the last model but for one of the effects that were added.
+    fn without(&self, bench: &Bench<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
         let others = self.steps.iter().enumerate().filter(|(other, _)| *other != index);
-        self.base.with(others.map(|(_, step)| &step.candidate))
+        let Some(model) = self.base.with(others.map(|(_, step)| &step.candidate)) else { return Ok(None) };
+        let values = carried((&self.last.model, &self.last.at.values), &model);
+        bench.fitted(&model, &values, None, &self.yardstick)
     }
 
     /// Judges noise by the last model, and measures by that from now on.
@@ -208,11 +207,8 @@ impl Course {
     /// Takes a step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither of which
     /// is known, one may harden although nobody can say by how much.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>, index: usize) -> Result<bool, IdentifyError> {
-        let Some(without) = self.without(index) else { return Ok(false) };
-        let values = carried((&self.last.model, &self.last.at.values), &without);
         let total = |fitted: &Fitted| fitted.at.total() + fitted.held_chi2();
-        let fitted = bench.fitted(&without, &values, None, &self.yardstick)?;
-        match fitted.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) {
+        match self.without(bench, index)?.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) {
             Some(fitted) => self.remove(bench, index, fitted).map(|()| true),
             None => Ok(false),
         }
