@@ -81,18 +81,16 @@ fn climb(
         let noisy = |level: &usize| *level < outputs || levels.inputs[*level - outputs] > 0.0;
         let open = |level: &usize| channels[*level].noise_std.is_none();
         let sought: Vec<usize> = (0..channels.len()).filter(noisy).filter(open).collect();
-        let Some(score) = score(problem, point, &equations, &levels, &sought)? else { break };
+        let Some(mut score) = score(problem, point, &equations, &levels, &sought)? else { break };
+        let most = |level: usize| {
+            if level < outputs { most.outputs[level] } else { most.inputs[level - outputs] }
+        };
+        let is_full = |level: usize| of(&levels, level) > (1.0 - 1e-9) * most(level);
+        (0..sought.len()).filter(|k| is_full(sought[*k])).for_each(|k| score.hold_if_rising(k));
         let (step, gain) = score.step();
         for (level, change) in sought.iter().zip(step) {
-            levels = scaled(&levels, *level, change);
-        }
-        for level in sought {
-            let (level_now, most) = if level < outputs {
-                (&mut levels.outputs[level], most.outputs[level])
-            } else {
-                (&mut levels.inputs[level - outputs], most.inputs[level - outputs])
-            };
-            *level_now = level_now.min(most);
+            let room = 2.0 * (most(*level) / of(&levels, *level)).ln();
+            levels = scaled(&levels, *level, change.min(room));
         }
         if gain < LEAST_GAIN {
             break;
@@ -150,6 +148,15 @@ impl Score {
         self.information += &other.information;
     }
 
+    /// Keeps a level where it is, and the others' steps from reckoning with it, if more of it were likelier.
+    fn hold_if_rising(&mut self, level: usize) {
+        if self.slope[level] > 0.0 {
+            self.slope[level] = 0.0;
+            self.information.row_mut(level).fill(0.0);
+            self.information.column_mut(level).fill(0.0);
+        }
+    }
+
     /// Changes of the logarithms of the variances, and what they promise to gain of log-likelihood.
     pub(crate) fn step(&self) -> (Vec<f64>, f64) {
         let levels = self.slope.len();
@@ -162,7 +169,12 @@ impl Score {
     }
 }
 
-/// Position of a level: outputs first, then inputs.
+/// A level by its position: outputs first, then inputs.
+fn of(levels: &NoiseLevels, sought: usize) -> f64 {
+    levels.outputs.iter().chain(&levels.inputs).nth(sought).copied().unwrap_or(f64::NAN)
+}
+
+/// With a level, by its position, changed.
 pub(crate) fn scaled(levels: &NoiseLevels, sought: usize, log_change: f64) -> NoiseLevels {
     let mut levels = levels.clone();
     let outputs = levels.outputs.len();
@@ -233,5 +245,24 @@ impl Course<'_> {
                 self.score.information[(i, j)] += 0.5 * spread.dot(other) + slope.dot(&moved.column(j));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_that_is_held_leaves_the_others_alone() {
+        let mut score = Score {
+            slope: DVector::from_vec(vec![-80.0, 5000.0]),
+            information: DMatrix::from_row_slice(2, 2, &[99.0, 60.0, 60.0, 99.0]),
+        };
+        score.hold_if_rising(0);
+        assert!(score.step().0[0] != 0.0, "it falls");
+        score.hold_if_rising(1);
+        let (step, gain) = score.step();
+        assert_eq!(step[1], 0.0);
+        assert!((step[0] + 0.8).abs() < 1e-12 && gain < 40.0, "{step:?} {gain}");
     }
 }
