@@ -293,10 +293,12 @@ impl NoiseModel {
         intersample: Intersample,
     ) -> Option<Self> {
         let noisy: Vec<usize> = (0..levels.inputs.len()).filter(|i| levels.inputs[*i] > 0.0).collect();
-        let drive = DMatrix::from_fn(equations.input.nrows(), noisy.len(), |i, j| {
-            equations.input[(i, noisy[j])] * levels.inputs[noisy[j]]
+        let seen = observed(equations);
+        let drive = DMatrix::from_fn(seen.len(), noisy.len(), |i, j| {
+            equations.input[(seen[i], noisy[j])] * levels.inputs[noisy[j]]
         });
-        let (step, taps) = response(&equations.state, &drive, sample_time_s, intersample);
+        let state = equations.state.select_rows(&seen).select_columns(&seen);
+        let (step, taps) = response(&state, &drive, sample_time_s, intersample);
         let (n, m, p) = (step.nrows(), noisy.len(), units.len());
         // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
         // last sample that matters for the coming interval.
@@ -317,7 +319,7 @@ impl NoiseModel {
         let mut output = DMatrix::zeros(p, size);
         let now = n + (ahead - 1) * m;
         for (i, unit) in units.iter().enumerate() {
-            (0..n).for_each(|j| output[(i, j)] = equations.output[(i, j)] / unit);
+            (0..n).for_each(|j| output[(i, j)] = equations.output[(i, seen[j])] / unit);
             for (j, input) in noisy.iter().enumerate() {
                 output[(i, now + j)] = equations.feedthrough[(i, *input)] * levels.inputs[*input] / unit;
             }
@@ -325,6 +327,22 @@ impl NoiseModel {
         let finite = transition.iter().chain(entering.iter()).all(|value| value.is_finite());
         finite.then_some(Self { transition, drive: entering, output })
     }
+}
+
+/// States that outputs show, themselves or through others. What only a law moves, such as friction's bristles, would never forget.
+fn observed(equations: &Equations) -> Vec<usize> {
+    let states = equations.state.ncols();
+    let mut seen: Vec<usize> =
+        (0..states).filter(|j| equations.output.column(*j).iter().any(|c| *c != 0.0)).collect();
+    let mut next = 0;
+    while let Some(&i) = seen.get(next) {
+        let moves = |j: &usize| equations.state[(i, *j)] != 0.0 && !seen.contains(j);
+        let more: Vec<usize> = (0..states).filter(moves).collect();
+        seen.extend(more);
+        next += 1;
+    }
+    seen.sort_unstable();
+    seen
 }
 
 /// What the state becomes in an interval: of itself, and of the input's samples about it, the earliest first.
@@ -425,6 +443,8 @@ fn steady_covariance(noise: &NoiseModel, spread: &DMatrix<f64>) -> Option<DMatri
 
 #[cfg(test)]
 mod tests {
+    use socam_model::Model;
+
     use super::*;
 
     #[test]
@@ -433,5 +453,22 @@ mod tests {
         assert!((spectral_radius(turning) - 0.85_f64.sqrt()).abs() < 1e-6);
         let delays = DMatrix::from_row_slice(3, 3, &[0.0, 0.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(spectral_radius(delays), 0.0);
+    }
+
+    #[test]
+    fn bristles_are_none_of_the_filters_business() {
+        let model = Model::builtin("speed-o-cam").unwrap();
+        let values = [("torque", 0.4), ("deflection", 1e-3)];
+        let rubbing = model.with_effect("coulomb_friction", "load_bearing", &values).unwrap();
+        let [plain, rubbing] = [model, rubbing].map(|model| {
+            let levels = NoiseLevels {
+                outputs: vec![0.01; model.outputs().count()],
+                inputs: vec![0.05; model.inputs().count()],
+            };
+            let equations = model.equations(&model.values()).unwrap();
+            Whitener::new(&equations, &levels, &levels.outputs, 1e-3, Intersample::BandLimited).unwrap()
+        });
+        assert_eq!(rubbing.states, plain.states);
+        assert!(rubbing.memory() < 1.0);
     }
 }
