@@ -53,7 +53,7 @@ impl Fitted {
     /// part of it was none.
     pub(crate) fn left(&self) -> f64 {
         let (count, held_count) = (self.count(), self.held_count());
-        let held = self.held_chi2() / held_count.max(1.0);
+        let held = self.held_scale();
         let floor = if held < QUIETER { held } else { 1.0 };
         let each = [(self.at.total(), count), (self.held_chi2(), held_count)];
         each.map(|(total, count)| (total - floor * count).max(0.0)).iter().sum()
@@ -78,7 +78,12 @@ impl Fitted {
 
     /// Mean square of what it leaves on held-out recordings, in units of noise; at least one.
     pub(crate) fn scale(&self) -> f64 {
-        (self.held_chi2() / self.held_count().max(1.0)).max(1.0)
+        self.held_scale().max(1.0)
+    }
+
+    /// The same; less than one where noise is overrated, as it is while much is missing.
+    pub(crate) fn held_scale(&self) -> f64 {
+        self.held_chi2() / self.held_count().max(1.0)
     }
 
     /// The same of what it leaves on training recordings.

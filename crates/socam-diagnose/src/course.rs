@@ -355,7 +355,7 @@ fn best(
     let near: Vec<&(usize, Fitted)> =
         fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + reach).collect();
     let Some(simplest) = near.iter().min_by_key(|(index, _)| size(*index)) else { return Ok(None) };
-    let (index, fitted) = straightest(before, simplest, &near, PREFERENCE * scale).clone();
+    let (index, fitted) = straightest(before, simplest, &near, PREFERENCE * first.held_scale()).clone();
     if !is_worth_it(before, &fitted) {
         return Ok(None);
     }

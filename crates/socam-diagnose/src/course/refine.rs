@@ -21,7 +21,16 @@ impl Course {
         bench: &Bench<'_>,
         (step, fitted): (Step, Fitted),
     ) -> Result<(), IdentifyError> {
-        let fitted = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
+        let mut fitted = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
+        // From where the simpler law ended the way is shorter than from nothing.
+        let index = self.steps.len() - 1;
+        let starts =
+            self.sticking(index).into_iter().filter(|start| start.is_same(&step.candidate)).collect();
+        if fitted.as_ref().is_some_and(|fitted| !fitted.is_at_noise()) {
+            let again = self.best_of(bench, index, starts)?.map(|(_, again)| again);
+            let is_less = |again: &Fitted| fitted.as_ref().is_some_and(|f| again.at.total() < f.at.total());
+            fitted = again.filter(is_less).or(fitted);
+        }
         let Some(fitted) = fitted.filter(|fitted| explains_most(&self.last, fitted)) else { return Ok(()) };
         self.last = fitted;
         self.steps.pop();
@@ -36,8 +45,12 @@ impl Course {
             for starts in candidates::refined_laws(&first, self.base.model.motion) {
                 self.replace(bench, index, starts)?;
             }
-            let starts = self.sticking(index);
-            self.replace(bench, index, starts)?;
+            let given = self.fitted(index, "deflection");
+            let starts = self.sticking(index).into_iter();
+            let refined = starts.flat_map(|start| candidates::refined_laws(&start, self.base.model.motion));
+            let refined =
+                refined.flatten().map(|start| given.map_or(start.clone(), |d| start.with("deflection", d)));
+            self.replace(bench, index, refined.collect())?;
         }
         Ok(())
     }
@@ -49,10 +62,7 @@ impl Course {
         let Some(torque) = torque else { return Vec::new() };
         let is_it = |seen: &&Candidate| seen.effect.id == "stribeck_friction" && seen.place == own.place;
         let seen = self.screened.iter().map(|one| &one.start).filter(is_it);
-        let starts = seen.map(|start| start.with("torque", torque).with("static_torque", 1.5 * torque));
-        let refined = starts.flat_map(|start| candidates::refined_laws(&start, self.base.model.motion));
-        let given = self.fitted(index, "deflection");
-        refined.flatten().map(|start| given.map_or(start.clone(), |d| start.with("deflection", d))).collect()
+        seen.map(|start| start.with("torque", torque).with("static_torque", 1.5 * torque)).collect()
     }
 
     /// Puts the best of several laws in the place of one that was added, if it explains most of what that leaves.
