@@ -24,8 +24,8 @@ pub(crate) fn is_measured(channel: &Channel) -> bool {
 }
 
 /// Most noise that each channel can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input
-/// that is not measured. What an output's residual has beyond it is misfit: to take it for noise would be to believe that
-/// output less, and noisy inputs more, than they deserve.
+/// that is not measured, what the model file gives for one whose noise is known. What an output's residual has beyond it is
+/// misfit: to take it for noise would be to believe that output less, and noisy inputs more, than they deserve.
 pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
     let inputs = problem.model.inputs().count();
     let mut windows: Vec<Vec<f64>> = vec![Vec::new(); inputs + problem.outputs()];
@@ -47,7 +47,8 @@ pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> 
     let outputs = windows.split_off(inputs).into_iter();
     let outputs = outputs.map(|windows| quantile(windows, 0.9).map_or(f64::INFINITY, |std| COLOURED * std));
     let inputs = windows.into_iter().zip(problem.model.inputs()).map(|(windows, channel)| {
-        if is_measured(channel) { MARGIN * quantile(windows, 0.5).unwrap_or(0.0) } else { 0.0 }
+        let held = || MARGIN * quantile(windows, 0.5).unwrap_or(0.0);
+        if is_measured(channel) { channel.noise_std.unwrap_or_else(held) } else { 0.0 }
     });
     Ok(NoiseLevels { outputs: outputs.collect(), inputs: inputs.collect() })
 }
