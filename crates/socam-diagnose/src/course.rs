@@ -24,9 +24,10 @@ const PLACES: usize = 4;
 const LEAST_GAIN: f64 = 25.0;
 const LEAST_HELD_GAIN: f64 = 10.0;
 /// Differences of sums of squares between rivals count as if they were so many times smaller; or, if that is more, in units of so
-/// large a share of what was gained.
+/// large a share of what was gained, or of what is missed still.
 const DOUBT: f64 = 4.0;
 const DOUBT_SHARE: f64 = 2e-3;
+const DOUBT_LEFT: f64 = 1e-2;
 /// Mean square of what is left on held-out recordings, in units of noise, from which on it is looked at by shape.
 const MISFIT: f64 = 1.05;
 /// From where on parameters may have been bent so far that they do not find back by themselves.
@@ -418,7 +419,8 @@ fn step(
     let scale = fits.first().map_or(1.0, |(_, first)| first.scale());
     let held_gain = before.held_chi2() - fitted.held_chi2();
     // Neighbouring residuals are alike, and no law is obeyed to the last per mille: a likelihood would be far too sure of itself.
-    let doubt = DOUBT.max(DOUBT_SHARE * held_gain / scale);
+    // What is missed still may favour either.
+    let doubt = DOUBT.max(DOUBT_SHARE * held_gain / scale).max(DOUBT_LEFT * fitted.held_misfit() / scale);
     // As Akaike counts: each parameter more must earn two.
     let cost =
         |index: usize, fit: &Fitted| fit.held_chi2() / scale + 2.0 * tried[index].0.values.len() as f64;
