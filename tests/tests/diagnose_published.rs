@@ -153,8 +153,9 @@ fn an_oscillator_is_found_to_harden() {
     assert!(before > 0.01 && after < 0.001, "{before} {after}");
 }
 
-/// Analysed by hand (docs/aalto.md), most of what the published chain misses comes back with every turn of the middle shaft: mesh 1 does
-/// not roll true, by 1.4 to 2.0 mrad. The encoder's angle tells where in its turn each recording begins.
+/// Analysed by hand (docs/aalto.md), most of what the published chain misses comes back with every turn of the middle shaft, whose mesh 1
+/// does not roll true. The encoder's angle tells where in its turn each recording begins. All recordings ran at one speed, where a load
+/// that swings four times a turn does the same: the line and its shaft are found, either place may come first, and the other is a rival.
 #[test]
 fn a_reduction_is_found_not_to_roll_true() {
     let Some(data) = data_set("aalto") else { return };
@@ -165,11 +166,16 @@ fn a_reduction_is_found_not_to_roll_true() {
     arguments.extend(["--start", "equilibrium", "--most", "1", "--json"]);
     let document = run(arguments).json();
     let finding = &document["findings"][0];
-    assert_eq!(found(&document)[0], ("kinematic_error", "mesh_1"));
-    let parameter = |k: usize| finding["parameters"][k]["value"].as_f64().unwrap();
-    assert!((3.0 * parameter(0) - 1.0).abs() < 1e-3, "{}", parameter(0));
-    assert!((1.2e-3..2.0e-3).contains(&parameter(1)), "{}", parameter(1));
+    let all = std::iter::once(finding).chain(finding["rivals"].as_array().unwrap());
+    let all: Vec<_> =
+        all.map(|one| [&one["effect"], &one["location"]].map(|name| name.as_str().unwrap())).collect();
+    assert!(
+        all.contains(&["kinematic_error", "mesh_1"]) && all.contains(&["torque_ripple", "load"]),
+        "{all:?}"
+    );
+    // Turns of the middle shaft for one of the shaft that the order counts.
+    let turns = if all[0][1].starts_with("mesh") { 1.0 / 3.0 } else { 4.0 };
+    let order = finding["parameters"][0]["value"].as_f64().unwrap();
+    assert!((order / turns - 1.0).abs() < 1e-3, "{order} {all:?}");
     assert!(finding["evidence"]["holdout_gain_percent"].as_f64().unwrap() > 30.0);
-    // All recordings ran at one speed, where a load that swings four times a turn does the same.
-    assert!(finding["rivals"].as_array().unwrap().iter().any(|rival| rival["effect"] == "torque_ripple"));
 }
