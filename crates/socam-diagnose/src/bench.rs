@@ -59,11 +59,6 @@ impl Fitted {
         each.map(|(total, count)| (total - floor * count).max(0.0)).iter().sum()
     }
 
-    /// Whether that may well be noise: within three standard deviations of chi-square's.
-    pub(crate) fn is_at_noise(&self) -> bool {
-        self.left() < 3.0 * (2.0 * (self.count() + self.held_count())).sqrt()
-    }
-
     /// What it leaves on training recordings beyond noise.
     pub(crate) fn misfit(&self) -> f64 {
         (self.at.total() - self.count()).max(0.0)
@@ -101,6 +96,16 @@ pub(crate) struct Bench<'a> {
 }
 
 impl Bench<'_> {
+    /// Whether what a model leaves may well be noise: within three standard deviations of chi-square's. Where recordings are left out
+    /// in turn, only training counts: what the others do not determine is missed too.
+    pub(crate) fn is_at_noise(&self, fitted: &Fitted) -> bool {
+        let (left, count) = match self.folds.kind {
+            Validation::Holdout => (fitted.left(), fitted.count() + fitted.held_count()),
+            _ => (fitted.misfit(), fitted.count()),
+        };
+        left < 3.0 * (2.0 * count).sqrt()
+    }
+
     pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
         Problem::new(model, self.training, self.fit.clone())
     }

@@ -26,11 +26,9 @@ impl Course {
         let index = self.steps.len() - 1;
         let starts =
             self.sticking(index).into_iter().filter(|start| start.is_same(&step.candidate)).collect();
-        if fitted.as_ref().is_some_and(|fitted| !fitted.is_at_noise()) {
-            let again = self.best_of(bench, index, starts)?.map(|(_, again)| again);
-            let is_less = |again: &Fitted| fitted.as_ref().is_some_and(|f| again.at.total() < f.at.total());
-            fitted = again.filter(is_less).or(fitted);
-        }
+        let again = self.best_of(bench, index, starts)?.map(|(_, again)| again);
+        let is_less = |again: &Fitted| fitted.as_ref().is_none_or(|f| again.at.total() < f.at.total());
+        fitted = again.filter(is_less).or(fitted);
         let Some(fitted) = fitted.filter(|fitted| explains_most(&self.last, fitted)) else { return Ok(()) };
         self.last = fitted;
         self.steps.pop();
@@ -72,7 +70,7 @@ impl Course {
         index: usize,
         starts: Vec<Candidate>,
     ) -> Result<(), IdentifyError> {
-        if self.last.is_at_noise() {
+        if bench.is_at_noise(&self.last) {
             return Ok(());
         }
         let best = self.best_of(bench, index, starts)?;
