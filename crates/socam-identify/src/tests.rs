@@ -296,6 +296,16 @@ fn known_truth_comes_back_and_what_is_not_determined_is_said() {
 }
 
 #[test]
+fn noise_that_a_model_file_gives_an_input_stays() {
+    let data = [bench(TRUTH, 4.0, 1.0, 5)];
+    let given =
+        |text: String| text.replace("[channels.motor_speed]", "[channels.motor_speed]\nnoise_std = 0.004");
+    let model = model(given);
+    let result = output_error(&Problem::new(&model, &data, Options::default()).unwrap()).unwrap();
+    assert_eq!(result.input_noise_std, [("motor_speed".to_owned(), 0.004)]);
+}
+
+#[test]
 fn friction_comes_back_with_the_rest() {
     let truth = Truth::from([71.0, 54.4, 52485.0, 110.0, 0.02, 0.02, 0.08, 0.05, 0.6]);
     let data = [bench(truth, 6.0, 1.0, 8)];
