@@ -81,7 +81,7 @@ impl Fitted {
         self.held_chi2() / self.held_count().max(1.0)
     }
 
-    /// The same of what it leaves on training recordings.
+    /// Mean square of what it leaves on training recordings, in units of noise; at least one.
     pub(crate) fn training_scale(&self) -> f64 {
         (self.at.total() / self.count().max(1.0)).max(1.0)
     }

@@ -82,14 +82,11 @@ fn climb(
         let open = |level: &usize| channels[*level].noise_std.is_none();
         let sought: Vec<usize> = (0..channels.len()).filter(noisy).filter(open).collect();
         let Some(mut score) = score(problem, point, &equations, &levels, &sought)? else { break };
-        let most = |level: usize| {
-            if level < outputs { most.outputs[level] } else { most.inputs[level - outputs] }
-        };
-        let is_full = |level: usize| of(&levels, level) > (1.0 - 1e-9) * most(level);
+        let is_full = |level: usize| of(&levels, level) > (1.0 - 1e-9) * of(most, level);
         (0..sought.len()).filter(|k| is_full(sought[*k])).for_each(|k| score.hold_if_rising(k));
         let (step, gain) = score.step();
         for (level, change) in sought.iter().zip(step) {
-            let room = 2.0 * (most(*level) / of(&levels, *level)).ln();
+            let room = 2.0 * (of(most, *level) / of(&levels, *level)).ln();
             levels = scaled(&levels, *level, change.min(room));
         }
         if gain < LEAST_GAIN {

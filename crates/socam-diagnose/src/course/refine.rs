@@ -21,15 +21,14 @@ impl Course {
         bench: &Bench<'_>,
         (step, fitted): (Step, Fitted),
     ) -> Result<(), IdentifyError> {
-        let mut fitted = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
-        // From where the simpler law ended the way is shorter than from nothing.
         let index = self.steps.len() - 1;
+        // From where the simpler law ended the way is shorter than from nothing.
         let starts =
             self.sticking(index).into_iter().filter(|start| start.is_same(&step.candidate)).collect();
+        let further = bench.fitted(&fitted.model, &fitted.at.values, Some(&fitted), &self.yardstick)?;
         let again = self.best_of(bench, index, starts)?.map(|(_, again)| again);
-        let is_less = |again: &Fitted| fitted.as_ref().is_none_or(|f| again.at.total() < f.at.total());
-        fitted = again.filter(is_less).or(fitted);
-        let Some(fitted) = fitted.filter(|fitted| explains_most(&self.last, fitted)) else { return Ok(()) };
+        let best = further.into_iter().chain(again).min_by(|a, b| a.at.total().total_cmp(&b.at.total()));
+        let Some(fitted) = best.filter(|best| explains_most(&self.last, best)) else { return Ok(()) };
         self.last = fitted;
         self.steps.pop();
         self.steps.push(step);
