@@ -6,7 +6,7 @@ use crate::{IdentifyError, Intersample, Problem, feed, whitener::NoiseLevels};
 
 /// Order of the differences that leave an input's noise and not its motion.
 const DIFFERENCES: usize = 8;
-/// Variance of white noise after them, binomial(16, 8).
+/// Variance of white noise after them, binomial(16, 8); of a rate's, though it is blue, too.
 const DIFFERENCED: f64 = 12_870.0;
 /// Rows of a window over which differences are averaged.
 const WINDOW: usize = 64;

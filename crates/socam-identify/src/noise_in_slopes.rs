@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Row of the impulse whose response shows what a sample's noise does.
-const IMPULSE_ROW: usize = 8;
+const IMPULSE_ROW: usize = 32;
 /// The response is followed until it has fallen to this fraction.
 const FADED: f64 = 1e-5;
 /// It is followed for at least and at most so many rows.
@@ -100,18 +100,20 @@ fn per_sample(
     Ok(Some(products))
 }
 
-/// The model without force laws, its channels in SI and each with a column of its own.
+/// The model without force laws, its channels in SI and each with a column of its own; rates stay rates.
 fn linear(model: &Model) -> Model {
     let mut model = model.clone();
     model.effects.retain(|used| used.effect.laws().is_empty());
     for (index, channel) in model.channels.iter_mut().enumerate() {
         (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
-        (channel.take, channel.column) = (Take::Value, format!("channel_{index}_1"));
+        channel.column = format!("channel_{index}_1");
+        channel.take = if channel.take == Take::Rate { Take::Rate } else { Take::Value };
     }
     model
 }
 
-/// A recording in which one channel, inputs counted first, jumps for one sample and all others are zero.
+/// A recording in which the column of one channel, inputs counted first, jumps for one sample by what makes noise of that size, and
+/// all others are zero.
 fn impulse(
     model: &Model,
     jumping: usize,
@@ -123,7 +125,7 @@ fn impulse(
     let named = all.into_iter().enumerate().filter_map(|(index, channel)| {
         let mut values = vec![0.0; rows];
         if index == jumping {
-            values[IMPULSE_ROW] = size;
+            values[IMPULSE_ROW] = size / channel.take.amplification(sample_time_s);
         }
         Some((socam_recording::Channel::from_column_name(&channel.column)?, values))
     });

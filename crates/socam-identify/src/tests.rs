@@ -1,5 +1,6 @@
 //! Predictions against independent arithmetic, slopes against differences, known truth in and truth out.
 
+mod encoder;
 mod odd_models;
 mod robust;
 
@@ -28,11 +29,13 @@ impl Lcg {
     }
 }
 
+/// Frequencies and sizes of the tones in the motor's speed, Hz and rad/s.
+const TONES: [(f64, f64); 8] =
+    [(0.7, 8.0), (2.3, 9.0), (7.1, 6.0), (13.3, 5.0), (19.7, 4.0), (36.1, 4.0), (61.3, 3.0), (88.9, 2.0)];
+
 /// Motor speed: a mean and tones up to 90 Hz.
 fn motor_speed(t: f64) -> f64 {
-    let tones =
-        [(0.7, 8.0), (2.3, 9.0), (7.1, 6.0), (13.3, 5.0), (19.7, 4.0), (36.1, 4.0), (61.3, 3.0), (88.9, 2.0)];
-    60.0 + tones
+    60.0 + TONES
         .iter()
         .enumerate()
         .map(|(i, (f, a))| a * (std::f64::consts::TAU * f * t + i as f64).sin())

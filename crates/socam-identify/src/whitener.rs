@@ -5,13 +5,13 @@
 //!
 //! xi(k+1) = Phi xi(k) + sum of Gamma_j e(k+j),  r(k) = C xi(k) + F e(k) + v(k)
 //!
-//! with e the noise of the inputs and v that of the outputs, all white, and j running over the samples about an interval
+//! with e the noise of the inputs' columns and v that of the outputs, all white, and j running over the samples about an interval
 //! that the input's course within it depends on. The filter of Kalman (1960) that predicts
 //! r from its past leaves a white remainder; divided by its covariance's root it has unit variance in every
 //! channel. Residuals and slopes pass through the same filter, so that least squares weighs them as the inverse
 //! covariance of all residuals would, at a cost linear in samples.
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use pulp::{Simd, WithSimd};
 use socam_model::Equations;
 
@@ -299,30 +299,39 @@ impl NoiseModel {
         });
         let state = equations.state.select_rows(&seen).select_columns(&seen);
         let (step, taps) = response(&state, &drive, sample_time_s, intersample);
+        let kernels: Vec<Vec<f64>> = noisy.iter().map(|input| equations.takes[*input].noise()).collect();
         let (n, m, p) = (step.nrows(), noisy.len(), units.len());
         // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
         // last sample that matters for the coming interval.
-        let (count, ahead) = (taps.len(), taps.len() / 2);
-        let size = n + m * (count - 1);
-        let mut transition = DMatrix::zeros(size, size);
+        let remembered: Vec<usize> = kernels.iter().map(|kernel| taps.len() + kernel.len() - 2).collect();
+        let size = n + remembered.iter().sum::<usize>();
+        let (mut transition, mut entering) = (DMatrix::zeros(size, size), DMatrix::zeros(size, m));
         transition.view_mut((0, 0), (n, n)).copy_from(&step);
-        let mut entering = DMatrix::zeros(size, m);
-        entering.view_mut((0, 0), (n, m)).copy_from(&taps[count - 1]);
-        entering.view_mut((n, 0), (m, m)).fill_diagonal(1.0);
-        for past in 1..count {
-            let column = n + (past - 1) * m;
-            transition.view_mut((0, column), (n, m)).copy_from(&taps[count - 1 - past]);
-            if past + 1 < count {
-                transition.view_mut((column + m, column), (m, m)).fill_diagonal(1.0);
-            }
-        }
         let mut output = DMatrix::zeros(p, size);
-        let now = n + (ahead - 1) * m;
         for (i, unit) in units.iter().enumerate() {
             (0..n).for_each(|j| output[(i, j)] = equations.output[(i, seen[j])] / unit);
-            for (j, input) in noisy.iter().enumerate() {
-                output[(i, now + j)] = equations.feedthrough[(i, *input)] * levels.inputs[*input] / unit;
+        }
+        let mut first = n;
+        for (j, (input, kernel)) in noisy.iter().zip(&kernels).enumerate() {
+            let of_column = of_columns(&taps, j, kernel);
+            entering.view_mut((0, j), (n, 1)).copy_from(&of_column[remembered[j]]);
+            entering[(first, j)] = 1.0;
+            for age in 0..remembered[j] {
+                let own = &of_column[remembered[j] - 1 - age];
+                transition.view_mut((0, first + age), (n, 1)).copy_from(own);
+                if age + 1 < remembered[j] {
+                    transition[(first + age + 1, first + age)] = 1.0;
+                }
             }
+            // What passes through at once, of the samples about this one, the earliest first.
+            for (i, unit) in units.iter().enumerate() {
+                let through = equations.feedthrough[(i, *input)] * levels.inputs[*input] / unit;
+                let latest = first + remembered[j] / 2 - kernel.len() / 2;
+                for (k, weight) in kernel.iter().rev().enumerate() {
+                    output[(i, latest + k)] = through * weight;
+                }
+            }
+            first += remembered[j];
         }
         let finite = transition.iter().chain(entering.iter()).all(|value| value.is_finite());
         finite.then_some(Self { transition, drive: entering, output })
@@ -382,6 +391,18 @@ fn response(
         }
     }
     (step.view((0, 0), (n, n)).into_owned(), shortened(of_samples))
+}
+
+/// What samples of an input's column do, from what those of the input do, the earliest first.
+fn of_columns(taps: &[DMatrix<f64>], input: usize, kernel: &[f64]) -> Vec<DVector<f64>> {
+    let states = taps.first().map_or(0, DMatrix::nrows);
+    let mut each = vec![DVector::zeros(states); taps.len() + kernel.len() - 1];
+    for (i, tap) in taps.iter().enumerate() {
+        for (k, weight) in kernel.iter().enumerate() {
+            each[i + k] += tap.column(input) * *weight;
+        }
+    }
+    each
 }
 
 /// Leaves out the samples beyond [`REACH`], and gives what they would do to those beside the interval.

@@ -58,7 +58,9 @@ impl Equations {
         let rates = rates.plus(&by_force(&rates).times(&torque));
         let observed = observed.plus(&by_force(&observed).times(&torque));
         let rows = Rows { rates, observed, seen };
-        Some(rows.split([states, inputs], &self.ports, self.state_names.clone()))
+        let (apart, slopes) = rows.split([states, inputs, ports]);
+        let (ports, state_names, takes) = (self.ports.clone(), self.state_names.clone(), self.takes.clone());
+        Some((Self { ports, state_names, takes, ..apart }, slopes))
     }
 }
 

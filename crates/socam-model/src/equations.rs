@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::{
+    Take,
     effects::{Effect, Law, Response},
     jet::Jet,
 };
@@ -83,6 +84,8 @@ pub struct Equations {
     pub ports: Vec<Port>,
     /// What each state is, for reports.
     pub state_names: Vec<String>,
+    /// What each input takes of its column: how that one's noise enters.
+    pub takes: Vec<Take>,
 }
 
 impl Equations {
@@ -111,20 +114,15 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// The equations, and their slopes.
-    pub(crate) fn split(
-        &self,
-        [states, inputs]: [usize; 2],
-        ports: &[Port],
-        state_names: Vec<String>,
-    ) -> (Equations, Vec<Equations>) {
+    /// The equations, without what is no matrix, and their slopes.
+    pub(crate) fn split(&self, [states, inputs, ports]: [usize; 3]) -> (Equations, Vec<Equations>) {
         let part = |slope: Option<usize>| {
             let pick = |jet: &Jet, start: usize, count: usize| {
                 let matrix = slope.map_or(&jet.value, |index| &jet.slopes[index]);
                 matrix.columns(start, count).into_owned()
             };
             let all = |jet: &Jet| {
-                let force = pick(jet, states + inputs, ports.len());
+                let force = pick(jet, states + inputs, ports);
                 (pick(jet, 0, states), pick(jet, states, inputs), force)
             };
             let (state, input, force) = all(&self.rates);
@@ -142,10 +140,11 @@ impl Rows {
                 port_force,
                 ports: Vec::new(),
                 state_names: Vec::new(),
+                takes: Vec::new(),
             }
         };
         let slopes = (0..self.rates.slopes.len()).map(|index| part(Some(index))).collect();
-        (Equations { ports: ports.to_vec(), state_names, ..part(None) }, slopes)
+        (part(None), slopes)
     }
 }
 

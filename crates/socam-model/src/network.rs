@@ -25,7 +25,7 @@ impl Model {
     }
 
     /// The same with the derivative of every matrix with respect to each parameter in `wrt`; the slopes'
-    /// `ports` and `state_names` are empty.
+    /// `ports`, `state_names` and `takes` are empty.
     ///
     /// # Errors
     /// As [`Model::equations`].
@@ -901,7 +901,12 @@ impl<'a, 'm> Motion<'a, 'm> {
             seen.add_block(port, 0, &self.seen(port)?);
         }
         let rows = Rows { rates, observed, seen };
-        Ok(rows.split([states, self.inputs], &self.ports, self.state_names()))
+        let (equations, slopes) = rows.split([states, self.inputs, ports]);
+        let takes = self.a.model.inputs().map(|input| input.take).collect();
+        Ok((
+            Equations { ports: self.ports.clone(), state_names: self.state_names(), takes, ..equations },
+            slopes,
+        ))
     }
 
     fn state_names(&self) -> Vec<String> {

@@ -43,6 +43,27 @@ impl Take {
         }
     }
 
+    /// What white noise of the column leaves in a channel's samples, by those about each, the earliest first, of unit variance: a rate's
+    /// is blue.
+    #[must_use]
+    pub fn noise(self) -> Vec<f64> {
+        if self != Self::Rate {
+            return vec![1.0];
+        }
+        let (after, size) = (weights(REACH), self.amplification(1.0));
+        let before = after.iter().rev().map(|weight| -weight);
+        before.chain([0.0]).chain(after.iter().copied()).map(|weight| weight / size).collect()
+    }
+
+    /// How many times the standard deviation of white noise in the column a channel's is; of values and rates.
+    #[must_use]
+    pub fn amplification(self, sample_time_s: f64) -> f64 {
+        if self != Self::Rate {
+            return 1.0;
+        }
+        weights(REACH).iter().map(|weight| 2.0 * weight * weight).sum::<f64>().sqrt() / sample_time_s
+    }
+
     fn apply(self, column: &[f64], sample_time_s: f64, from: Since) -> Vec<f64> {
         match self {
             Self::Value => column.to_vec(),
@@ -127,6 +148,24 @@ mod tests {
                 let expected = 100.0 * x * (x * k as f64 + 0.3).cos();
                 assert!((value - expected).abs() < 100.0 * x * tolerance, "{turns} {k}: {value}, {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn noise_of_a_rate_is_what_it_makes_of_an_impulse() {
+        let mut impulse = [0.0; 65];
+        impulse[32] = 1.0;
+        for take in [Take::Value, Take::Rate] {
+            let mut found = take.apply(&impulse, 0.01, Since::default());
+            // What it does to samples about it, backwards.
+            found.reverse();
+            let reach = take.reach();
+            let expected = take.noise();
+            assert_eq!(expected.len(), 2 * reach + 1);
+            for (found, expected) in found[32 - reach..].iter().zip(&expected) {
+                assert!((found - expected * take.amplification(0.01)).abs() < 1e-12);
+            }
+            assert!((expected.iter().map(|w| w * w).sum::<f64>() - 1.0).abs() < 1e-12);
         }
     }
 
