@@ -37,6 +37,8 @@ const AFRESH: usize = 10;
 const HOPEFUL: f64 = 2.0;
 /// A named effect that explains less than this share of what a curve at one place would is not believed.
 const NEARLY: f64 = 0.6;
+/// A name that only a curve pointed to has to gain more than that, and this share of what is missed on held-out recordings, per cent.
+const NEARLY_ALL: f64 = 90.0;
 /// Least share of the misfit on held-out recordings, per cent, that an effect or a curve must carry: where much is left, almost
 /// anything takes some of it.
 const LEAST_SHARE: f64 = 5.0;
@@ -123,8 +125,17 @@ pub(crate) fn run(
         }
         let tried = worth_trying(&course, threshold);
         let suspicious = !tried.is_empty();
-        let named = best(bench, &course, tried)?;
+        let mut named = best(bench, &course, &tried)?;
         course.unexplained = unnamed(bench, &course, &scales, named.as_ref().map(|n| &n.chosen), suspicious)?;
+        if let Some(curve) = &course.unexplained {
+            let late = best(bench, &course, &overlooked(&course, curve, &tried))?;
+            let is_it = |late: &Named| {
+                late.chosen.0.gain > curve.gain && late.chosen.0.held_gain_percent > NEARLY_ALL
+            };
+            if let Some(late) = late.filter(is_it) {
+                (named, course.unexplained) = (Some(late), None);
+            }
+        }
         let is_news = |named: &Named| course.unexplained.is_none() && !course.is_shadow(&named.chosen.0);
         let Some(Named { chosen, nearest }) = named.filter(is_news) else { break };
         course.steps.push(chosen.0);
@@ -268,10 +279,12 @@ fn unnamed(
     let is_elsewhere =
         named.is_some_and(|(step, _)| !course.steps.is_empty() && !course.is_wrong_at(&step.candidate.place));
     let left = named.map_or(course.last.scale(), |(_, fitted)| fitted.scale());
-    if left < MISFIT && !is_elsewhere && (named.is_some() || !suspicious) {
+    let is_calm = left < MISFIT && !is_elsewhere;
+    if is_calm && named.is_some() {
         return Ok(None);
     }
-    let shapes = shapes::all(bench, &course.last, &course.yardstick, scales)?;
+    let look = if is_calm && !suspicious { shapes::nameless } else { shapes::all };
+    let shapes = look(bench, &course.last, &course.yardstick, scales)?;
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
     let strongest = course.steps.iter().map(|step| step.gain).fold(0.0, f64::max);
@@ -332,6 +345,19 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     begun.collect()
 }
 
+/// What acts where a curve was found and was not tried: slopes at no strength may say little of what much would do, as of a coupling
+/// that hardens near a resonance.
+fn overlooked(course: &Course, curve: &Unexplained, tried: &[(Candidate, f64)]) -> Vec<(Candidate, f64)> {
+    let mut all: Vec<(Candidate, f64)> = Vec::new();
+    let there = course.screened.iter().filter(|one| one.possible && one.start.place == curve.place);
+    for one in there {
+        if !tried.iter().chain(&all).any(|(known, _)| known.is_same(&one.start)) {
+            all.push((one.start.clone(), curve.p_value));
+        }
+    }
+    all
+}
+
 /// What was chosen.
 struct Named {
     /// The simplest of those that predict held-out recordings about best.
@@ -344,10 +370,10 @@ struct Named {
 fn best(
     bench: &Bench<'_>,
     course: &Course,
-    tried: Vec<(Candidate, f64)>,
+    tried: &[(Candidate, f64)],
 ) -> Result<Option<Named>, IdentifyError> {
     let before = &course.last;
-    let mut fits = race::race(bench, before, &tried, &course.yardstick)?;
+    let mut fits = race::race(bench, before, tried, &course.yardstick)?;
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
     let Some((_, first)) = fits.first() else { return Ok(None) };
     let (least, scale) = (first.held_chi2(), first.scale());
@@ -362,7 +388,7 @@ fn best(
     }
     let is_there = |best: usize| best != index && tried[best].0.place == tried[index].0.place;
     let nearest = fits.first().filter(|(best, _)| is_there(*best)).cloned();
-    let named = |(index, fitted): (usize, Fitted)| (step(before, &tried, &fits, index, &fitted), fitted);
+    let named = |(index, fitted): (usize, Fitted)| (step(before, tried, &fits, index, &fitted), fitted);
     Ok(Some(Named { chosen: named((index, fitted)), nearest: nearest.map(named) }))
 }
 

@@ -1,7 +1,7 @@
 //! Misfit without a name: which place's unknown torque, or which channel's error, would carry it, and its shape.
 //!
 //! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
-//! coupling's twist, or time. One pass of slopes says how much of the misfit each would carry and what it would look like.
+//! coupling's twist, or time; or a coupling's stiffness is any smooth function of time. One pass of slopes says how much of the misfit each would carry and what it would look like.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -60,7 +60,7 @@ fn wave(sights: &[f64], p: &[f64]) -> Response {
     Response { torque: p[0] * sin, slopes, slope_parameters }
 }
 
-/// A share of what is read, by time.
+/// So much of what is read, or of a twist, by time.
 fn swelling(sights: &[f64], p: &[f64]) -> Response {
     let Response { torque, slopes: by_time, slope_parameters } = hump(&sights[1..], p);
     let mut slopes = [0.0; MAX_SIGHTS];
@@ -109,6 +109,8 @@ static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Speed], Act
 static BEARING_ANGLE: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Angle], Acts::Torque, wave_against)]);
 static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Time], Acts::Torque, against)]);
 static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[Sight::Twist], Acts::Torque, hump)]);
+static SPRING_TIME: Effect =
+    shape(ActsAt::Spring, &[law(&[Sight::Twist, Sight::Time], Acts::Torque, swelling)]);
 static CHANNEL_READING: Effect = shape(ActsAt::Channel, &[law(&[Sight::Reading], Acts::Reading, hump)]);
 static CHANNEL_TIME: Effect = shape(ActsAt::Channel, &[law(&[Sight::Time], Acts::Reading, hump)]);
 static CHANNEL_GAIN: Effect =
@@ -123,7 +125,7 @@ struct Free {
     range: (f64, f64),
     /// What one unit of the range is in units of the curve's abscissa: a twist is drawn as the torque that it takes.
     scale: f64,
-    /// Likewise of the curve's height: a gain is drawn as what it makes of the largest reading.
+    /// Likewise of the curve's height: a gain is drawn as what it makes of the largest reading, a stiffness of the largest twist.
     height: f64,
 }
 
@@ -154,7 +156,7 @@ impl Shape {
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
-    /// Whether it is a share of what a sensor reads.
+    /// Whether it is a share of what a sensor reads, or of what a spring takes.
     pub(crate) is_gain: bool,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
@@ -171,7 +173,27 @@ pub(crate) fn all(
     yardstick: &Yardstick,
     scales: &Scales,
 ) -> Result<Vec<Shape>, IdentifyError> {
-    let free = places(bench, &last.model, scales);
+    screened(bench, last, yardstick, places(bench, &last.model, scales))
+}
+
+/// Those that nothing in the catalogue resembles, so that no name would point to them: a stiffness that changes.
+pub(crate) fn nameless(
+    bench: &Bench<'_>,
+    last: &Fitted,
+    yardstick: &Yardstick,
+    scales: &Scales,
+) -> Result<Vec<Shape>, IdentifyError> {
+    let mut free = places(bench, &last.model, scales);
+    free.retain(|free| std::ptr::eq(free.effect, &raw const SPRING_TIME));
+    screened(bench, last, yardstick, free)
+}
+
+fn screened(
+    bench: &Bench<'_>,
+    last: &Fitted,
+    yardstick: &Yardstick,
+    free: Vec<Free>,
+) -> Result<Vec<Shape>, IdentifyError> {
     let each = free.into_par_iter().map(|free| one(bench, last, yardstick, free));
     let found: Result<Vec<Option<Shape>>, IdentifyError> = each.collect();
     let mut found: Vec<Shape> = found?.into_iter().flatten().collect();
@@ -197,6 +219,7 @@ fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
         let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
         let twist = torque / stiffness;
         add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness, 1.0);
+        add(&SPRING_TIME, &spring.name, Over::Time, "s", (0.0, duration_s), 1.0, twist);
     }
     for (output, channel) in model.outputs().enumerate() {
         let most = scales.reading(output);
@@ -228,7 +251,7 @@ impl Free {
     }
 
     fn is_gain(&self) -> bool {
-        std::ptr::eq(self.effect, &raw const CHANNEL_GAIN)
+        [&raw const CHANNEL_GAIN, &raw const SPRING_TIME].contains(&(&raw const *self.effect))
     }
 
     fn curve(&self, model: &Model, heights: &[f64], std: &[f64]) -> Curve {

@@ -24,13 +24,17 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
 pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
     let place = found.place.replace('_', " ");
     let what = match (is_channel, found.is_gain) {
-        (_, true) => "a gain of that sensor",
+        (true, true) => "a gain of that sensor",
+        (false, true) => "a part of its stiffness",
         (true, _) => "an error of that sensor",
         _ => "a torque",
     };
     let over = match found.curve.over {
-        Over::Time if found.is_gain => {
+        Over::Time if found.is_gain && is_channel => {
             " that changes as time goes by (its curve is what that makes of the largest reading)"
+        }
+        Over::Time if found.is_gain => {
+            " that changes as time goes by (its curve is what that makes of the largest twist)"
         }
         Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",
         Over::Speed => " that depends on speed",
