@@ -10,6 +10,7 @@ use socam_model::Model;
 use crate::{
     bench::{Bench, Fitted},
     candidates::Candidate,
+    document::Validation,
     screen::carried,
 };
 
@@ -61,7 +62,7 @@ pub(crate) fn race(
     let begun: Result<Vec<_>, IdentifyError> = begun.collect();
     let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
     for leg in 0..LEGS {
-        let least = runners.iter().map(|runner| runner.at.total()).fold(before.at.total(), f64::min);
+        let least = least(bench, before, &mut runners, yardstick)?;
         let share = IN_THE_RACE[leg.min(1)];
         let line = (before.at.total() - share * (before.at.total() - least)).max(least + NEAR);
         runners.retain(|runner| runner.at.total() < line);
@@ -76,9 +77,30 @@ pub(crate) fn race(
     Ok(all?.into_iter().flatten().collect())
 }
 
-/// Where an effect was begun in several ways, the one that came furthest goes on.
-fn one_each(runners: &mut Vec<Runner>, tried: &[(Candidate, f64)]) {
+/// What the leader leaves in training: the one that came furthest of those that predict held-out recordings better than `before`, for
+/// what only follows the noise of some recordings must not outrun what is there; of all if none does. Sorts them.
+fn least(
+    bench: &Bench<'_>,
+    before: &Fitted,
+    runners: &mut [Runner],
+    yardstick: &Yardstick,
+) -> Result<f64, IdentifyError> {
     runners.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
+    let first = runners.first().map_or(f64::INFINITY, |runner| runner.at.total());
+    // Where recordings are left out in turn, that would take as many fits.
+    if bench.folds.kind == Validation::Holdout {
+        for runner in runners.iter().take_while(|runner| runner.at.total() < before.at.total()) {
+            let held = bench.held(&runner.model, runner.at.clone(), yardstick)?;
+            if held.is_some_and(|held| held.held_chi2() < before.held_chi2()) {
+                return Ok(runner.at.total());
+            }
+        }
+    }
+    Ok(first.min(before.at.total()))
+}
+
+/// Where an effect was begun in several ways, the one that came furthest, the first of sorted ones, goes on.
+fn one_each(runners: &mut Vec<Runner>, tried: &[(Candidate, f64)]) {
     let mut known: Vec<usize> = Vec::new();
     runners.retain(|runner| {
         let is_new = known.iter().all(|other| !tried[*other].0.is_same(&tried[runner.index].0));
