@@ -381,7 +381,12 @@ fn best(
     let reach = (PREFERENCE * scale).max(PREFERENCE_SHARE * (before.held_chi2() - least));
     let near: Vec<&(usize, Fitted)> =
         fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + reach).collect();
-    let Some(simplest) = near.iter().min_by_key(|(index, _)| size(*index)) else { return Ok(None) };
+    // Of two as simple the one that says more of all recordings: what was held out are a few.
+    let all = |fit: &Fitted| fit.at.total() + fit.held_chi2();
+    let order = |a: &(usize, Fitted), b: &(usize, Fitted)| {
+        size(a.0).cmp(&size(b.0)).then(all(&a.1).total_cmp(&all(&b.1)))
+    };
+    let Some(simplest) = near.iter().min_by(|a, b| order(a, b)) else { return Ok(None) };
     let (index, fitted) = straightest(before, simplest, &near, PREFERENCE * first.held_scale()).clone();
     if !is_worth_it(before, &fitted) {
         return Ok(None);
