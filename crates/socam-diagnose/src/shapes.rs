@@ -1,7 +1,8 @@
 //! Misfit without a name: which place's unknown torque, or which channel's error, would carry it, and its shape.
 //!
 //! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
-//! coupling's twist, or time; or a coupling's stiffness is any smooth function of time. One pass of slopes says how much of the misfit each would carry and what it would look like.
+//! coupling's twist, or time; or a coupling's stiffness is any smooth function of time. One pass of slopes says how much of the misfit
+//! each would carry and what it would look like.
 
 use rayon::prelude::*;
 use socam_identify::{

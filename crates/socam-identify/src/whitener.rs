@@ -6,7 +6,7 @@
 //! xi(k+1) = Phi xi(k) + sum of Gamma_j e(k+j),  r(k) = C xi(k) + F e(k) + v(k)
 //!
 //! with e the noise of the inputs' columns and v that of the outputs, all white, and j running over the samples about an interval
-//! that the input's course within it depends on. The filter of Kalman (1960) that predicts
+//! that the input's course within it depends on, a rate's on more of them. The filter of Kalman (1960) that predicts
 //! r from its past leaves a white remainder; divided by its covariance's root it has unit variance in every
 //! channel. Residuals and slopes pass through the same filter, so that least squares weighs them as the inverse
 //! covariance of all residuals would, at a cost linear in samples.
@@ -323,7 +323,7 @@ impl NoiseModel {
                     transition[(first + age + 1, first + age)] = 1.0;
                 }
             }
-            // What passes through at once, of the samples about this one, the earliest first.
+            // What passes through at once, of the samples about this one, the latest first.
             for (i, unit) in units.iter().enumerate() {
                 let through = equations.feedthrough[(i, *input)] * levels.inputs[*input] / unit;
                 let latest = first + remembered[j] / 2 - kernel.len() / 2;
