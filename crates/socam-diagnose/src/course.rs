@@ -9,6 +9,7 @@ use socam_model::Model;
 use crate::{
     bench::{Bench, Fitted},
     candidates::{self, Candidate},
+    document::Validation,
     race,
     scales::Scales,
     screen::{self, Promising, carried},
@@ -381,8 +382,11 @@ fn best(
     let reach = (PREFERENCE * scale).max(PREFERENCE_SHARE * (before.held_chi2() - least));
     let near: Vec<&(usize, Fitted)> =
         fits.iter().filter(|(_, fit)| fit.held_chi2() <= least + reach).collect();
-    // Of two as simple the one that says more of all recordings: what was held out are a few.
-    let all = |fit: &Fitted| fit.at.total() + fit.held_chi2();
+    // Of two as simple the one that says more of all recordings; left out in turn, all were held out.
+    let all = |fit: &Fitted| match bench.folds.kind {
+        Validation::Holdout => fit.at.total() + fit.held_chi2(),
+        _ => fit.held_chi2(),
+    };
     let order = |a: &(usize, Fitted), b: &(usize, Fitted)| {
         size(a.0).cmp(&size(b.0)).then(all(&a.1).total_cmp(&all(&b.1)))
     };
