@@ -284,8 +284,9 @@ fn unnamed(
     if is_calm && named.is_some() {
         return Ok(None);
     }
-    let look = if is_calm && !suspicious { shapes::nameless } else { shapes::all };
-    let shapes = look(bench, &course.last, &course.yardstick, scales)?;
+    let mut free = shapes::places(bench, &course.last.model, scales);
+    free.retain(|free| !is_calm || suspicious || free.is_nameless());
+    let shapes = shapes::all(bench, &course.last, &course.yardstick, free)?;
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
     let strongest = course.steps.iter().map(|step| step.gain).fold(0.0, f64::max);

@@ -118,7 +118,7 @@ static CHANNEL_GAIN: Effect =
     shape(ActsAt::Channel, &[law(&[Sight::Reading, Sight::Time], Acts::Reading, swelling)]);
 
 /// A place, what its unknown torque may depend on, and from where to where that goes.
-struct Free {
+pub(crate) struct Free {
     effect: &'static Effect,
     place: String,
     over: Over,
@@ -167,29 +167,8 @@ pub(crate) struct Unexplained {
     pub(crate) misfit_percent: f64,
 }
 
-/// All shapes at all places, the one that would carry most first.
+/// What each of some places would carry, the one that would carry most first.
 pub(crate) fn all(
-    bench: &Bench<'_>,
-    last: &Fitted,
-    yardstick: &Yardstick,
-    scales: &Scales,
-) -> Result<Vec<Shape>, IdentifyError> {
-    screened(bench, last, yardstick, places(bench, &last.model, scales))
-}
-
-/// Those that nothing in the catalogue resembles, so that no name would point to them: a stiffness that changes.
-pub(crate) fn nameless(
-    bench: &Bench<'_>,
-    last: &Fitted,
-    yardstick: &Yardstick,
-    scales: &Scales,
-) -> Result<Vec<Shape>, IdentifyError> {
-    let mut free = places(bench, &last.model, scales);
-    free.retain(|free| std::ptr::eq(free.effect, &raw const SPRING_TIME));
-    screened(bench, last, yardstick, free)
-}
-
-fn screened(
     bench: &Bench<'_>,
     last: &Fitted,
     yardstick: &Yardstick,
@@ -202,7 +181,8 @@ fn screened(
     Ok(found)
 }
 
-fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
+/// All places, with each thing that a torque or an error there may depend on.
+pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
     let mut all = Vec::new();
     let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale, height| {
         if range.1 > range.0 {
@@ -245,6 +225,11 @@ impl Free {
         }
         let width = (self.range.1 - self.range.0) / (POINTS - 1) as f64;
         (0..POINTS).map(|point| [self.range.0 + width * point as f64, width]).collect()
+    }
+
+    /// Whether nothing in the catalogue resembles it, so that no name would point to it: a stiffness that changes.
+    pub(crate) fn is_nameless(&self) -> bool {
+        std::ptr::eq(self.effect, &raw const SPRING_TIME)
     }
 
     fn is_turn(&self) -> bool {
