@@ -25,6 +25,8 @@ const BASE: usize = 20;
 const OBEYED: f64 = 1e-3;
 /// Nor does a clock that samples go truer.
 const CLOCK: f64 = 1e-5;
+/// Standard deviations that noise does not make.
+const NO_NOISE: f64 = 3.0;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
 const REFINED: usize = 25;
 
@@ -207,14 +209,19 @@ fn undo_one(course: &mut Course, bench: &Bench<'_>, steps: Vec<usize>) -> Result
     Ok(false)
 }
 
-/// Whether the recordings say that the effect that a step added is of some strength.
+/// Whether the recordings say that the effect that a step added is of some strength. Beside other effects, whose laws leave something
+/// too, all recordings have to say so; alone, what held-out recordings confirm is there as soon as noise could not have made it, though
+/// recordings may differ widely in how much of it they show.
 fn is_determined(course: &Course, step: usize, after: &Identification) -> bool {
     let nothing = course.steps[step].candidate.nothing();
+    let is_alone = course.steps.len() == 1;
     let is_some = |index: &usize| {
-        let ParameterEstimate { value, ci95: [low, high], .. } = &after.parameters[*index];
+        let ParameterEstimate { value, std, ci95: [low, high], .. } = &after.parameters[*index];
         let may_be_nothing =
             low.is_some_and(|low| low <= nothing) && high.is_some_and(|high| nothing <= high);
-        value.is_some() && !may_be_nothing
+        let is_no_noise =
+            value.zip(*std).is_some_and(|(value, std)| (value - nothing).abs() > NO_NOISE * std);
+        value.is_some() && (!may_be_nothing || (is_alone && is_no_noise))
     };
     let strengths = strengths(course, step);
     strengths.is_empty() || strengths.iter().any(is_some)
