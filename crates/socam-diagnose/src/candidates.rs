@@ -5,7 +5,7 @@ use socam_model::{
     effects::{ActsAt, CATALOGUE, Effect, Form, REFINED, Sight},
 };
 
-use crate::scales::Scales;
+use crate::{scales::Scales, screen::A_LITTLE};
 
 /// Small enough to be nothing, large enough to be divided by.
 const NEXT_TO_NOTHING_S: f64 = 1e-8;
@@ -202,8 +202,14 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
 /// Points from which a fit is begun. How stiff a shaft is that gives, slopes at a rigid one do not say: what it adds to a twist goes
 /// with the inverse of that, and a damper beside it hides it.
 pub(crate) fn starts(candidate: Candidate, model: &Model, values: &[f64]) -> Vec<Candidate> {
-    if candidate.effect.id != "missing_compliance" {
-        return vec![candidate];
+    match candidate.effect.id {
+        "missing_compliance" => {}
+        // On the way from a little the mode that a mass brings crosses all others, and the fit stops at one of them.
+        "missing_inertia" => {
+            let foretold = candidate.with("inertia", candidate.value("inertia") / A_LITTLE);
+            return vec![candidate, foretold];
+        }
+        _ => return vec![candidate],
     }
     let shaft = model.shafts.iter().find(|shaft| shaft.name == candidate.place);
     let is_end = |node: usize| shaft.is_some_and(|shaft| [shaft.nodes.0, shaft.nodes.1].contains(&node));

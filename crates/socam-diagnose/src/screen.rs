@@ -144,7 +144,7 @@ pub(crate) fn estimated(model: &Model, grown: &Model) -> Vec<usize> {
 }
 
 /// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.
-const A_LITTLE: f64 = 0.02;
+pub(crate) const A_LITTLE: f64 = 0.02;
 
 fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising {
     let mut start = candidate.clone();
