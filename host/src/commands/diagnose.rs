@@ -183,10 +183,8 @@ fn one(number: usize, finding: &Finding) -> String {
     for parameter in &finding.parameters {
         let ends = parameter.ci95.map(|end| end.map_or("?".into(), table::number));
         let value = parameter.value.map_or("not determined".into(), table::number);
-        text.push_str(&format!(
-            "   {} = {value} {} [{}, {}]\n",
-            parameter.name, parameter.unit, ends[0], ends[1]
-        ));
+        let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+        text.push_str(&format!("   {} = {value}{unit} [{}, {}]\n", parameter.name, ends[0], ends[1]));
     }
     let proof = &finding.evidence;
     if !finding.region.text.is_empty() {

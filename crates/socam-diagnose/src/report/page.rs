@@ -94,11 +94,11 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
     let (name, before, after) = channels.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(match after {
         Some(after) if !diagnosis.findings.is_empty() => format!(
-            "On data that were not fitted, the worst channel, {name}, missed by {before:.2} times its noise floor before \
+            "On data that were not fitted, the worst channel, {name}, was missed by {before:.2} times its noise floor before \
              the correction and by {after:.2} times after it."
         ),
         _ => format!(
-            "On data that were not fitted, the worst channel, {name}, misses by {before:.2} times its noise floor."
+            "On data that were not fitted, the worst channel, {name}, is missed by {before:.2} times its noise floor."
         ),
     })
 }

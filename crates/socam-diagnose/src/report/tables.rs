@@ -97,20 +97,18 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
                             @if corrected { th class="n" { "Before" } th { "95 % interval" } }
                             th class="n" { @if corrected { "After" } @else { "Value" } } th { "95 % interval" }
                             @if corrected { th class="n" { "Change" } }
-                            th {}
                         }
                     }
                     tbody {
                         @for parameter in free { (row(parameter, corrected)) }
                         @for it in &diagnosis.combinations {
                             tr {
-                                td { code { (it.name) } " = " (it.expression) }
+                                td class="named" { code { (it.name) } " " span class="small" { (it.expression) } }
                                 td { (words::unit(&it.unit)) }
                                 @if corrected { td class="n" { (words::number(it.before)) } td {} }
                                 td class="n" { (words::estimate(it.after, it.ci95)) }
                                 td { (words::interval(it.after, it.ci95)) }
                                 @if corrected { td class="n" { (change(it.before, it.after)) } }
-                                td { "determined together" }
                             }
                         }
                     }
@@ -133,13 +131,13 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
 
 fn row(parameter: &ParameterChange, corrected: bool) -> Markup {
     let note = match (parameter.identifiable, parameter.determined_with.as_slice()) {
-        (true, _) => String::new(),
-        (false, []) => "not determined by these data".to_owned(),
-        (false, with) => format!("not determined apart from {}", words::and(with)),
+        (true, _) => None,
+        (false, []) => Some("not determined by these data".to_owned()),
+        (false, with) => Some(format!("not determined apart from {}", words::and(with))),
     };
     html! {
         tr class=[(!parameter.identifiable).then_some("faint")] {
-            td { code { (parameter.name) } }
+            td class="named" { code { (parameter.name) } @if let Some(note) = note { " " span class="small" { (note) } } }
             td { (words::unit(&parameter.unit)) }
             @if corrected {
                 td class="n" { (words::estimate(parameter.before, parameter.ci95_before)) }
@@ -148,7 +146,6 @@ fn row(parameter: &ParameterChange, corrected: bool) -> Markup {
             td class="n" { (words::estimate(parameter.after, parameter.ci95)) }
             td { (words::interval(parameter.after, parameter.ci95)) }
             @if corrected { td class="n" { (change(parameter.before, parameter.after)) } }
-            td { (note) }
         }
     }
 }
