@@ -29,6 +29,9 @@ const TOLERANCE: f64 = 0.01;
 const SLOW_GAIN: f64 = 0.2;
 /// See [`SLOW_GAIN`].
 const SLOW_STEPS: usize = 8;
+/// Out of iterations it is where it would have ended if those gained less than this: nothing that the data determine is further from
+/// there than its standard deviation.
+const NEAR_GAIN: f64 = 1.0;
 /// Damping is relative to each parameter's own curvature. A valley along which the cost changes 1e12 times less than
 /// across it must still be walked.
 const LEAST_DAMPING: f64 = 1e-14;
@@ -514,7 +517,7 @@ pub(crate) fn descend(
             (at.point, at.passed, at.cost) = (trial, passed, cost);
             factor = global_factor(problem, &at.point, &at.weights, &at.passed);
             costs.push(cost);
-            if costs.len() > SLOW_STEPS && costs[costs.len() - 1 - SLOW_STEPS] - cost < SLOW_GAIN * unit {
+            if gained_lately(&costs) < SLOW_GAIN * unit {
                 at.end = End::Converged;
                 break;
             }
@@ -533,7 +536,16 @@ pub(crate) fn descend(
             }
         }
     }
+    if at.end == End::IterationLimit && gained_lately(&costs) < NEAR_GAIN * at.misfit().max(1.0) {
+        at.end = End::Converged;
+    }
     Ok(at)
+}
+
+/// What the last [`SLOW_STEPS`] steps gained; anything where there were not so many.
+fn gained_lately(costs: &[f64]) -> f64 {
+    let last = |back: usize| costs.len().checked_sub(1 + back).map(|index| costs[index]);
+    last(SLOW_STEPS).zip(last(0)).map_or(f64::INFINITY, |(before, now)| before - now)
 }
 
 /// What the linear picture promises to gain by a step in scaled parameters.
