@@ -195,11 +195,10 @@ impl Course {
         let problem = bench.problem(&self.last.model)?;
         let levels = compare::noise(&problem, &self.last.at, self.yardstick.levels())?;
         self.yardstick = bench.yardstick(&self.last.model, &self.last.at.values, levels)?;
-        for fitted in [&mut self.last, &mut self.base] {
-            let again = bench.fitted(&fitted.model, &fitted.at.values, Some(&*fitted), &self.yardstick)?;
-            if let Some(again) = again {
-                *fitted = again;
-            }
+        let again =
+            bench.fitted(&self.last.model, &self.last.at.values, Some(&self.last), &self.yardstick)?;
+        if let Some(again) = again {
+            self.last = again;
         }
         Ok(())
     }
