@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError, NoiseLevels,
-    compare::{self, Yardstick},
+    compare::{self, Measured, Yardstick},
 };
 use socam_model::Model;
 
@@ -33,9 +33,11 @@ const DOUBT_LEFT: f64 = 1e-2;
 const MISFIT: f64 = 1.05;
 /// From where on parameters may have been bent so far that they do not find back by themselves.
 const BENT: f64 = 2.0;
-/// So many iterations from the file's values must come within so many times the sum of squares of the fit there is.
+/// So many iterations from the file's values must come within so many times the sum of squares of the fit there is; likewise without an
+/// effect that was added: far from where it fits, a law takes long to follow.
 const AFRESH: usize = 10;
 const HOPEFUL: f64 = 2.0;
+const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, HOPEFUL)];
 /// A named effect that explains less than this share of what a curve at one place would is not believed.
 const NEARLY: f64 = 0.6;
 /// A name that only a curve pointed to has to gain more than that, and this share of what is missed on held-out recordings, per cent.
@@ -182,12 +184,23 @@ impl Course {
         Ok(())
     }
 
-    /// Fits the last model but for one of the effects that were added.
+    /// Fits the last model but for one of the effects that were added; `None` where that stays far from it.
     fn without(&self, bench: &Bench<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
         let others = self.steps.iter().enumerate().filter(|(other, _)| *other != index);
         let Some(model) = self.base.with(others.map(|(_, step)| &step.candidate)) else { return Ok(None) };
         let values = carried((&self.last.model, &self.last.at.values), &model);
-        bench.fitted(&model, &values, None, &self.yardstick)
+        let mut at: Option<Measured> = None;
+        for (iterations, hopeful) in WITHOUT {
+            let (begin, from) = at.as_ref().map_or((&values, None), |at| (&at.values, Some((&model, at))));
+            let leg = (compare::COARSE, iterations);
+            at = compare::descend(&bench.problem(&model)?, &self.yardstick, begin, from, leg)?;
+            if at.as_ref().is_none_or(|at| at.total() > hopeful * self.last.at.total()) {
+                return Ok(None);
+            }
+        }
+        let Some(at) = at else { return Ok(None) };
+        let begun = Fitted { at, model, held: Vec::new() };
+        bench.fitted(&begun.model, &begun.at.values, Some(&begun), &self.yardstick)
     }
 
     /// Judges noise by the last model, and measures by that from now on.
