@@ -42,12 +42,8 @@ impl Course {
             for starts in candidates::refined_laws(&first, self.base.model.motion) {
                 self.replace(bench, index, starts)?;
             }
-            let given = self.fitted(index, "deflection");
-            let starts = self.sticking(index).into_iter();
-            let refined = starts.flat_map(|start| candidates::refined_laws(&start, self.base.model.motion));
-            let refined =
-                refined.flatten().map(|start| given.map_or(start.clone(), |d| start.with("deflection", d)));
-            self.replace(bench, index, refined.collect())?;
+            let starts = self.sticking_and_giving(index);
+            self.replace(bench, index, starts)?;
         }
         Ok(())
     }
@@ -60,6 +56,22 @@ impl Course {
         let is_it = |seen: &&Candidate| seen.effect.id == "stribeck_friction" && seen.place == own.place;
         let seen = self.screened.iter().map(|one| &one.start).filter(is_it);
         seen.map(|start| start.with("torque", torque).with("static_torque", 1.5 * torque)).collect()
+    }
+
+    /// The same, of a contact that gives before it slips: as far as is known already, if it is.
+    fn sticking_and_giving(&self, index: usize) -> Vec<Candidate> {
+        let known = self.fitted(index, "deflection");
+        let sticking = self.sticking(index);
+        let refined =
+            sticking.iter().flat_map(|start| candidates::refined_laws(start, self.base.model.motion));
+        let mut starts: Vec<Candidate> = Vec::new();
+        for start in refined.flatten().filter(|start| start.effect.id == "stribeck_friction") {
+            let start = known.map_or(start.clone(), |known| start.with("deflection", known));
+            if starts.iter().all(|other| other.values != start.values) {
+                starts.push(start);
+            }
+        }
+        starts
     }
 
     /// Puts the best of several laws in the place of one that was added, if it explains most of what that leaves.
