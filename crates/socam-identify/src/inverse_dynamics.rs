@@ -14,7 +14,7 @@ use crate::{
     IdentifyError, filters,
     pass::ChannelSums,
     report::{self, CpuClock, End, Identification, ParameterEstimate, Source},
-    start,
+    start, uncertainty,
 };
 
 /// Low-pass of the position, Hz: five times the 20 Hz that the axis follows.
@@ -72,7 +72,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
     let mut point = axis.values.clone();
     axis.free.iter().zip(&change).for_each(|(index, change)| point[*index] += change);
-    let inverse = report::inverse_information(qr.thin_R());
+    let inverse = uncertainty::inverse_information(qr.thin_R());
     let std: Vec<f64> = (0..free).map(|j| (variance * inverse[(j, j)]).sqrt()).collect();
     let cpu_s = clock.seconds();
     Ok(axis.report(model, datasets, &point, &std, quantile, &tables, sum_of_squares, cpu_s))

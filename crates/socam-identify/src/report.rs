@@ -3,7 +3,6 @@
 use faer::{Mat, MatRef};
 use serde::Serialize;
 use socam_model::Model;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError, advice,
@@ -14,8 +13,10 @@ use crate::{
     noise_in_slopes,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
-    solver::{Descent, Race, curve},
+    solver::{Descent, Race},
+    step::curve,
     triangle,
+    uncertainty::{Uncertainty, followers, inverse_information},
     watch::Stage,
 };
 
@@ -30,10 +31,6 @@ const ENTANGLED: f64 = 0.9;
 const CHANCE: f64 = 3.84;
 /// Share of samples with unresolved steps that is worth a word.
 const MOST_UNRESOLVED: f64 = 1e-4;
-/// Slopes hold input noise, which looks like information. Of a direction's information at least this part is kept.
-const LEAST_GENUINE: f64 = 0.02;
-/// Singular values below this fraction of the largest are taken as zero.
-const RANK_TOLERANCE: f64 = 1e-12;
 
 /// How a fit ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -193,48 +190,6 @@ impl CpuClock {
     }
 }
 
-/// Covariance W Q W' of the free parameters, SI, kept as factors: along a valley its entries cancel to ten digits and
-/// more, and a sum of products of entries would be noise.
-pub(crate) struct Uncertainty {
-    /// W W' is the inverse information.
-    root: Mat<f64>,
-    /// Q is what coloured residuals make of it; the identity for white ones.
-    middle: Mat<f64>,
-    /// Turns a standard deviation into half of a 95 % interval.
-    pub(crate) quantile: f64,
-}
-
-impl Uncertainty {
-    /// Standard deviation of sum of slope * free parameter.
-    fn std(&self, slopes: &[(usize, f64)]) -> f64 {
-        let white = self.whitened(slopes);
-        let variance = self.product(&white, &white);
-        // Rounding may leave a little less than nothing; not a number means that the sums overflowed.
-        if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
-    }
-
-    /// No knowledge at all.
-    fn unknown(free: usize) -> Self {
-        let root = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
-        Self { root, middle: Mat::identity(free, free), quantile: 1.96 }
-    }
-
-    fn covariance(&self, i: usize, j: usize) -> f64 {
-        self.product(&self.whitened(&[(i, 1.0)]), &self.whitened(&[(j, 1.0)]))
-    }
-
-    fn whitened(&self, slopes: &[(usize, f64)]) -> Vec<f64> {
-        let columns = 0..self.root.ncols();
-        columns.map(|k| slopes.iter().map(|(i, slope)| slope * self.root[(*i, k)]).sum()).collect()
-    }
-
-    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs =
-            a.iter().enumerate().flat_map(|(i, a)| b.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
-        pairs.map(|(i, j, weight)| weight * self.middle[(i, j)]).sum()
-    }
-}
-
 pub(crate) fn identification(
     problem: &Problem<'_>,
     mut descent: Descent,
@@ -248,7 +203,7 @@ pub(crate) fn identification(
     }
     let results = &descent.passed;
     let noise = noise_in_slopes::products(problem, &descent.point, &weights, results)?;
-    let uncertainty = uncertainty(problem, &descent.point, &weights.scales, results, &noise);
+    let uncertainty = Uncertainty::new(problem, &descent.point, &weights.scales, results, &noise);
     let cost = 0.5 * crate::solver::squares(results);
     let twins = exchangeable(problem, &descent)?;
     let cpu_s = clock.seconds();
@@ -356,53 +311,6 @@ pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
     }
 }
 
-/// Inverse information, and the spread of scores between blocks of data where there are enough of them: their
-/// ratio to the information is what coloured residuals cost. What input noise adds to the squares of the slopes is no
-/// information, and is taken from them.
-fn uncertainty(
-    problem: &Problem<'_>,
-    point: &pass::Point,
-    scales: &[f64],
-    results: &[StretchResult],
-    noise: &Mat<f64>,
-) -> Uncertainty {
-    let free = problem.free.len();
-    let weights = pass::Weights::white(Vec::new(), scales.to_vec());
-    let sizes = sizes(problem, &point.values, scales);
-    let relative =
-        |rows: &Mat<f64>| Mat::from_fn(rows.nrows(), free, |i, j| rows[(i, j)] * sizes[j] / scales[j]);
-    let factor = relative(&crate::solver::information_factor(problem, point, &weights, results));
-    let Some(Directions { inverse, informed }) = Directions::of(&factor) else {
-        return Uncertainty::unknown(free);
-    };
-    let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
-    let blocks = scores.iter().map(Vec::len).sum::<usize>();
-    let (middle, degrees) = if blocks >= 5 * free.max(2) {
-        let correction = blocks as f64 / (blocks - free) as f64;
-        let matrix =
-            |rows: &Vec<Vec<f64>>| Mat::from_fn(rows.len(), free, |i, j| rows[i][j] * correction.sqrt());
-        // Scores in units in which the information is one.
-        let white: Vec<Mat<f64>> =
-            scores.iter().map(|stretch| relative(&matrix(stretch)) * &inverse).collect();
-        let (spread, lag) = long_run_spread(&white, blocks);
-        let prior = relative(&crate::solver::prior_rows(problem, point, &weights)) * &inverse;
-        let mut middle = spread + prior.transpose() * &prior;
-        // Where there is no information there are no scores either, and their ratio is not nothing.
-        (0..free).filter(|k| !informed[*k]).for_each(|k| middle[(k, k)] = middle[(k, k)].max(1.0));
-        // Every block counts less where it resembles its neighbours.
-        (middle, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
-    } else {
-        (Mat::identity(free, free), 1e6)
-    };
-    let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
-    let noise =
-        Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
-    let noise = inverse.transpose() * noise * &inverse;
-    let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
-    let root = inverse * genuine(&noise);
-    Uncertainty { root, middle, quantile }
-}
-
 /// Estimates as a fit would report them from this factor over [free parameters, scaled | residual], residuals being white.
 pub(crate) fn foretold(
     problem: &Problem<'_>,
@@ -415,116 +323,9 @@ pub(crate) fn foretold(
     let weights = pass::Weights::white(Vec::new(), scales.to_vec());
     let known = crate::solver::prior_rows(problem, &point, &weights);
     let factor = triangle::join([factor, known.as_ref()].into_iter(), free + 1);
-    let sizes = sizes(problem, values, scales);
-    let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * sizes[j] / scales[j]);
-    let uncertainty = match Directions::of(&relative) {
-        Some(directions) => Uncertainty {
-            root: Mat::from_fn(free, free, |i, k| directions.inverse[(i, k)] * sizes[i]),
-            middle: Mat::identity(free, free),
-            quantile: 1.96,
-        },
-        None => Uncertainty::unknown(free),
-    };
+    let uncertainty = Uncertainty::white(problem, values, &factor, scales);
     let (parameters, _) = parameter_estimates(problem, values, &uncertainty, &[]);
     (parameters, combinations(problem, values, &uncertainty))
-}
-
-/// Units in which steps of the free parameters are parts of their present size; their scales where they are nothing.
-fn sizes(problem: &Problem<'_>, values: &[f64], scales: &[f64]) -> Vec<f64> {
-    let size = |(index, scale): (&usize, &f64)| match values[*index].abs() {
-        0.0 => *scale,
-        size => size,
-    };
-    problem.free.iter().zip(scales).map(size).collect()
-}
-
-/// Directions of the parameters by what the data say of them.
-struct Directions {
-    /// Its columns: steps that move the residuals by one.
-    inverse: Mat<f64>,
-    /// Whether the data say anything of each.
-    informed: Vec<bool>,
-}
-
-impl Directions {
-    /// From a factor of the information in relative steps; `None` where it has no singular values.
-    fn of(factor: &Mat<f64>) -> Option<Self> {
-        let free = factor.ncols();
-        let svd = factor.svd().ok()?;
-        let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
-        Some(Self {
-            inverse: Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k)),
-            informed: (0..free).map(|k| svd.S()[k] > RANK_TOLERANCE * svd.S()[0]).collect(),
-        })
-    }
-}
-
-/// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
-fn genuine(noise: &Mat<f64>) -> Mat<f64> {
-    let size = noise.nrows();
-    let identity = || Mat::<f64>::identity(size, size);
-    let Ok(decomposed) = noise.self_adjoint_eigen(faer::Side::Lower) else { return identity() };
-    let (vectors, values) = (decomposed.U(), decomposed.S());
-    let stretched =
-        Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_GENUINE, 1.0));
-    stretched * vectors.transpose()
-}
-
-/// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
-/// the lag that D. W. K. Andrews' rule (Econometrica 59, 1991) takes from the correlation of next neighbours: residuals
-/// of a drifting axis stay alike for seconds, those of a sensor's noise do not.
-fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
-    let lagged = |lag: usize| {
-        let free = white[0].ncols();
-        white.iter().filter(|rows| rows.nrows() > lag).fold(Mat::<f64>::zeros(free, free), |sum, rows| {
-            let count = rows.nrows() - lag;
-            sum + rows.as_ref().subrows(0, count).transpose() * rows.as_ref().subrows(lag, count)
-        })
-    };
-    let own = lagged(0);
-    let trace = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, i)]).sum::<f64>();
-    let correlation = (trace(&lagged(1)) / trace(&own)).clamp(-0.97, 0.97);
-    let alpha = 4.0 * correlation.powi(2) / (1.0 - correlation.powi(2)).powi(2);
-    let lag = ((1.1447 * (alpha * blocks as f64).cbrt()) as usize).min(blocks / 8);
-    let spread = (1..=lag).fold(own, |sum, k| {
-        let cross = lagged(k);
-        sum + (&cross + cross.transpose()) * faer::Scale(1.0 - k as f64 / (lag + 1) as f64)
-    });
-    (spread, lag)
-}
-
-/// (R' R)⁻¹ through the singular values of R with its columns scaled to one; directions without information get an
-/// enormous variance instead of an overflow.
-pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
-    let free = factor.ncols();
-    let norms = triangle::lengths(factor, free);
-    let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
-    let Ok(svd) = scaled.svd() else {
-        return Mat::from_fn(free, free, |i, j| if i == j { 1e200 } else { 0.0 });
-    };
-    let (v, s) = (svd.V(), svd.S());
-    let least = RANK_TOLERANCE * if free > 0 && s[0] > 0.0 { s[0] } else { 1.0 };
-    let root = Mat::from_fn(free, free, |i, k| v[(i, k)] / s[k].max(least) / norms[i]);
-    &root * root.transpose()
-}
-
-/// Scores of the free parameters after the local unknowns have followed: g - A' g_local, A = R_ll⁻¹ R_lg.
-fn profiled_scores(result: &StretchResult, free: usize) -> Vec<Vec<f64>> {
-    let follow = followers(result, free);
-    let each = result.scores.iter().map(|score| {
-        let (local, global) = score.split_at(result.locals());
-        let own = global.iter().enumerate();
-        own.map(|(j, g)| g - local.iter().enumerate().map(|(i, l)| follow[(i, j)] * l).sum::<f64>()).collect()
-    });
-    each.collect()
-}
-
-/// How far local unknowns move per free parameter, with the sign of R_ll⁻¹ R_lg.
-fn followers(result: &StretchResult, free: usize) -> Mat<f64> {
-    let count = result.locals();
-    let columns: Vec<Vec<f64>> =
-        (0..free).map(|j| result.solve_locals(|row| result.factor[(row, count + j)])).collect();
-    Mat::from_fn(count, free, |i, j| columns[j][i])
 }
 
 /// Parameters of two springs in a row that can change places without changing what the sensors see by more than chance:
