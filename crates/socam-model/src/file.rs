@@ -1,11 +1,5 @@
 //! The model file: TOML in, a checked [`Model`] in SI out, every complaint with its line.
 
-use std::{fmt, marker::PhantomData};
-
-use serde::{
-    Deserialize, Deserializer,
-    de::{MapAccess, Visitor},
-};
 use toml::Spanned;
 
 use crate::{
@@ -16,167 +10,13 @@ use crate::{
     units,
 };
 
+use raw::{
+    Name, RawBearing, RawChannel, RawEffect, RawGear, RawModel, RawParameter, RawServo, RawShaft, RawSpring,
+};
+
+mod raw;
+
 const SCHEMA: &str = "socam.model/1";
-
-/// A table whose entries keep the order and the places that they have in the file.
-struct Ordered<T>(Vec<(Spanned<String>, T)>);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-            type Value = Ordered<T>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(Ordered(entries))
-            }
-        }
-        deserializer.deserialize_map(Entries(PhantomData))
-    }
-}
-
-impl<T> Default for Ordered<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-type Name = Spanned<String>;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawModel {
-    schema: Name,
-    name: String,
-    #[serde(default)]
-    description: String,
-    motion: Motion,
-    parameters: Ordered<RawParameter>,
-    nodes: Vec<RawNode>,
-    #[serde(default)]
-    springs: Vec<RawSpring>,
-    #[serde(default)]
-    gears: Vec<RawGear>,
-    #[serde(default)]
-    shafts: Vec<RawShaft>,
-    #[serde(default)]
-    bearings: Vec<RawBearing>,
-    #[serde(default)]
-    effects: Vec<RawEffect>,
-    servo: Option<RawServo>,
-    channels: Ordered<RawChannel>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table like { value = 1.2, unit = \"N m/rad\" }")]
-struct RawParameter {
-    value: Spanned<f64>,
-    unit: Name,
-    bounds: Option<Spanned<[f64; 2]>>,
-    #[serde(default)]
-    fixed: bool,
-    #[serde(default)]
-    source: String,
-    prior: Option<RawPrior>,
-    /// 95 % interval of an earlier identification: kept for the reader, not used.
-    #[allow(dead_code)]
-    ci95: Option<toml::Value>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table like { value = 1.2, std = 0.1 }")]
-struct RawPrior {
-    value: f64,
-    std: Spanned<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [[nodes]] table")]
-struct RawNode {
-    name: Name,
-    inertia: Option<Name>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [[springs]] table")]
-struct RawSpring {
-    name: Name,
-    from: Name,
-    to: Name,
-    stiffness: Name,
-    damping: Option<Name>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [[gears]] table")]
-struct RawGear {
-    name: Name,
-    from: Name,
-    to: Name,
-    ratio: Name,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [[shafts]] table")]
-struct RawShaft {
-    name: Name,
-    from: Name,
-    to: Name,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [[bearings]] table")]
-struct RawBearing {
-    name: Name,
-    at: Name,
-    damping: Option<Name>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an [[effects]] table")]
-struct RawEffect {
-    effect: Name,
-    at: Name,
-    parameters: Ordered<Name>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [servo] table")]
-struct RawServo {
-    name: Name,
-    at: Name,
-    position_gain: Name,
-    velocity_gain: Name,
-    drive_gain: Name,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a [channels.NAME] table")]
-struct RawChannel {
-    role: Role,
-    quantity: Quantity,
-    at: Name,
-    column: Option<String>,
-    take: Option<Spanned<Take>>,
-    #[serde(default = "one")]
-    scale: f64,
-    #[serde(default)]
-    offset: f64,
-    noise_std: Option<Spanned<f64>>,
-    gain: Option<Name>,
-    #[serde(default)]
-    estimate_offset: bool,
-}
-
-fn one() -> f64 {
-    1.0
-}
 
 pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
     let raw: RawModel = toml::from_str(text).map_err(|error| {
