@@ -181,3 +181,22 @@ fn every_recording_ends_in_an_answer_or_a_sentence() {
     });
     assert_eq!(one, two);
 }
+
+/// Angles are counted from where a recording began, also in a part of it that is held out.
+#[test]
+fn one_recording_proves_what_comes_back_with_every_turn() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("steps.csv");
+    let target = target.to_str().unwrap();
+    let hide = "kinematic_error@mesh:order=1,amplitude=0.0004,phase=1";
+    let arguments =
+        ["simulate", "--profile", "steps", "--duration", "5s", "--seed", "12", "--hide", hide, "-o", target];
+    assert_eq!(run(arguments).code, Some(0));
+    let document = run(["diagnose", target, "--most", "1", "--json"]).json();
+    assert_eq!(document["validation"], "blocks");
+    assert_eq!(document["findings"][0]["effect"], "kinematic_error", "{document:#}");
+    for (name, channel) in document["fit"]["channels"].as_object().unwrap() {
+        let [rms, noise] = ["holdout_rms_after", "noise_std"].map(|key| channel[key].as_f64().unwrap());
+        assert!(rms < 1.1 * noise, "{name}: {rms} of {noise}");
+    }
+}

@@ -100,7 +100,7 @@ fn without(model: &Model, dataset: &Dataset, outliers: &[&LeftOut]) -> Result<Da
 }
 
 /// A copy in memory with rows of columns missing.
-fn blanked<'c>(
+pub(crate) fn blanked<'c>(
     dataset: &Dataset,
     rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,
 ) -> Result<Dataset, RecordingError> {

@@ -144,7 +144,7 @@ pub fn diagnose(
     let clean = |all: &[Dataset]| cleaned(model, all, &before.point, &levels, &fit);
     let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
     outliers.extend(more);
-    let folds = Folds::new(&training, &holdout)?;
+    let folds = Folds::new(model, &training, &holdout)?;
     let bench = Bench { training: &training, folds: &folds, fit, options };
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let mut course = course::run(&bench, model, &before.point, levels)?.ok_or_else(diverged)?;

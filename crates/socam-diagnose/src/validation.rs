@@ -1,8 +1,11 @@
 //! Which recordings are fitted and which are only predicted.
 
-use socam_recording::{Channel, Dataset, RecordingError};
+use std::ops::Range;
 
-use crate::document::Validation;
+use socam_model::Model;
+use socam_recording::{Dataset, RecordingError};
+
+use crate::{cleaned::blanked, document::Validation};
 
 /// Parts that a single recording is cut into.
 const BLOCKS: usize = 3;
@@ -10,6 +13,7 @@ const BLOCKS: usize = 3;
 /// One way to part the recordings.
 #[derive(Debug, Clone)]
 pub(crate) struct Fold {
+    /// None where recordings are held out: all others are fitted.
     pub(crate) fitted: Vec<Dataset>,
     pub(crate) held_out: Vec<Dataset>,
 }
@@ -22,40 +26,36 @@ pub(crate) struct Folds {
 }
 
 impl Folds {
-    pub(crate) fn new(training: &[Dataset], holdout: &[Dataset]) -> Result<Self, RecordingError> {
+    pub(crate) fn new(
+        model: &Model,
+        training: &[Dataset],
+        holdout: &[Dataset],
+    ) -> Result<Self, RecordingError> {
         if !holdout.is_empty() {
-            let fold = Fold { fitted: training.to_vec(), held_out: holdout.to_vec() };
+            // What is fitted to is all that there is.
+            let fold = Fold { fitted: Vec::new(), held_out: holdout.to_vec() };
             return Ok(Self { kind: Validation::Holdout, folds: vec![fold] });
         }
-        let (kind, parts) = match training {
-            [single] => (Validation::Blocks, blocks(single)?),
-            many => (Validation::LeaveOneOut, many.to_vec()),
-        };
+        if let [single] = training {
+            let folds: Result<_, _> = (0..BLOCKS).map(|block| without_block(model, single, block)).collect();
+            return Ok(Self { kind: Validation::Blocks, folds: folds? });
+        }
         let without = |left_out: usize| Fold {
-            fitted: parts
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| *k != left_out)
-                .map(|(_, part)| part.clone())
-                .collect(),
-            held_out: vec![parts[left_out].clone()],
+            fitted: [&training[..left_out], &training[left_out + 1..]].concat(),
+            held_out: vec![training[left_out].clone()],
         };
-        Ok(Self { kind, folds: (0..parts.len()).map(without).collect() })
+        Ok(Self { kind: Validation::LeaveOneOut, folds: (0..training.len()).map(without).collect() })
     }
 }
 
-/// A recording in parts of like length.
-fn blocks(dataset: &Dataset) -> Result<Vec<Dataset>, RecordingError> {
-    let channels: Vec<Channel> = dataset.channels().to_vec();
-    let names: Vec<String> = channels.iter().map(Channel::column_name).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let loaded = dataset.load(&names)?;
-    let rows = loaded.time_s.len();
-    let part = |block: usize| {
-        let range = rows * block / BLOCKS..rows * (block + 1) / BLOCKS;
-        let columns = loaded.columns.iter().map(|column| column.values()[range.clone()].to_vec()).collect();
-        let name = format!("{} part {} of {BLOCKS}", dataset.name(), block + 1);
-        Dataset::from_columns(name, channels.clone(), loaded.time_s[range.clone()].to_vec(), columns)
+/// A recording whose outputs are held out in one part and fitted in the others. Its inputs stay: angles, time and the start are those
+/// of the whole.
+fn without_block(model: &Model, dataset: &Dataset, block: usize) -> Result<Fold, RecordingError> {
+    let edge = |block: usize| dataset.rows() * block as u64 / BLOCKS as u64;
+    let (from, to) = (edge(block), edge(block + 1));
+    let missing = |rows: &[Range<u64>]| {
+        let outputs = model.outputs().filter(|channel| !channel.quantity.is_clock());
+        blanked(dataset, outputs.map(|channel| (channel.column.as_str(), rows.to_vec())))
     };
-    (0..BLOCKS).map(part).collect()
+    Ok(Fold { fitted: vec![missing(&[from..to])?], held_out: vec![missing(&[0..from, to..dataset.rows()])?] })
 }
