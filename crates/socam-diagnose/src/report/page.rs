@@ -21,7 +21,7 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
             (found(diagnosis, model))
             (proof(diagnosis))
             section {
-                h2 { "Parameters" @if !diagnosis.findings.is_empty() { " before and after" } }
+                h2 { "Parameters" @if tables::is_corrected(diagnosis) { " before and after" } }
                 (tables::parameters(diagnosis))
             }
             (next(diagnosis))
@@ -93,7 +93,7 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
     });
     let (name, before, after) = channels.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(match after {
-        Some(after) if !diagnosis.findings.is_empty() => format!(
+        Some(after) if tables::is_corrected(diagnosis) => format!(
             "On data that were not fitted, the worst channel, {name}, was missed by {before:.2} times its noise floor before \
              the correction and by {after:.2} times after it."
         ),
@@ -146,7 +146,7 @@ fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
 fn proof(diagnosis: &Diagnosis) -> Markup {
     html! {
         section {
-            h2 { @if diagnosis.findings.is_empty() { "How well the model fits" } @else { "Before and after" } }
+            h2 { @if tables::is_corrected(diagnosis) { "Before and after" } @else { "How well the model fits" } }
             p {
                 "Root mean square of measured minus predicted, the model running free. A perfect model leaves the noise floor: "
                 "1.00 in noise floors."
@@ -193,8 +193,8 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
                 h2 { "Residuals" }
                 p {
                     "Measured minus predicted, the model running free"
-                    @if diagnosis.findings.is_empty() { "." } @else { "; before is the base model at its best fit, after the corrected one." }
-                    " The pictures over speed, angle, torque and frequency take all recordings together."
+                    @if tables::is_corrected(diagnosis) { "; before is the base model at its best fit, after the corrected one." } @else { "." }
+                    " The pictures over speed, angle and torque take all recordings together, those over frequency the longest."
                 }
                 (residuals::residuals(evidence, model))
             }
@@ -224,7 +224,7 @@ fn made(diagnosis: &Diagnosis) -> Markup {
             p class="small" {
                 "socam " (diagnosis.version) ", " (words::rough(diagnosis.cpu_s)) " s of processor time. The numbers are in "
                 code { "diagnosis.json" } " (" (diagnosis.schema) "), the "
-                @if diagnosis.findings.is_empty() { "model" } @else { "corrected model" } " in " code { "model.toml" } "."
+                @if tables::is_corrected(diagnosis) { "corrected model" } @else { "model" } " in " code { "model.toml" } "."
             }
         }
     }

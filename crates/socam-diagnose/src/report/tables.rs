@@ -5,8 +5,13 @@ use maud::{Markup, html};
 use super::words;
 use crate::{
     Diagnosis,
-    document::{ChannelFit, NotFound, ParameterChange, Validation},
+    document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED, Validation},
 };
+
+/// Whether something has a name that the model has been corrected by.
+pub(super) fn is_corrected(diagnosis: &Diagnosis) -> bool {
+    diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED)
+}
 
 /// Residuals of each channel before and after, on training and on held-out data, against the noise floor.
 pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
@@ -15,7 +20,7 @@ pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
         Validation::LeaveOneOut => "Each recording, fitted without it",
         Validation::Blocks => "Each block, fitted without it",
     };
-    let corrected = !diagnosis.findings.is_empty();
+    let corrected = is_corrected(diagnosis);
     html! {
         div class="scroll" {
             table class="fit" {
@@ -86,7 +91,7 @@ pub(super) fn in_noise_floors(rms: Option<f64>, noise: Option<f64>) -> Option<f6
 /// The base model's parameters before and after.
 pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
     let (fixed, free): (Vec<_>, Vec<_>) = diagnosis.parameters.iter().partition(|parameter| parameter.fixed);
-    let corrected = !diagnosis.findings.is_empty();
+    let corrected = is_corrected(diagnosis);
     html! {
         @if free.is_empty() { p { "Every parameter of the model is fixed." } } @else {
             div class="scroll" {
