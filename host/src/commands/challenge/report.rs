@@ -45,6 +45,7 @@ struct KindReport {
     right_locked: Rate,
     /// Chance that the locked ones score so low by chance; `None` where either half is empty.
     locked_lower_p_value: Option<f64>,
+    /// Of all, for where nothing can be detected a name is wrong all the more.
     wrong_name: Rate,
     failed: usize,
 }
@@ -124,8 +125,7 @@ impl Report {
 
     /// One line for each open case that went wrong; those of locked ones stay closed.
     fn misses(&self) -> String {
-        let wrong =
-            |score: &&Score| !score.right && !score.locked && (score.detectable || score.kind == Kind::Clean);
+        let wrong = |score: &&Score| !score.right && !score.locked && score.detectable;
         let mut text = String::new();
         for score in self.cases.iter().filter(wrong) {
             let hidden: Vec<String> =
@@ -167,7 +167,7 @@ impl KindReport {
             locked_lower_p_value: lower_by_chance(&right_open, &right_locked),
             right_open,
             right_locked,
-            wrong_name: Rate::of(counted().map(|score| score.wrong_name)),
+            wrong_name: Rate::of(of_kind().map(|score| score.wrong_name)),
             failed: of_kind().filter(|score| score.error.is_some()).count(),
         }
     }
