@@ -5,6 +5,8 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use socam_identify::{Intersample, NoiseLevels, Predictor, Start, compare::Traces};
 use socam_model::{Model, Take};
 
+use crate::spectrum;
+
 /// Samples that are sent through the model, so many times.
 const ROWS: usize = 8000;
 const DRAWS: usize = 4;
@@ -31,12 +33,13 @@ pub(crate) fn floor(
     // Laws bend around a motion that is not there now.
     let mut linear = model.clone();
     linear.effects.retain(|used| used.effect.laws().is_empty());
-    let Ok(predictor) = Predictor::new(&linear, values, sample_time_s) else { return own };
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let still = vec![0.0; predictor.states()];
     let mut squares = vec![0.0; own.len()];
     for draw in 0..DRAWS {
         let like = recorded.get(draw % recorded.len().max(1));
+        let step_s = like.map_or(sample_time_s, |traces| spectrum::step_s(traces));
+        let Ok(predictor) = Predictor::new(&linear, values, step_s) else { return own };
+        let still = vec![0.0; predictor.states()];
         let sizes = levels.inputs.iter().copied().chain(std::iter::repeat(0.0));
         let inputs: Vec<Vec<f64>> = linear
             .inputs()

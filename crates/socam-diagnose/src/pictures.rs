@@ -11,7 +11,7 @@ use crate::{
     course::Course,
     document::Validation,
     evidence::{Binned, ChannelEvidence, Evidence, RecordingTraces, Spectrum, Trace},
-    spectrum,
+    spectrum::{self, residual, step_s},
 };
 
 /// Bins of a picture over speed, angle or torque.
@@ -88,20 +88,10 @@ fn paired(names: &[String], held_out: bool, before: Vec<Traces>, after: Vec<Trac
     before.into_iter().map(pair).collect()
 }
 
-fn step(trace: &Traces) -> f64 {
-    let n = trace.time_s.len();
-    if n < 2 { 1e-3 } else { (trace.time_s[n - 1] - trace.time_s[0]) / (n - 1) as f64 }
-}
-
-fn residual(trace: &Traces, output: usize) -> Vec<f64> {
-    trace.measured[output].iter().zip(&trace.predicted[output]).map(|(y, p)| y - p).collect()
-}
-
 fn recording(model: &Model, pair: &Pair) -> RecordingTraces {
-    let start_s = pair.before.time_s.first().copied().unwrap_or(0.0);
     let trace = |(output, channel): (usize, &socam_model::Channel)| Trace {
         channel: channel.name.clone(),
-        time_s: pair.before.time_s.iter().map(|time| time - start_s).collect(),
+        time_s: pair.before.time_s.clone(),
         before: residual(&pair.before, output),
         after: pair.after.as_ref().map_or_else(Vec::new, |after| residual(after, output)),
     };
@@ -120,7 +110,7 @@ fn abscissa(model: &Model, trace: &Traces, quantity: Quantity) -> Option<Vec<f64
     if quantity != Quantity::Turned {
         return Some(values.clone());
     }
-    let step_s = step(trace);
+    let step_s = step_s(trace);
     let turned = values.iter().scan(0.0_f64, |angle, speed| {
         *angle += if speed.is_nan() { 0.0 } else { speed * step_s };
         Some(angle.rem_euclid(std::f64::consts::TAU))
@@ -178,7 +168,7 @@ fn over(model: &Model, pairs: &[Pair], output: usize, quantity: Quantity) -> Opt
 
 fn lines(pairs: &[Pair], output: usize, floor: f64) -> Option<Spectrum> {
     let longest = pairs.iter().max_by_key(|pair| pair.before.time_s.len())?;
-    let step_s = step(&longest.before);
+    let step_s = step_s(&longest.before);
     let (frequency_hz, before) = spectrum::power(&residual(&longest.before, output), step_s);
     let after = longest.after.as_ref().map(|after| spectrum::power(&residual(after, output), step_s).1);
     if frequency_hz.len() < 8 {

@@ -32,7 +32,7 @@ struct Sample {
     speed: f64,
     torque: f64,
     angle: f64,
-    /// From the start of its recording, s.
+    /// The recording's own, s.
     time_s: f64,
     gain: f64,
 }
@@ -53,9 +53,9 @@ pub(crate) fn region(
     let motion = compare::traces(&bench.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
     let mut samples = Vec::new();
     let mut spectra = vec![(0.0, 0.0); spectrum_bins(&old)];
+    let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);
     for (index, old) in old.iter().enumerate() {
         let new = new.as_ref().and_then(|new| new.get(index));
-        let start_s = bench.training[old.recording].start_s();
         let seen =
             |output: Option<usize>, row: usize| output.map_or(f64::NAN, |k| motion[index].predicted[k][row]);
         let mut angle = 0.0;
@@ -67,11 +67,11 @@ pub(crate) fn region(
                 speed,
                 torque: seen(probe.torque, row),
                 angle: angle.rem_euclid(std::f64::consts::TAU),
-                time_s: old.time_s[row] - start_s,
+                time_s: old.time_s[row],
                 gain: gain(old, new, row, levels),
             });
         }
-        add_spectrum(&mut spectra, old, new, levels);
+        add_spectrum(&mut spectra, highest_hz, old, new, levels);
     }
     let rotates = mover.model.motion == Motion::Rotation;
     let turns = samples.iter().map(|sample| sample.speed.abs()).sum::<f64>() > 0.0 && rotates;
@@ -214,25 +214,30 @@ fn spectrum_bins(traces: &[Traces]) -> usize {
     traces.iter().map(|trace| trace.time_s.len()).max().map_or(0, |rows| rows.min(4 * BINS))
 }
 
-/// Adds a stretch's fall of power to bins of `(gain, upper end in Hz)`: linear in frequency up to half of the sampling rate.
-fn add_spectrum(bins: &mut [(f64, f64)], old: &Traces, new: Option<&Traces>, levels: &[f64]) {
+/// Adds a stretch's fall of power to bins of `(gain, upper end in Hz)`: linear in frequency up to half of the highest sampling rate.
+fn add_spectrum(
+    bins: &mut [(f64, f64)],
+    highest_hz: f64,
+    old: &Traces,
+    new: Option<&Traces>,
+    levels: &[f64],
+) {
     let rows = old.time_s.len();
     if rows < 2 || bins.is_empty() {
         return;
     }
-    let step_s = (old.time_s[rows - 1] - old.time_s[0]) / (rows - 1) as f64;
+    let step_s = spectrum::step_s(old);
     let power = |traces: &Traces, output: usize| {
-        let each = traces.measured[output].iter().zip(&traces.predicted[output]);
-        spectrum::power(&each.map(|(y, p)| (y - p) / levels[output]).collect::<Vec<_>>(), step_s)
+        let each = spectrum::residual(traces, output).into_iter().map(|residual| residual / levels[output]);
+        spectrum::power(&each.collect::<Vec<_>>(), step_s)
     };
     for output in 0..levels.len() {
         let (frequency_hz, before) = power(old, output);
         // Without a correction, what exceeds white noise of the level.
         let after = new.map_or_else(|| vec![2.0 * step_s; before.len()], |new| power(new, output).1);
         for ((hz, before), after) in frequency_hz.iter().zip(&before).zip(&after) {
-            let share = 2.0 * hz * step_s;
             let last = bins.len() - 1;
-            let bin = &mut bins[((share * (last + 1) as f64) as usize).min(last)];
+            let bin = &mut bins[((hz / highest_hz * (last + 1) as f64) as usize).min(last)];
             bin.0 += (before - after) * rows as f64;
             bin.1 = bin.1.max(*hz);
         }

@@ -10,11 +10,12 @@ use socam_identify::{
     compare::{self, Yardstick},
 };
 use socam_model::{
-    Model, ModelError,
+    Model, ModelError, Motion,
     effects::{
         Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
     },
 };
+use socam_recording::Dataset;
 
 use crate::{
     bench::{Bench, Fitted},
@@ -182,25 +183,33 @@ pub(crate) fn all(
 }
 
 /// All places, with each thing that a torque or an error there may depend on.
-pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
+pub(crate) fn places(bench: &Bench<'_>, last: &Fitted, scales: &Scales) -> Vec<Free> {
+    let model = &last.model;
+    let rotates = model.motion == Motion::Rotation;
+    let [by_speed, by_torque] = if rotates { ["rad/s", "N m"] } else { ["m/s", "N"] };
     let mut all = Vec::new();
     let mut add = |effect, place: &str, over, unit, range: (f64, f64), scale, height| {
         if range.1 > range.0 {
             all.push(Free { effect, place: place.to_owned(), over, unit, range, scale, height });
         }
     };
-    let duration_s = bench.training.iter().map(|data| data.end_s() - data.start_s()).fold(0.0, f64::max);
+    let (starts, ends) =
+        (bench.training.iter().map(Dataset::start_s), bench.training.iter().map(Dataset::end_s));
+    let time_s = (starts.fold(f64::INFINITY, f64::min), ends.fold(f64::NEG_INFINITY, f64::max));
     for bearing in &model.bearings {
         let speed = scales.speed(bearing.node);
-        add(&BEARING_SPEED, &bearing.name, Over::Speed, "rad/s", (-speed, speed), 1.0, 1.0);
-        add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0, 1.0);
-        add(&BEARING_TIME, &bearing.name, Over::Time, "s", (0.0, duration_s), 1.0, 1.0);
+        add(&BEARING_SPEED, &bearing.name, Over::Speed, by_speed, (-speed, speed), 1.0, 1.0);
+        // What comes back with every turn needs something that turns.
+        if rotates {
+            add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0, 1.0);
+        }
+        add(&BEARING_TIME, &bearing.name, Over::Time, "s", time_s, 1.0, 1.0);
     }
     for (index, spring) in model.springs.iter().enumerate().filter(|(_, spring)| is_part(&spring.name)) {
-        let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
+        let (torque, stiffness) = (scales.torque(index), last.at.values[spring.stiffness]);
         let twist = torque / stiffness;
-        add(&SPRING_TWIST, &spring.name, Over::Torque, "N m", (-twist, twist), stiffness, 1.0);
-        add(&SPRING_TIME, &spring.name, Over::Time, "s", (0.0, duration_s), 1.0, twist);
+        add(&SPRING_TWIST, &spring.name, Over::Torque, by_torque, (-twist, twist), stiffness, 1.0);
+        add(&SPRING_TIME, &spring.name, Over::Time, "s", time_s, 1.0, twist);
     }
     for (output, channel) in model.outputs().enumerate() {
         let most = scales.reading(output);
@@ -210,8 +219,8 @@ pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<F
             _ => Over::Angle,
         };
         add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0, 1.0);
-        add(&CHANNEL_TIME, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0, 1.0);
-        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", (0.0, duration_s), 1.0, most);
+        add(&CHANNEL_TIME, &channel.name, Over::Time, "s", time_s, 1.0, 1.0);
+        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", time_s, 1.0, most);
     }
     all
 }
@@ -256,13 +265,14 @@ impl Free {
             (x, heights.collect(), std.iter().map(|std| known(std * self.height)).collect())
         };
         let channel = model.channels.iter().find(|channel| channel.name == self.place);
+        let own = if model.motion == Motion::Rotation { "N m" } else { "N" };
         Curve {
             over: self.over,
             unit: self.unit.into(),
             x,
             torque,
             torque_std,
-            torque_unit: channel.map_or("N m", |channel| channel.unit).into(),
+            torque_unit: channel.map_or(own, |channel| channel.unit).into(),
         }
     }
 }

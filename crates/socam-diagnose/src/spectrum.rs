@@ -6,6 +6,17 @@ use socam_recording::Welch;
 /// Longest piece that is transformed at once.
 const LONGEST: usize = 16_384;
 
+/// Sample time of a stretch, s.
+pub(crate) fn step_s(trace: &Traces) -> f64 {
+    let n = trace.time_s.len();
+    if n < 2 { 1e-3 } else { (trace.time_s[n - 1] - trace.time_s[0]) / (n - 1) as f64 }
+}
+
+/// Measured minus predicted.
+pub(crate) fn residual(trace: &Traces, output: usize) -> Vec<f64> {
+    trace.measured[output].iter().zip(&trace.predicted[output]).map(|(y, p)| y - p).collect()
+}
+
 /// Power density of an output's residual: frequencies in Hz, and units squared per Hz, of one stretch. Missing values count as
 /// nothing.
 pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
@@ -31,11 +42,7 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
 pub(crate) fn peaks(traces: &[Traces], output: usize, most: usize) -> Vec<f64> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     for trace in traces.iter().filter(|trace| trace.time_s.len() > 64) {
-        let step_s =
-            (trace.time_s[trace.time_s.len() - 1] - trace.time_s[0]) / (trace.time_s.len() - 1) as f64;
-        let residual: Vec<f64> =
-            trace.measured[output].iter().zip(&trace.predicted[output]).map(|(y, p)| y - p).collect();
-        let (frequency, power) = power(&residual, step_s);
+        let (frequency, power) = power(&residual(trace, output), step_s(trace));
         // How far a line stands out of what is near it.
         for k in 4..power.len().saturating_sub(4) {
             let is_peak = power[k] >= power[k - 1] && power[k] > power[k + 1];
