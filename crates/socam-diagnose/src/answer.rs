@@ -9,10 +9,10 @@ use crate::{
     alike::alike,
     bench::{Bench, Fitted},
     candidates::{self, Candidate},
-    course::{Course, Step},
+    course::{self, Course, Step},
     document::{
-        ChannelFit, CombinationChange, EffectParameter, Finding, Fit, NotFound, ParameterChange, Proof,
-        RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,
+        ChannelFit, CombinationChange, Component, EffectParameter, Finding, Fit, NotFound, ParameterChange,
+        Proof, RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,
     },
     experiment, region,
     shapes::Unexplained,
@@ -40,9 +40,12 @@ pub(crate) fn document(
     floor: &[f64],
     cpu_s: f64,
 ) -> Result<Diagnosis, IdentifyError> {
-    let steps = course.steps.iter().enumerate();
     let mut findings: Vec<Finding> =
-        steps.map(|(index, step)| finding(bench, course, index, step, after)).collect();
+        (0..course.steps.len()).map(|index| finding(bench, course, index, after)).collect();
+    for (finding, (gain, held_percent)) in findings.iter_mut().zip(course.gains(bench)?) {
+        finding.evidence.chi2_gain = Some(gain);
+        finding.evidence.holdout_gain_percent = Some(held_percent);
+    }
     for (finding, (before, after)) in findings.iter_mut().zip(course.pairs()) {
         let own = region::region(bench, before, Some(after), &finding.location, floor)?;
         finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
@@ -56,10 +59,8 @@ pub(crate) fn document(
     if findings.is_empty() {
         findings.extend(contradiction(course, floor));
     }
-    findings.sort_by(|a, b| {
-        let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
-        gain(b).total_cmp(&gain(a))
-    });
+    findings.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    let findings = merged(findings);
     let verdict = if !course.steps.is_empty() {
         Verdict::MissingPhysics
     } else if !findings.is_empty() {
@@ -72,6 +73,13 @@ pub(crate) fn document(
         warnings.push(
             "only one recording: it was held out part by part, which proves less than another recording would".into(),
         );
+    }
+    let left = course.last.scale();
+    if course.steps.len() == bench.options.most_effects && left > course::MISFIT {
+        warnings.push(format!(
+            "stopped after {} effects: what was not fitted is still missed by {left:.2} times the power of noise; allow more of them",
+            course.steps.len()
+        ));
     }
     Ok(Diagnosis {
         schema: SCHEMA.into(),
@@ -92,6 +100,34 @@ pub(crate) fn document(
     })
 }
 
+fn gain(finding: &Finding) -> f64 {
+    finding.evidence.chi2_gain.unwrap_or(0.0)
+}
+
+/// What comes back with every turn in several orders at one place is one finding, of the strongest, the others being components of it.
+fn merged(findings: Vec<Finding>) -> Vec<Finding> {
+    let mut merged: Vec<Finding> = Vec::new();
+    for finding in findings {
+        let is_it = |known: &&mut Finding| {
+            finding.effect != UNEXPLAINED
+                && known.effect == finding.effect
+                && known.location == finding.location
+        };
+        let Some(known) = merged.iter_mut().find(is_it) else {
+            merged.push(finding);
+            continue;
+        };
+        if known.components.is_empty() {
+            known.components.push(Component { parameters: known.parameters.clone() });
+        }
+        known.components.push(Component { parameters: finding.parameters.clone() });
+        known.evidence.chi2_gain = Some(gain(known) + gain(&finding));
+        let left = |finding: &Finding| 1.0 - 0.01 * finding.evidence.holdout_gain_percent.unwrap_or(0.0);
+        known.evidence.holdout_gain_percent = Some(100.0 * (1.0 - left(known) * left(&finding)));
+    }
+    merged
+}
+
 fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
     let held_out = bench.folds.folds.iter().filter(|_| bench.folds.kind == Validation::Holdout);
     let held_out = held_out.flat_map(|fold| &fold.held_out).map(|data| (data, true));
@@ -105,7 +141,8 @@ fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
     .collect()
 }
 
-fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after: &Identification) -> Finding {
+fn finding(bench: &Bench<'_>, course: &Course, index: usize, after: &Identification) -> Finding {
+    let step = &course.steps[index];
     let parameters = effect_parameters(course, index, after);
     let place = &step.candidate.place;
     let strength = step.candidate.strength.first().and_then(|name| course.fitted(index, name));
@@ -119,13 +156,8 @@ fn finding(bench: &Bench<'_>, course: &Course, index: usize, step: &Step, after:
         components: Vec::new(),
         curve: None,
         region: Region { text: words::region(step.candidate.effect), ..Region::default() },
-        evidence: Proof {
-            p_value: Some(step.p_value),
-            chi2_gain: Some(step.gain),
-            holdout_gain_percent: Some(step.held_gain_percent),
-            misfit_percent: None,
-        },
-        rivals: rivals(step, &alike(&course.last.model, &step.candidate, strength, step_s)),
+        evidence: Proof { p_value: Some(step.p_value), ..Proof::default() },
+        rivals: rivals(course, step, &alike(&course.last.model, &step.candidate, strength, step_s)),
     }
 }
 
@@ -155,7 +187,7 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
 fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
     let each = course.last.model.outputs().zip(floor).enumerate().filter_map(|(output, (channel, floor))| {
         let held = rms(&course.last.held, output)?;
-        Some((channel, held, held / floor))
+        Some((channel, held, held / floor)).filter(|(.., times)| times.is_finite())
     });
     let (channel, held, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
     let (is_far, left) = (times > CONTRADICTION, course.last.scale());
@@ -209,13 +241,13 @@ fn effect_parameters(course: &Course, step: usize, after: &Identification) -> Ve
         .collect()
 }
 
-/// Weights as of a likelihood, the finding's own being one before they are made to sum to one.
-fn rivals(step: &Step, alike: &[Candidate]) -> Vec<Rival> {
+/// Weights as of a likelihood, the finding's own being one before they are made to sum to one. What was found beside it is none.
+fn rivals(course: &Course, step: &Step, alike: &[Candidate]) -> Vec<Rival> {
     let weight = |worse: f64| (-0.5 * worse).exp().min(1.0);
     let is_alike = |rival: &Candidate| alike.iter().any(|twin| twin.is_same(rival));
     let others = step.rivals.iter().filter(|(rival, _)| !is_alike(rival));
-    let all: Vec<(&Candidate, f64)> =
-        alike.iter().map(|twin| (twin, 0.0)).chain(others.map(|(rival, worse)| (rival, *worse))).collect();
+    let all = alike.iter().map(|twin| (twin, 0.0)).chain(others.map(|(rival, worse)| (rival, *worse)));
+    let all: Vec<(&Candidate, f64)> = all.filter(|(rival, _)| !course.has(rival)).collect();
     let total: f64 = 1.0 + all.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();
     let named = all.iter().map(|(candidate, worse)| Rival {
         effect: candidate.effect.id.into(),
@@ -224,15 +256,6 @@ fn rivals(step: &Step, alike: &[Candidate]) -> Vec<Rival> {
     });
     let mut named: Vec<Rival> = named.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
     named.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    // A fit from another start is no rival of its own.
-    let mut seen = Vec::new();
-    named.retain(|rival| {
-        let key = (rival.effect.clone(), rival.location.clone());
-        !seen.contains(&key) && {
-            seen.push(key);
-            true
-        }
-    });
     named
 }
 
@@ -247,7 +270,7 @@ fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
 /// Root mean square over several measurements, output by output.
 fn rms(all: &[Measured], output: usize) -> Option<f64> {
     let values = all.iter().map(|measured| {
-        let count: f64 = measured.count.iter().sum();
+        let count = measured.read[output];
         (count, measured.rms[output].powi(2) * count)
     });
     let (count, sum) = values.fold((0.0, 0.0), |(n, s), (count, sum)| (n + count, s + sum));
@@ -306,7 +329,7 @@ fn combinations(before: &Identification, after: &Identification) -> Vec<Combinat
 fn not_found(course: &Course) -> Vec<NotFound> {
     let scale = course.last.scale();
     let mut all: Vec<NotFound> = Vec::new();
-    for one in &course.screened {
+    for one in course.screened.iter().filter(|one| !course.has(&one.start)) {
         let candidate = &one.start;
         let Some(parameter) = candidate.strength.first() else { continue };
         let size = one.promise.resolution * (SEEN * scale).sqrt();
@@ -345,4 +368,42 @@ fn not_found(course: &Course) -> Vec<NotFound> {
 fn unit(model: &Model, candidate: &Candidate, parameter: &str) -> String {
     let own = candidate.effect.parameters.iter().find(|own| own.name == parameter);
     own.map_or("", |own| model.unit_at(own.kind, &candidate.place)).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(effect: &str, order: f64, gain: f64) -> Finding {
+        let order = EffectParameter {
+            name: "order".into(),
+            value: Some(order),
+            unit: "1".into(),
+            ci95: [None, None],
+        };
+        Finding {
+            effect: effect.into(),
+            location: "mesh".into(),
+            sentence: String::new(),
+            equation: String::new(),
+            parameters: vec![order],
+            components: Vec::new(),
+            curve: None,
+            region: Region::default(),
+            evidence: Proof { chi2_gain: Some(gain), holdout_gain_percent: Some(50.0), ..Proof::default() },
+            rivals: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn several_orders_at_one_place_are_one_finding() {
+        let all = [("kinematic_error", 1.0, 30.0), ("mesh_loss", 0.0, 20.0), ("kinematic_error", 2.0, 10.0)];
+        let merged = merged(all.map(|(effect, order, gain)| finding(effect, order, gain)).into());
+        assert_eq!(merged.len(), 2);
+        let orders = merged[0].components.iter().map(|component| component.parameters[0].value);
+        assert_eq!(orders.collect::<Vec<_>>(), [Some(1.0), Some(2.0)]);
+        assert_eq!(merged[0].evidence.chi2_gain, Some(40.0));
+        assert_eq!(merged[0].evidence.holdout_gain_percent, Some(75.0));
+        assert!(merged[1].components.is_empty());
+    }
 }

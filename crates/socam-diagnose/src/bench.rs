@@ -142,6 +142,22 @@ impl Bench<'_> {
         at.map_or(Ok(None), |at| self.held(model, at, yardstick))
     }
 
+    /// The same fit by another yardstick.
+    pub(crate) fn measured(
+        &self,
+        fitted: &Fitted,
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let model = &fitted.model;
+        let at = compare::measure(&self.problem(model)?, yardstick, &fitted.at.values)?;
+        let held = self.folds.folds.iter().zip(&fitted.held).map(|(fold, held)| {
+            let problem = Problem::new(model, &fold.held_out, self.fit.clone())?;
+            compare::measure(&problem, yardstick, &held.values)
+        });
+        let held: Result<Option<Vec<Measured>>, IdentifyError> = held.collect();
+        Ok(at.zip(held?).map(|(at, held)| Fitted { model: model.clone(), at, held }))
+    }
+
     /// How a model that was fitted predicts what it was not fitted to.
     pub(crate) fn held(
         &self,

@@ -30,7 +30,7 @@ const DOUBT: f64 = 4.0;
 const DOUBT_SHARE: f64 = 2e-3;
 const DOUBT_LEFT: f64 = 1e-2;
 /// Mean square of what is left on held-out recordings, in units of noise, from which on it is looked at by shape.
-const MISFIT: f64 = 1.05;
+pub(crate) const MISFIT: f64 = 1.05;
 /// From where on parameters may have been bent so far that they do not find back by themselves.
 const BENT: f64 = 2.0;
 /// So many iterations from the file's values must come within so many times the sum of squares of the fit there is; likewise without an
@@ -78,8 +78,6 @@ pub(crate) struct Course {
     pub(crate) yardstick: Yardstick,
     /// What the last screening saw, strongest first.
     pub(crate) screened: Vec<Promising>,
-    /// Chance of the most conspicuous one in the first screening, all of them counted.
-    pub(crate) p_value: f64,
     /// What remains without a name.
     pub(crate) unexplained: Option<Unexplained>,
 }
@@ -100,64 +98,90 @@ pub(crate) fn run(
         before: Vec::new(),
         yardstick,
         screened: Vec::new(),
-        p_value: 1.0,
         unexplained: None,
     };
-    for round in 0..=bench.options.most_effects {
-        let problem = bench.problem(&course.last.model)?;
-        let scales = Scales::new(&problem, &course.last.model, &course.last.at)?;
-        let mut all = candidates::all(&course.last.model, &scales);
-        all.retain(|candidate| !course.steps.iter().any(|step| step.candidate.repeats(candidate)));
-        let mut seen = screen::screen(
-            &course.last.model,
-            bench.training,
-            &bench.fit,
-            &course.yardstick,
-            &course.last.at,
-            &all,
-        )?;
-        seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
-        let threshold = bench.options.false_alarm_rate / all.len().max(1) as f64;
-        let most_conspicuous = seen.iter().map(|one| one.promise.p_value).fold(1.0, f64::min);
-        if round == 0 {
-            course.p_value = (most_conspicuous * all.len() as f64).min(1.0);
-        }
-        course.screened = seen;
-        if round == bench.options.most_effects {
-            break;
-        }
-        let tried = worth_trying(&course, threshold);
-        let suspicious = !tried.is_empty();
-        let mut named = best(bench, &course, &tried)?;
-        course.unexplained = unnamed(bench, &course, &scales, named.as_ref().map(|n| &n.chosen), suspicious)?;
-        if let Some(curve) = &course.unexplained {
-            let late = best(bench, &course, &overlooked(&course, curve, &tried))?;
-            let is_it = |late: &Named| {
-                late.chosen.0.gain > curve.gain && late.chosen.0.held_gain_percent > NEARLY_ALL
-            };
-            if let Some(late) = late.filter(is_it) {
-                (named, course.unexplained) = (Some(late), None);
-            }
-        }
-        let is_news = |named: &Named| course.unexplained.is_none() && !course.is_shadow(&named.chosen.0);
-        let Some(Named { chosen, nearest }) = named.filter(is_news) else { break };
-        course.steps.push(chosen.0);
-        course.before.push(course.last.clone());
-        course.last = afresh(bench, &course, chosen.1)?;
-        course.judge_noise(bench)?;
-        if let Some(nearest) = nearest {
-            course.enrich(bench, nearest)?;
-        }
-        course.refine(bench)?;
-        course.drop_superfluous(bench)?;
+    for _ in 0..bench.options.most_effects {
+        let (scales, threshold) = course.look(bench)?;
+        let Some(named) = course.choose(bench, &scales, threshold)? else { return Ok(Some(course)) };
+        course.add(bench, named)?;
     }
+    // What could not be seen is said of the last model.
+    course.look(bench)?;
     Ok(Some(course))
 }
 
 impl Course {
+    /// Screens all that was not added yet. Returns how large things are, and below which chance one stands out.
+    fn look(&mut self, bench: &Bench<'_>) -> Result<(Scales, f64), IdentifyError> {
+        let Fitted { model, at, .. } = &self.last;
+        let scales = Scales::new(&bench.problem(model)?, model, at)?;
+        let mut all = candidates::all(model, &at.values, &scales);
+        all.retain(|candidate| !self.steps.iter().any(|step| step.candidate.repeats(candidate)));
+        let mut seen = screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, &all)?;
+        seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
+        self.screened = seen;
+        Ok((scales, bench.options.false_alarm_rate / all.len().max(1) as f64))
+    }
+
+    /// What to add next; nothing where nothing is missing, or what is has no name.
+    fn choose(
+        &mut self,
+        bench: &Bench<'_>,
+        scales: &Scales,
+        threshold: f64,
+    ) -> Result<Option<Named>, IdentifyError> {
+        let tried = worth_trying(self, threshold);
+        let named = best(bench, self, &tried)?;
+        let chosen = named.as_ref().map(|named| &named.chosen);
+        self.unexplained = unnamed(bench, self, scales, chosen, !tried.is_empty())?;
+        let Some(curve) = &self.unexplained else {
+            return Ok(named.filter(|named| !self.is_shadow(&named.chosen.0)));
+        };
+        let late = best(bench, self, &overlooked(self, curve, &tried))?;
+        let is_it = |late: &Named| {
+            let step = &late.chosen.0;
+            step.gain > curve.gain && step.held_gain_percent > NEARLY_ALL && !self.is_shadow(step)
+        };
+        let late = late.filter(is_it);
+        if late.is_some() {
+            self.unexplained = None;
+        }
+        Ok(late)
+    }
+
+    /// Adds what was chosen, and makes of it what the recordings now say.
+    fn add(&mut self, bench: &Bench<'_>, named: Named) -> Result<(), IdentifyError> {
+        let Named { chosen: (step, fitted), nearest } = named;
+        self.steps.push(step);
+        self.before.push(self.last.clone());
+        self.last = afresh(bench, self, fitted)?;
+        self.judge_noise(bench)?;
+        if let Some(nearest) = nearest {
+            self.enrich(bench, nearest)?;
+        }
+        self.refine(bench)?;
+        self.drop_superfluous(bench)
+    }
+
     /// The fits before and after each step.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Fitted, &Fitted)> {
         self.before.iter().zip(self.before.iter().skip(1).chain([&self.last]))
+    }
+
+    /// What each step gains in training, and of what the fit before missed on held-out recordings, per cent: all by the last yardstick,
+    /// for as noise is judged again what is missed weighs more.
+    pub(crate) fn gains(&self, bench: &Bench<'_>) -> Result<Vec<(f64, f64)>, IdentifyError> {
+        let again = |fitted: &Fitted| bench.measured(fitted, &self.yardstick);
+        let all: Result<Vec<Option<Fitted>>, IdentifyError> =
+            self.before.iter().chain([&self.last]).map(again).collect();
+        let all = all?;
+        let gains = all.windows(2).zip(&self.steps).map(|(pair, step)| match pair {
+            [Some(before), Some(after)] => {
+                (before.at.total() - after.at.total(), before.held_gain_percent(after))
+            }
+            _ => (step.gain, step.held_gain_percent),
+        });
+        Ok(gains.collect())
     }
 
     /// Parameters of an effect that was added: their names, and where the last model has them.
@@ -214,6 +238,11 @@ impl Course {
             self.last = again;
         }
         Ok(())
+    }
+
+    /// Whether it was added.
+    pub(crate) fn has(&self, candidate: &Candidate) -> bool {
+        self.steps.iter().any(|step| step.candidate.is_same(candidate))
     }
 
     /// Whether something that was added is there.
@@ -296,7 +325,7 @@ fn unnamed(
     if is_calm && named.is_some() {
         return Ok(None);
     }
-    let mut free = shapes::places(bench, &course.last.model, scales);
+    let mut free = shapes::places(bench, &course.last, scales);
     free.retain(|free| !is_calm || suspicious || free.is_nameless());
     let shapes = shapes::all(bench, &course.last, &course.yardstick, free)?;
     let Some(first) = shapes.first() else { return Ok(None) };

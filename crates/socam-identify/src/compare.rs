@@ -96,8 +96,10 @@ pub struct Measured {
     pub chi2: Vec<f64>,
     /// Values that each recording has.
     pub count: Vec<f64>,
-    /// Root mean square residual of each output before whitening, SI.
+    /// Root mean square residual of each output before whitening, SI; nothing where nothing was read.
     pub rms: Vec<f64>,
+    /// Values that each output has.
+    pub read: Vec<f64>,
     /// Whether the descent that led here came to its end.
     pub converged: bool,
     /// What is local to each stretch.
@@ -478,11 +480,13 @@ fn measured(problem: &Problem<'_>, point: &Point, passed: &[StretchResult], conv
         chi2[stretch.recording] += result.weighted_squares;
         count[stretch.recording] += result.channels.iter().map(|channel| channel.count).sum::<f64>();
     }
+    let channels = solver::channel_sums(passed);
     Measured {
         values: point.values.clone(),
         chi2,
         count,
-        rms: solver::channel_sums(passed).iter().map(pass::ChannelSums::rms).collect(),
+        rms: channels.iter().map(pass::ChannelSums::rms).collect(),
+        read: channels.iter().map(|channel| channel.count).collect(),
         converged,
         locals: point.locals.clone(),
     }
