@@ -57,5 +57,7 @@ fn without_block(model: &Model, dataset: &Dataset, block: usize) -> Result<Fold,
         let outputs = model.outputs().filter(|channel| !channel.quantity.is_clock());
         blanked(dataset, outputs.map(|channel| (channel.column.as_str(), rows.to_vec())))
     };
-    Ok(Fold { fitted: vec![missing(&[from..to])?], held_out: vec![missing(&[0..from, to..dataset.rows()])?] })
+    let block = from..to;
+    let others = [0..from, to..dataset.rows()];
+    Ok(Fold { fitted: vec![missing(std::slice::from_ref(&block))?], held_out: vec![missing(&others)?] })
 }
