@@ -77,13 +77,13 @@ impl Candidate {
 }
 
 /// All of them.
-pub(crate) fn all(model: &Model, values: &[f64], scales: &Scales) -> Vec<Candidate> {
+pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
     // What comes back with every turn needs something that turns.
     let turns = model.motion == Motion::Rotation;
     for effect in CATALOGUE.iter().filter(|effect| turns || !is_by_turn(effect)) {
         for place in places(model, effect) {
-            for start in grid((model, values), effect, &place, scales) {
+            for start in grid(model, effect, &place, scales) {
                 found.push(Candidate {
                     effect,
                     place: place.clone(),
@@ -157,7 +157,7 @@ fn strength(effect: &Effect) -> &'static [&'static str] {
 type Values = Vec<(&'static str, f64)>;
 
 /// Points from which to look: strength at nothing, the others on a grid of what these recordings could show.
-fn grid((model, values): (&Model, &[f64]), effect: &Effect, place: &str, scales: &Scales) -> Vec<Values> {
+fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Values> {
     let spring = model.springs.iter().position(|spring| spring.name == place);
     let torque = spring.map_or(0.0, |spring| scales.torque(spring));
     let node = model.bearings.iter().find(|bearing| bearing.name == place).map(|bearing| bearing.node);
@@ -174,7 +174,9 @@ fn grid((model, values): (&Model, &[f64]), effect: &Effect, place: &str, scales:
             gear_orders(model, place).map(|order| wave("order", order, "amplitude")).collect()
         }
         "hysteresis" => {
-            let twist = spring.map_or(0.0, |spring| torque / values[model.springs[spring].stiffness]);
+            // By the file's stiffness: of two springs in a row a fit may make anything.
+            let stiffness = spring.map(|spring| model.parameters[model.springs[spring].stiffness].value);
+            let twist = stiffness.map_or(0.0, |stiffness| torque / stiffness);
             let deflection = |part: f64| (part * twist).max(1e-6);
             vec![vec![("torque", 0.0), ("deflection", deflection(0.3))]]
         }

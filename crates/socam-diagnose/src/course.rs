@@ -115,7 +115,7 @@ impl Course {
     fn look(&mut self, bench: &Bench<'_>) -> Result<(Scales, f64), IdentifyError> {
         let Fitted { model, at, .. } = &self.last;
         let scales = Scales::new(&bench.problem(model)?, model, at)?;
-        let mut all = candidates::all(model, &at.values, &scales);
+        let mut all = candidates::all(model, &scales);
         all.retain(|candidate| !self.steps.iter().any(|step| step.candidate.repeats(candidate)));
         let mut seen = screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, &all)?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
@@ -325,7 +325,7 @@ fn unnamed(
     if is_calm && named.is_some() {
         return Ok(None);
     }
-    let mut free = shapes::places(bench, &course.last, scales);
+    let mut free = shapes::places(bench, &course.last.model, scales);
     free.retain(|free| !is_calm || suspicious || free.is_nameless());
     let shapes = shapes::all(bench, &course.last, &course.yardstick, free)?;
     let Some(first) = shapes.first() else { return Ok(None) };

@@ -183,8 +183,7 @@ pub(crate) fn all(
 }
 
 /// All places, with each thing that a torque or an error there may depend on.
-pub(crate) fn places(bench: &Bench<'_>, last: &Fitted, scales: &Scales) -> Vec<Free> {
-    let model = &last.model;
+pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
     let rotates = model.motion == Motion::Rotation;
     let [by_speed, by_torque] = if rotates { ["rad/s", "N m"] } else { ["m/s", "N"] };
     let mut all = Vec::new();
@@ -206,7 +205,8 @@ pub(crate) fn places(bench: &Bench<'_>, last: &Fitted, scales: &Scales) -> Vec<F
         add(&BEARING_TIME, &bearing.name, Over::Time, "s", time_s, 1.0, 1.0);
     }
     for (index, spring) in model.springs.iter().enumerate().filter(|(_, spring)| is_part(&spring.name)) {
-        let (torque, stiffness) = (scales.torque(index), last.at.values[spring.stiffness]);
+        // By the file's stiffness: of two springs in a row a fit may make anything.
+        let (torque, stiffness) = (scales.torque(index), model.parameters[spring.stiffness].value);
         let twist = torque / stiffness;
         add(&SPRING_TWIST, &spring.name, Over::Torque, by_torque, (-twist, twist), stiffness, 1.0);
         add(&SPRING_TIME, &spring.name, Over::Time, "s", time_s, 1.0, twist);
