@@ -117,7 +117,8 @@ impl Course {
         let scales = Scales::new(&bench.problem(model)?, model, at)?;
         let mut all = candidates::all(model, &scales);
         all.retain(|candidate| !self.steps.iter().any(|step| step.candidate.repeats(candidate)));
-        let mut seen = screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, &all)?;
+        let mut seen =
+            screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, (&scales, &all))?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
         self.screened = seen;
         Ok((scales, bench.options.false_alarm_rate / all.len().max(1) as f64))

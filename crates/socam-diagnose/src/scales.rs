@@ -21,6 +21,8 @@ pub(crate) struct Scales {
     speeds: Vec<f64>,
     /// By spring: largest torque, N m.
     torques: Vec<f64>,
+    /// By spring: the recording in which that is.
+    loudest: Vec<usize>,
     /// By output: frequencies at which its residual has lines, Hz.
     peaks: Vec<Vec<f64>>,
     /// By output: largest reading.
@@ -42,20 +44,16 @@ impl Scales {
             probe = grown.unwrap_or(probe);
         }
         let traces = compare::traces(problem, at, Some(&probe))?;
-        let sizes: Vec<f64> = (own..probe.outputs().count())
-            .map(|output| {
-                let all = traces.iter().flat_map(|trace| &trace.predicted[output]);
-                all.fold(0.0, |most: f64, value| most.max(value.abs()))
-            })
-            .collect();
-        let mut sizes = sizes.into_iter();
-        let mut all = seen.into_iter().map(|works| if works { sizes.next().unwrap_or(0.0) } else { 0.0 });
-        let speeds = all.by_ref().take(model.nodes.len()).collect();
+        let mut largest = (own..probe.outputs().count()).map(|output| largest(&traces, output));
+        let mut all =
+            seen.into_iter().map(|works| if works { largest.next().unwrap_or_default() } else { (0.0, 0) });
+        let speeds = all.by_ref().take(model.nodes.len()).map(|(speed, _)| speed).collect();
+        let (torques, loudest) = all.unzip();
         let residuals = compare::traces(problem, at, None)?;
         let peaks = (0..own).map(|output| spectrum::peaks(&residuals, output, PEAKS)).collect();
         let limits = (0..own).map(|output| limit(&residuals, output)).collect();
         let readings = (0..own).map(|output| sizes_read(&residuals, output).fold(0.0, f64::max)).collect();
-        Ok(Self { speeds, torques: all.collect(), peaks, readings, limits })
+        Ok(Self { speeds, torques, loudest, peaks, readings, limits })
     }
 
     pub(crate) fn speed(&self, node: usize) -> f64 {
@@ -64,6 +62,11 @@ impl Scales {
 
     pub(crate) fn torque(&self, spring: usize) -> f64 {
         self.torques.get(spring).copied().unwrap_or(0.0)
+    }
+
+    /// Recording in which a spring carries that.
+    pub(crate) fn loudest(&self, spring: usize) -> usize {
+        self.loudest.get(spring).copied().unwrap_or(0)
     }
 
     /// Largest magnitude that an output reads.
@@ -86,6 +89,14 @@ impl Scales {
         all.dedup_by(|a, b| (*a - *b).abs() < 0.05);
         all
     }
+}
+
+/// Largest size that an output is predicted to have, and the recording in which it has it.
+fn largest(traces: &[Traces], output: usize) -> (f64, usize) {
+    let all = traces
+        .iter()
+        .flat_map(|trace| trace.predicted[output].iter().map(|value| (value.abs(), trace.recording)));
+    all.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
 fn sizes_read(traces: &[Traces], output: usize) -> impl Iterator<Item = f64> {

@@ -9,7 +9,10 @@ use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::candidates::{self, Candidate};
+use crate::{
+    candidates::{self, Candidate},
+    scales::Scales,
+};
 
 /// Candidates that share a pass: each adds to what a step costs.
 const TOGETHER: usize = 10;
@@ -24,14 +27,15 @@ pub(crate) struct Promising {
     pub(crate) possible: bool,
 }
 
-/// What all candidates promise to a model at a fit.
+/// What all candidates promise to a model at a fit (`at`). What is of full strength is tried on the recording with the largest torques
+/// first, for it costs much: what makes that one no better does nothing for the others.
 pub(crate) fn screen(
     model: &Model,
     datasets: &[Dataset],
     options: &Options,
     yardstick: &Yardstick,
     at: &Measured,
-    all: &[Candidate],
+    (scales, all): (&Scales, &[Candidate]),
 ) -> Result<Vec<Promising>, IdentifyError> {
     // What is of some strength already would change what the others see.
     let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
@@ -44,7 +48,16 @@ pub(crate) fn screen(
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
     batches.extend(full.into_iter().chain(remembering).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
-    let each = batches.par_iter().map(|batch| together(model, datasets, options, yardstick, at, batch));
+    let whole = Problem::new(model, datasets, options.clone())?;
+    let each = batches.par_iter().map(|batch| {
+        let on_all = || together(model, datasets, options, yardstick, at, batch);
+        let spring = model.springs.iter().position(|spring| spring.name == batch[0].place);
+        let (true, Some(spring)) = (batch[0].is_full(), spring) else { return on_all() };
+        let loudest = scales.loudest(spring);
+        let one = std::slice::from_ref(&datasets[loudest]);
+        let first = together(model, one, options, yardstick, &at.on_one(&whole, loudest), batch)?;
+        if first.iter().any(|promising| promising.promise.gain > 0.0) { on_all() } else { Ok(first) }
+    });
     let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
     Ok(found?.into_iter().flatten().collect())
 }

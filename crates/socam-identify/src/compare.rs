@@ -111,6 +111,19 @@ impl Measured {
     pub fn total(&self) -> f64 {
         self.chi2.iter().sum()
     }
+
+    /// What was measured on one recording of `problem`, as if there were no other; channels' residuals stay those of all.
+    #[must_use]
+    pub fn on_one(&self, problem: &Problem<'_>, recording: usize) -> Self {
+        let own = problem.stretches.iter().zip(&self.locals);
+        let own = own.filter(|(stretch, _)| stretch.recording == recording);
+        Self {
+            chi2: vec![self.chi2[recording]],
+            count: vec![self.count[recording]],
+            locals: own.map(|(_, locals)| locals.clone()).collect(),
+            ..self.clone()
+        }
+    }
 }
 
 /// Goes down from `start` (all parameters, SI; start states as in `from`, where the model has the same) by a yardstick; `None`
