@@ -58,7 +58,8 @@ fn what_a_later_effect_explains_too_is_taken_out() {
 /// recordings hardly show it; a shaft that gives and damps, taken for two slow sensors; a short lag, outrun by a hum that held-out
 /// recordings deny; a coupling that comes loose, which noise was taken for; one that hardens near a resonance, where slopes say nothing;
 /// a mass so large that its mode crosses all others on the way from a little of it, which a fit does not survive; a coupling that slides a
-/// little, of which recordings differ in how much they show.
+/// little, of which recordings differ in how much they show; a pad that starts to rub half way, taken for a drift elsewhere; a bump that
+/// rubs once per turn, taken for a tachometer's ripple.
 #[test]
 fn what_was_once_misread_is_read() {
     for (seed, number, named) in [
@@ -66,10 +67,12 @@ fn what_was_once_misread_is_read() {
         ("1", 242, vec![["sensor_offset", "torque_out"], ["sensor_lag", "torque_in"]]),
         ("1", 290, vec![["stribeck_friction", "load_bearing"]]),
         ("1", 295, vec![["missing_compliance", "load_shaft"]]),
+        ("1", 245, vec![["unexplained", "cam_bearing"], ["coulomb_friction", "cam_bearing"]]),
         ("2", 125, vec![["unexplained", "coupling_1"]]),
         ("2", 130, vec![["stiffness_hardening", "coupling_2"]]),
         ("2", 202, vec![["missing_inertia", "torque_sensor_out"], ["sensor_ripple", "torque_in"]]),
         ("2", 212, vec![["hysteresis", "coupling_3"]]),
+        ("3", 94, vec![["unexplained", "cam_bearing"]]),
     ] {
         let range = format!("{number}..{}", number + 1);
         let document = run(["challenge", "--seed", seed, "--cases", &range, "--json"]).json();

@@ -144,10 +144,42 @@ impl Course {
             step.gain > curve.gain && step.held_gain_percent > NEARLY_ALL && !self.is_shadow(step)
         };
         let late = late.filter(is_it);
-        if late.is_some() {
-            self.unexplained = None;
+        match late {
+            Some(_) => self.unexplained = None,
+            None => self.leave_to_curve(bench)?,
         }
         Ok(late)
+    }
+
+    /// Takes out what was added at another place than a curve that was found since, where beside that it would not be: of what has no
+    /// name a good part may look like something that has one.
+    fn leave_to_curve(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
+        for index in (0..self.steps.len()).rev() {
+            let Some(curve) = &self.unexplained else { return Ok(()) };
+            if self.steps[index].candidate.place == curve.place {
+                continue;
+            }
+            let Some(model) = self.model_without(index) else { continue };
+            let values = carried((&self.last.model, &self.last.at.values), &model);
+            let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
+            if beside.is_none_or(|beside| is_worth_it(&beside, &curve.fitted)) {
+                continue;
+            }
+            let free = curve.free.clone();
+            let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? else { continue };
+            self.remove(bench, index, fitted)?;
+            if let Some(shape) = shapes::one(bench, &self.last, &self.yardstick, free)? {
+                let again = shapes::confirmed(bench, &self.last, &self.yardstick, &shape)?;
+                self.unexplained = again.or(self.unexplained.take());
+            }
+        }
+        Ok(())
+    }
+
+    /// The last model but for one of the effects that were added.
+    fn model_without(&self, index: usize) -> Option<Model> {
+        let others = self.steps.iter().enumerate().filter(|(other, _)| *other != index);
+        self.base.with(others.map(|(_, step)| &step.candidate))
     }
 
     /// Adds what was chosen, and makes of it what the recordings now say.
@@ -211,8 +243,7 @@ impl Course {
 
     /// Fits the last model but for one of the effects that were added; `None` where that stays far from it.
     fn without(&self, bench: &Bench<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
-        let others = self.steps.iter().enumerate().filter(|(other, _)| *other != index);
-        let Some(model) = self.base.with(others.map(|(_, step)| &step.candidate)) else { return Ok(None) };
+        let Some(model) = self.model_without(index) else { return Ok(None) };
         let values = carried((&self.last.model, &self.last.at.values), &model);
         let mut at: Option<Measured> = None;
         for (iterations, hopeful) in WITHOUT {

@@ -1,8 +1,8 @@
 //! Misfit without a name: which place's unknown torque, or which channel's error, would carry it, and its shape.
 //!
 //! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
-//! coupling's twist, or time; or a coupling's stiffness is any smooth function of time. One pass of slopes says how much of the misfit
-//! each would carry and what it would look like.
+//! coupling's twist, or time; or a drag against the motion, or a coupling's stiffness, is any smooth function of time or of the angle.
+//! One pass of slopes says how much of the misfit each would carry and what it would look like.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -29,9 +29,15 @@ use crate::{
 const POINTS: usize = 9;
 /// Orders of a curve over one turn.
 pub(crate) const ORDERS: usize = 4;
+/// Speed within which what rubs turns its direction, rad/s and m/s: that of the catalogue's friction.
+const TRANSITION: (f64, f64) = (0.05, 2e-3);
 /// Iterations of a shape's fit.
 const ITERATIONS: usize = 10;
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// The same of what rubs: it turns with the motion, within so much speed.
+const RUB: &[EffectParameter] =
+    &[HUMP[0], HUMP[1], HUMP[2], EffectParameter { name: "transition_speed", ..HUMP[2] }];
 
 /// A hump of a height about a centre, nothing beyond a width on either side: such humps side by side make any smooth curve.
 const HUMP: &[EffectParameter] = &[
@@ -82,6 +88,23 @@ fn wave_against(sights: &[f64], p: &[f64]) -> Response {
     turned(wave(sights, p))
 }
 
+/// Against the motion, by time or angle.
+fn rubbing(sights: &[f64], p: &[f64], shape: fn(&[f64], &[f64]) -> Response) -> Response {
+    let Response { torque, slopes: by_other, slope_parameters } = shape(&sights[1..], p);
+    let sign = (sights[0] / p[3]).tanh();
+    let mut slopes = [0.0; MAX_SIGHTS];
+    slopes[..2].copy_from_slice(&[-torque * (1.0 - sign * sign) / p[3], -sign * by_other[0]]);
+    Response { torque: -sign * torque, slopes, slope_parameters: slope_parameters.map(|slope| -sign * slope) }
+}
+
+fn hump_rubs(sights: &[f64], p: &[f64]) -> Response {
+    rubbing(sights, p, hump)
+}
+
+fn wave_rubs(sights: &[f64], p: &[f64]) -> Response {
+    rubbing(sights, p, wave)
+}
+
 /// Of a bearing the torque that it takes is drawn, not the one that it gives.
 fn turned(response: Response) -> Response {
     Response {
@@ -103,6 +126,10 @@ const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
     }
 }
 
+const fn rub(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
+    Law { bend: |parameters| parameters[3], ..law(sights, Acts::Torque, answer) }
+}
+
 const fn law(sights: &'static [Sight], acts: Acts, answer: fn(&[f64], &[f64]) -> Response) -> Law {
     Law { sights, acts, answer, bend: |_| 0.0, silent: |parameters| parameters[0] == 0.0 }
 }
@@ -110,6 +137,10 @@ const fn law(sights: &'static [Sight], acts: Acts, answer: fn(&[f64], &[f64]) ->
 static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Speed], Acts::Torque, against)]);
 static BEARING_ANGLE: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Angle], Acts::Torque, wave_against)]);
 static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Time], Acts::Torque, against)]);
+static BEARING_RUBS_BY_ANGLE: Effect =
+    Effect { parameters: RUB, ..shape(ActsAt::Bearing, &[rub(&[Sight::Speed, Sight::Angle], wave_rubs)]) };
+static BEARING_RUBS_BY_TIME: Effect =
+    Effect { parameters: RUB, ..shape(ActsAt::Bearing, &[rub(&[Sight::Speed, Sight::Time], hump_rubs)]) };
 static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[Sight::Twist], Acts::Torque, hump)]);
 static SPRING_TIME: Effect =
     shape(ActsAt::Spring, &[law(&[Sight::Twist, Sight::Time], Acts::Torque, swelling)]);
@@ -119,6 +150,7 @@ static CHANNEL_GAIN: Effect =
     shape(ActsAt::Channel, &[law(&[Sight::Reading, Sight::Time], Acts::Reading, swelling)]);
 
 /// A place, what its unknown torque may depend on, and from where to where that goes.
+#[derive(Debug, Clone)]
 pub(crate) struct Free {
     effect: &'static Effect,
     place: String,
@@ -134,9 +166,7 @@ pub(crate) struct Free {
 /// What remains, as a shape at a place that would carry it.
 pub(crate) struct Shape {
     free: Free,
-    /// The model with that torque, its points' indices, and their standard errors.
-    model: Model,
-    heights: Vec<usize>,
+    /// Standard errors of its points.
     std: Vec<f64>,
     pub(crate) gain: f64,
     pub(crate) p_value: f64,
@@ -148,18 +178,32 @@ impl Shape {
         &self.free.place
     }
 
-    /// Whether it comes back with every turn.
+    /// Whether it comes back with every turn, whichever way that goes.
     pub(crate) fn is_turn(&self) -> bool {
-        self.free.is_turn()
+        self.free.is_turn() && self.free.acts() == Manner::Added
     }
+}
+
+/// How a shape acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Manner {
+    /// Whatever the sign of what is seen.
+    Added,
+    /// As a share of what a sensor reads, or of what a spring takes.
+    Share,
+    /// Against the motion.
+    Rubs,
 }
 
 /// A shape that was fitted and tried on held-out recordings.
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
-    /// Whether it is a share of what a sensor reads, or of what a spring takes.
-    pub(crate) is_gain: bool,
+    pub(crate) acts: Manner,
+    pub(crate) free: Free,
+    std: Vec<f64>,
+    /// The model with it.
+    pub(crate) fitted: Fitted,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
     pub(crate) gain: f64,
@@ -200,9 +244,12 @@ pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<F
         add(&BEARING_SPEED, &bearing.name, Over::Speed, by_speed, (-speed, speed), 1.0, 1.0);
         // What comes back with every turn needs something that turns.
         if rotates {
-            add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", (0.0, std::f64::consts::TAU), 1.0, 1.0);
+            let turn = (0.0, std::f64::consts::TAU);
+            add(&BEARING_ANGLE, &bearing.name, Over::Angle, "rad", turn, 1.0, 1.0);
+            add(&BEARING_RUBS_BY_ANGLE, &bearing.name, Over::Angle, "rad", turn, 1.0, 1.0);
         }
         add(&BEARING_TIME, &bearing.name, Over::Time, "s", time_s, 1.0, 1.0);
+        add(&BEARING_RUBS_BY_TIME, &bearing.name, Over::Time, "s", time_s, 1.0, 1.0);
     }
     for (index, spring) in model.springs.iter().enumerate().filter(|(_, spring)| is_part(&spring.name)) {
         // By the file's stiffness: of two springs in a row a fit may make anything.
@@ -230,7 +277,10 @@ impl Free {
     fn pieces(&self) -> Vec<[f64; 2]> {
         if self.is_turn() {
             let quarter = std::f64::consts::FRAC_PI_2;
-            return (1..=ORDERS).flat_map(|order| [[order as f64, 0.0], [order as f64, quarter]]).collect();
+            // What rubs may do so all around.
+            let mean = (self.acts() == Manner::Rubs).then_some([0.0, quarter]);
+            let waves = (1..=ORDERS).flat_map(|order| [[order as f64, 0.0], [order as f64, quarter]]);
+            return mean.into_iter().chain(waves).collect();
         }
         let width = (self.range.1 - self.range.0) / (POINTS - 1) as f64;
         (0..POINTS).map(|point| [self.range.0 + width * point as f64, width]).collect()
@@ -238,15 +288,25 @@ impl Free {
 
     /// Whether nothing in the catalogue resembles it, so that no name would point to it: a stiffness that changes.
     pub(crate) fn is_nameless(&self) -> bool {
-        std::ptr::eq(self.effect, &raw const SPRING_TIME)
+        self.is_any_of(&[&SPRING_TIME])
     }
 
     fn is_turn(&self) -> bool {
-        std::ptr::eq(self.effect, &raw const BEARING_ANGLE)
+        self.is_any_of(&[&BEARING_ANGLE, &BEARING_RUBS_BY_ANGLE])
     }
 
-    fn is_gain(&self) -> bool {
-        [&raw const CHANNEL_GAIN, &raw const SPRING_TIME].contains(&(&raw const *self.effect))
+    fn acts(&self) -> Manner {
+        if self.is_any_of(&[&CHANNEL_GAIN, &SPRING_TIME]) {
+            Manner::Share
+        } else if self.is_any_of(&[&BEARING_RUBS_BY_ANGLE, &BEARING_RUBS_BY_TIME]) {
+            Manner::Rubs
+        } else {
+            Manner::Added
+        }
+    }
+
+    fn is_any_of(&self, effects: &[&'static Effect]) -> bool {
+        effects.iter().any(|effect| std::ptr::eq(*effect, self.effect))
     }
 
     fn curve(&self, model: &Model, heights: &[f64], std: &[f64]) -> Curve {
@@ -281,8 +341,10 @@ impl Free {
 fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> {
     let mut grown = model.clone();
     let mut heights = Vec::new();
+    let transition = if model.motion == Motion::Rotation { TRANSITION.0 } else { TRANSITION.1 };
     for [first, second] in free.pieces() {
-        grown = grown.with_law(free.effect, &free.place, &[0.0, first, second])?;
+        let all = [0.0, first, second, transition];
+        grown = grown.with_law(free.effect, &free.place, &all[..free.effect.parameters.len()])?;
         let height = grown.effects.last().map(|used| used.parameters[0]);
         heights.extend(height);
     }
@@ -293,7 +355,8 @@ fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> 
     Ok((grown, heights))
 }
 
-fn one(
+/// What a shape would carry; `None` where it cannot act.
+pub(crate) fn one(
     bench: &Bench<'_>,
     last: &Fitted,
     yardstick: &Yardstick,
@@ -313,7 +376,7 @@ fn one(
     )?;
     let Some(promise) = promises.and_then(|all| all.into_iter().next()) else { return Ok(None) };
     let (gain, p_value, std) = (promise.gain, promise.p_value, promise.std);
-    Ok(Some(Shape { free, model: grown, heights, std, gain, p_value }))
+    Ok(Some(Shape { free, std, gain, p_value }))
 }
 
 /// Fits a shape and tries it on held-out recordings; `None` where it does not hold there.
@@ -323,28 +386,57 @@ pub(crate) fn confirmed(
     yardstick: &Yardstick,
     shape: &Shape,
 ) -> Result<Option<Unexplained>, IdentifyError> {
-    let mut model = shape.model.clone();
-    // A point where nothing ever was stays nothing.
-    for (height, std) in shape.heights.iter().zip(&shape.std) {
-        model.parameters[*height].fixed = !std.is_finite();
-    }
-    let values = carried((&last.model, &last.at.values), &model);
-    let problem = Problem::new(&model, bench.training, bench.fit.clone())?;
-    let fitted = compare::descend(&problem, yardstick, &values, None, (compare::COARSE, ITERATIONS))?;
-    let Some(at) = fitted else { return Ok(None) };
+    let begun = (&last.model, &*last.at.values);
+    let Some((fitted, heights)) = fitted(bench, begun, yardstick, (&shape.free, &shape.std))? else {
+        return Ok(None);
+    };
     let excess = (last.at.total() - last.at.count.iter().sum::<f64>()).max(1.0);
-    let gain = last.at.total() - at.total();
-    let heights: Vec<f64> = shape.heights.iter().map(|height| at.values[*height]).collect();
-    let Some(fitted) = bench.held(&model, at, yardstick)? else { return Ok(None) };
+    let gain = last.at.total() - fitted.at.total();
     let held_gain_percent = last.held_gain_percent(&fitted);
     let found = Unexplained {
         place: shape.free.place.clone(),
-        is_gain: shape.free.is_gain(),
+        acts: shape.free.acts(),
         curve: shape.free.curve(&last.model, &heights, &shape.std),
         p_value: shape.p_value,
         gain,
         held_gain_percent,
         misfit_percent: (100.0 * gain / excess).min(100.0),
+        free: shape.free.clone(),
+        std: shape.std.clone(),
+        fitted,
     };
     Ok((held_gain_percent > 0.0).then_some(found))
+}
+
+impl Unexplained {
+    /// Another model with the same shape, fitted from there.
+    pub(crate) fn beside(
+        &self,
+        bench: &Bench<'_>,
+        (model, values): (&Model, &[f64]),
+        yardstick: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let fitted = fitted(bench, (model, values), yardstick, (&self.free, &self.std))?;
+        Ok(fitted.map(|(fitted, _)| fitted))
+    }
+}
+
+/// A model with a shape at its fit, and the heights of its points.
+fn fitted(
+    bench: &Bench<'_>,
+    (model, values): (&Model, &[f64]),
+    yardstick: &Yardstick,
+    (free, std): (&Free, &[f64]),
+) -> Result<Option<(Fitted, Vec<f64>)>, IdentifyError> {
+    let Ok((mut grown, heights)) = grown(model, free) else { return Ok(None) };
+    // A point where nothing ever was stays nothing.
+    for (height, std) in heights.iter().zip(std) {
+        grown.parameters[*height].fixed = !std.is_finite();
+    }
+    let values = carried((model, values), &grown);
+    let problem = bench.problem(&grown)?;
+    let at = compare::descend(&problem, yardstick, &values, None, (compare::COARSE, ITERATIONS))?;
+    let Some(at) = at else { return Ok(None) };
+    let found = heights.iter().map(|height| at.values[*height]).collect();
+    Ok(bench.held(&grown, at, yardstick)?.map(|fitted| (fitted, found)))
 }

@@ -4,7 +4,7 @@ use socam_model::effects::Effect;
 
 use crate::{
     document::{Curve, EffectParameter, Over},
-    shapes::Unexplained,
+    shapes::{Manner, Unexplained},
 };
 
 /// For a mechanic: what it is, where, and how much.
@@ -23,17 +23,18 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
 /// The same of what has no name.
 pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
     let place = found.place.replace('_', " ");
-    let what = match (is_channel, found.is_gain) {
-        (true, true) => "a gain of that sensor",
-        (false, true) => "a part of its stiffness",
+    let what = match (is_channel, found.acts) {
+        (true, Manner::Share) => "a gain of that sensor",
+        (false, Manner::Share) => "a part of its stiffness",
         (true, _) => "an error of that sensor",
-        _ => "a torque",
+        (false, Manner::Rubs) => "a friction",
+        (false, Manner::Added) => "a torque",
     };
     let over = match found.curve.over {
-        Over::Time if found.is_gain && is_channel => {
+        Over::Time if found.acts == Manner::Share && is_channel => {
             " that changes as time goes by (its curve is what that makes of the largest reading)"
         }
-        Over::Time if found.is_gain => {
+        Over::Time if found.acts == Manner::Share => {
             " that changes as time goes by (its curve is what that makes of the largest twist)"
         }
         Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",
