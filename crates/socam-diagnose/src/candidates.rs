@@ -187,7 +187,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
         "coupling_slip" => [0.9, 0.7].map(|part| vec![("torque", part * torque)]).to_vec(),
         "gravity_unbalance" => vec![vec![("torque", 0.0), ("phase", 0.0)]],
         "external_disturbance" => {
-            scales.lines(None).into_iter().map(|hz| wave("frequency", hz, "torque")).collect()
+            scales.lines(None).iter().map(|hz| wave("frequency", *hz, "torque")).collect()
         }
         "torque_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "torque")).collect(),
         "sensor_gain" => vec![vec![("gain", 1.0)]],
@@ -197,9 +197,7 @@ fn grid(model: &Model, effect: &Effect, place: &str, scales: &Scales) -> Vec<Val
             let limit = output.and_then(|output| scales.limit(output));
             limit.map(|limit| vec![("limit", limit)]).into_iter().collect()
         }
-        "sensor_hum" => {
-            scales.lines(output).into_iter().map(|hz| wave("frequency", hz, "amplitude")).collect()
-        }
+        "sensor_hum" => scales.lines(output).iter().map(|hz| wave("frequency", *hz, "amplitude")).collect(),
         "sensor_ripple" => (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
         _ => vec![given(effect).map(|name| (name, 0.0)).collect()],
     }

@@ -114,7 +114,7 @@ impl Course {
     /// Screens all that was not added yet. Returns how large things are, and below which chance one stands out.
     fn look(&mut self, bench: &Bench<'_>) -> Result<(Scales, f64), IdentifyError> {
         let Fitted { model, at, .. } = &self.last;
-        let scales = Scales::new(&bench.problem(model)?, model, at)?;
+        let scales = Scales::new(&bench.problem(model)?, model, &self.yardstick, at)?;
         let mut all = candidates::all(model, &scales);
         all.retain(|candidate| !self.steps.iter().any(|step| step.candidate.repeats(candidate)));
         let mut seen =

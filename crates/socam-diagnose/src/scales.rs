@@ -1,15 +1,18 @@
 //! How large motions and torques are on these recordings, at every place: where grids and first guesses are taken from.
 
+use std::ops::Range;
+
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured, Traces},
+    compare::{self, Innovations, Measured, Traces, Yardstick},
 };
 use socam_model::{Channel, Model, Quantity, Role, Take};
 
 use crate::spectrum;
 
-/// Frequencies at which a channel's residual stands out.
+/// Frequencies at which a channel's residuals stand out, and those of all together.
 const PEAKS: usize = 3;
+const PEAKS_OF_ALL: usize = 4;
 /// Share of readings that are larger than what an output almost ever reads; so many that are predicted to be are no chance.
 const RARE: f64 = 1e-3;
 const OFTEN: usize = 20;
@@ -23,8 +26,9 @@ pub(crate) struct Scales {
     torques: Vec<f64>,
     /// By spring: the recording in which that is.
     loudest: Vec<usize>,
-    /// By output: frequencies at which its residual has lines, Hz.
+    /// By output: frequencies at which its whitened residuals have lines, Hz; and at which those of all have.
     peaks: Vec<Vec<f64>>,
+    peaks_of_all: Vec<f64>,
     /// By output: largest reading.
     readings: Vec<f64>,
     /// By output: where its readings seem to be cut off.
@@ -32,7 +36,12 @@ pub(crate) struct Scales {
 }
 
 impl Scales {
-    pub(crate) fn new(problem: &Problem<'_>, model: &Model, at: &Measured) -> Result<Self, IdentifyError> {
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        model: &Model,
+        yardstick: &Yardstick,
+        at: &Measured,
+    ) -> Result<Self, IdentifyError> {
         // Besides its own sensors: effects may sit in those.
         let mut probe = model.clone();
         let own = model.outputs().count();
@@ -50,10 +59,12 @@ impl Scales {
         let speeds = all.by_ref().take(model.nodes.len()).map(|(speed, _)| speed).collect();
         let (torques, loudest) = all.unzip();
         let residuals = compare::traces(problem, at, None)?;
-        let peaks = (0..own).map(|output| spectrum::peaks(&residuals, output, PEAKS)).collect();
+        let white = compare::innovations(problem, yardstick, at)?.unwrap_or_default();
+        let peaks = (0..own).map(|output| lines(&white, output..output + 1, PEAKS)).collect();
+        let peaks_of_all = lines(&white, 0..own, PEAKS_OF_ALL);
         let limits = (0..own).map(|output| limit(&residuals, output)).collect();
         let readings = (0..own).map(|output| sizes_read(&residuals, output).fold(0.0, f64::max)).collect();
-        Ok(Self { speeds, torques, loudest, peaks, readings, limits })
+        Ok(Self { speeds, torques, loudest, peaks, peaks_of_all, readings, limits })
     }
 
     pub(crate) fn speed(&self, node: usize) -> f64 {
@@ -79,15 +90,12 @@ impl Scales {
         self.limits.get(output).copied().flatten()
     }
 
-    /// Lines of one output, or of all.
-    pub(crate) fn lines(&self, output: Option<usize>) -> Vec<f64> {
-        let mut all: Vec<f64> = match output {
-            Some(output) => self.peaks.get(output).cloned().unwrap_or_default(),
-            None => self.peaks.iter().flat_map(|own| own.iter().take(2)).copied().collect(),
-        };
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|a, b| (*a - *b).abs() < 0.05);
-        all
+    /// Lines of one output, or of all together.
+    pub(crate) fn lines(&self, output: Option<usize>) -> &[f64] {
+        match output {
+            Some(output) => self.peaks.get(output).map_or(&[], Vec::as_slice),
+            None => &self.peaks_of_all,
+        }
     }
 }
 
@@ -97,6 +105,15 @@ fn largest(traces: &[Traces], output: usize) -> (f64, usize) {
         .iter()
         .flat_map(|trace| trace.predicted[output].iter().map(|value| (value.abs(), trace.recording)));
     all.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
+}
+
+/// Frequencies at which whitened residuals of some outputs have lines, Hz.
+fn lines(white: &[Innovations], outputs: Range<usize>, most: usize) -> Vec<f64> {
+    let series = white.iter().flat_map(|one| {
+        let own = &one.outputs[outputs.clone()];
+        own.iter().map(|values| (&**values, one.sample_time_s))
+    });
+    spectrum::peaks(series, most)
 }
 
 fn sizes_read(traces: &[Traces], output: usize) -> impl Iterator<Item = f64> {

@@ -392,6 +392,36 @@ pub fn noise(
     levels::likeliest(problem, &point, start, &most)
 }
 
+/// What is left of one stretch of a recording once noise of a yardstick's kind was made white.
+#[derive(Debug, Clone)]
+pub struct Innovations {
+    /// Time from one sample to the next, s.
+    pub sample_time_s: f64,
+    /// Per output, in units of noise; nothing where missing.
+    pub outputs: Vec<Vec<f64>>,
+}
+
+/// Whitened residuals of a model at a fit, stretch by stretch; `None` where it overflows there.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn innovations(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    at: &Measured,
+) -> Result<Option<Vec<Innovations>>, IdentifyError> {
+    let all: Vec<usize> = (0..problem.stretches.len()).collect();
+    let problem = levels::without_slopes(problem, &all, u64::MAX);
+    let weights = Weights { innovations: true, ..yardstick.weights(&problem, &at.values) };
+    let point = Point { values: at.values.clone(), locals: at.locals.clone() };
+    let Some(passed) = pass::run(&problem, &point, &weights)? else { return Ok(None) };
+    let each = problem.stretches.iter().zip(passed).map(|(stretch, result)| Innovations {
+        sample_time_s: stretch.sample_time_s,
+        outputs: result.innovations,
+    });
+    Ok(Some(each.collect()))
+}
+
 /// Signals of one stretch of a recording.
 #[derive(Debug, Clone)]
 pub struct Traces {

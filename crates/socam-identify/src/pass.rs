@@ -47,6 +47,8 @@ pub(crate) struct StretchResult {
     /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
     /// [local | free]. Only when asked for.
     pub(crate) scores: Vec<Vec<f64>>,
+    /// Whitened residuals by output, nothing where one is missing. Only when asked for.
+    pub(crate) innovations: Vec<Vec<f64>>,
     /// What the residuals say of the noise levels; only when asked for.
     pub(crate) levels: Option<Score>,
     /// What was seen of each output while looking for outliers; only when asked for.
@@ -126,6 +128,8 @@ pub(crate) struct Weights {
     pub(crate) scales: Vec<f64>,
     /// Whether block scores are wanted.
     pub(crate) scores: bool,
+    /// Whether whitened residuals are wanted.
+    pub(crate) innovations: bool,
     /// Noise levels under test, one set for each sample time; empty where none are.
     pub(crate) probes: Arc<Vec<(f64, Probe)>>,
     /// Sizes of remainders when outliers are looked for.
@@ -142,6 +146,7 @@ impl Weights {
             input_std: Vec::new(),
             scales,
             scores: false,
+            innovations: false,
             probes: Arc::default(),
             gate: None,
             frozen: None,
@@ -281,6 +286,7 @@ pub(crate) struct Rows<'w> {
     course: Option<levels::Course<'w>>,
     gate: Option<Gate<'w>>,
     scores: Option<Scores>,
+    innovations: Option<Vec<Vec<f64>>>,
     present: Vec<bool>,
     /// Local columns that are not to be moved.
     still: Vec<usize>,
@@ -320,6 +326,7 @@ impl<'w> Rows<'w> {
                 sums: Vec::new(),
                 width: locals + globals,
             }),
+            innovations: weights.innovations.then(|| vec![Vec::new(); outputs]),
             present: Vec::new(),
             still: Vec::new(),
             most: f64::INFINITY,
@@ -383,6 +390,9 @@ impl<'w> Rows<'w> {
         }
         self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
         self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;
+        for (output, all) in self.innovations.iter_mut().flatten().enumerate() {
+            all.extend(target.as_ref().col(columns - 1).subrows(output * rows, rows).iter());
+        }
         if let Some(scores) = &mut self.scores {
             scores.take(target.as_ref(), rows, &self.present, skipped);
         }
@@ -413,6 +423,7 @@ impl<'w> Rows<'w> {
             samples: self.samples,
             unresolved: self.unresolved,
             scores,
+            innovations: self.innovations.unwrap_or_default(),
             levels: self.course.map(|course| course.score),
             gate: self.gate.map(Gate::finish),
         })
