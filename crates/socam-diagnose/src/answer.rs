@@ -2,11 +2,9 @@
 
 use socam_identify::{Identification, IdentifyError, compare::Measured};
 use socam_model::Model;
-use socam_recording::Dataset;
 
 use crate::{
     Diagnosis,
-    alike::alike,
     bench::{Bench, Fitted},
     candidates::{self, Candidate},
     course::{self, Course, Step},
@@ -42,9 +40,21 @@ pub(crate) fn document(
 ) -> Result<Diagnosis, IdentifyError> {
     let mut findings: Vec<Finding> =
         (0..course.steps.len()).map(|index| finding(bench, course, index, after)).collect();
-    for (finding, (gain, held_percent)) in findings.iter_mut().zip(course.gains(bench)?) {
+    let mut warnings = after.warnings.clone();
+    for ((finding, step), (gain, held_percent)) in
+        findings.iter_mut().zip(&course.steps).zip(course.gains(bench)?)
+    {
         finding.evidence.chi2_gain = Some(gain);
-        finding.evidence.holdout_gain_percent = Some(held_percent);
+        finding.evidence.holdout_gain_percent = match step.proof {
+            course::Proof::HeldOut => Some(held_percent),
+            course::Proof::InTurn(percent) => {
+                warnings.push(format!(
+                    "no held-out recording shows `{}` at {}: it was proven on training recordings, each left out in turn",
+                    finding.effect, finding.location
+                ));
+                Some(percent)
+            }
+        };
     }
     for (finding, (before, after)) in findings.iter_mut().zip(course.pairs()) {
         let own = region::region(bench, before, Some(after), &finding.location, floor)?;
@@ -68,7 +78,6 @@ pub(crate) fn document(
     } else {
         Verdict::Adequate
     };
-    let mut warnings = after.warnings.clone();
     if bench.folds.kind == Validation::Blocks {
         warnings.push(
             "only one recording: it was held out part by part, which proves less than another recording would".into(),
@@ -145,8 +154,6 @@ fn finding(bench: &Bench<'_>, course: &Course, index: usize, after: &Identificat
     let step = &course.steps[index];
     let parameters = effect_parameters(course, index, after);
     let place = &step.candidate.place;
-    let strength = step.candidate.strength.first().and_then(|name| course.fitted(index, name));
-    let step_s = bench.training.first().map_or(0.0, Dataset::sample_time_s);
     Finding {
         effect: step.candidate.effect.id.into(),
         location: place.clone(),
@@ -157,7 +164,7 @@ fn finding(bench: &Bench<'_>, course: &Course, index: usize, after: &Identificat
         curve: None,
         region: Region { text: words::region(step.candidate.effect), ..Region::default() },
         evidence: Proof { p_value: Some(step.p_value), ..Proof::default() },
-        rivals: rivals(course, step, &alike(&course.last.model, &step.candidate, strength, step_s)),
+        rivals: rivals(course, step, &course.alike(bench, index)),
     }
 }
 
@@ -183,14 +190,27 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
     }
 }
 
-/// What is left above noise although nothing that was tried holds on recordings that were not fitted: no model explains it.
+/// What is left above noise although nothing that was tried holds on recordings that were not fitted: no model explains it. Held-out
+/// recordings may not show it at all.
 fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
+    let last = &course.last;
+    let fitted = std::slice::from_ref(&last.at);
+    of_no_model(course, floor, (&last.held, "not fitted", last.scale()))
+        .or_else(|| of_no_model(course, floor, (fitted, "fitted", last.training_scale())))
+}
+
+/// The same of recordings that were fitted or not, which leave so many times the power of noise.
+fn of_no_model(
+    course: &Course,
+    floor: &[f64],
+    (measured, which, left): (&[Measured], &str, f64),
+) -> Option<Finding> {
     let each = course.last.model.outputs().zip(floor).enumerate().filter_map(|(output, (channel, floor))| {
-        let held = rms(&course.last.held, output)?;
-        Some((channel, held, held / floor)).filter(|(.., times)| times.is_finite())
+        let missed = rms(measured, output)?;
+        Some((channel, missed, missed / floor)).filter(|(.., times)| times.is_finite())
     });
-    let (channel, held, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let (is_far, left) = (times > CONTRADICTION, course.last.scale());
+    let (channel, missed, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let is_far = times > CONTRADICTION;
     if !is_far && left < INADEQUATE {
         return None;
     }
@@ -199,18 +219,18 @@ fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
     } else {
         "something small is missing that has neither a name nor a place here"
     };
-    let (held, unit, name) = (words::short(held), channel.unit, &channel.name);
+    let (missed, unit, name) = (words::short(missed), channel.unit, &channel.name);
     Some(Finding {
         effect: UNEXPLAINED.into(),
         location: channel.name.clone(),
         parameters: Vec::new(),
         components: Vec::new(),
         curve: None,
-        region: Region { text: "on recordings that were not fitted".into(), ..Region::default() },
+        region: Region { text: format!("on recordings that were {which}"), ..Region::default() },
         evidence: Proof::default(),
         rivals: Vec::new(),
         sentence: format!(
-            "What was not fitted is missed by {held} {unit} in {name}, {times:.1} times its noise floor (all channels: {left:.1} times \
+            "What was {which} is missed by {missed} {unit} in {name}, {times:.1} times its noise floor (all channels: {left:.1} times \
              the power of noise), and nothing that was tried helps there: {why}"
         ),
         equation: String::new(),

@@ -5,8 +5,10 @@ use socam_identify::{
     compare::{self, Measured, Yardstick},
 };
 use socam_model::Model;
+use socam_recording::Dataset;
 
 use crate::{
+    alike::alike,
     bench::{Bench, Fitted},
     candidates::{self, Candidate},
     document::Validation,
@@ -14,6 +16,7 @@ use crate::{
     scales::Scales,
     screen::{self, Promising, carried},
     shapes::{self, Shape, Unexplained},
+    validation::Folds,
 };
 
 mod refine;
@@ -52,6 +55,8 @@ const LEAST_PROMISE: f64 = 1e-3;
 const PREFERENCE: f64 = 8.0;
 const PREFERENCE_SHARE: f64 = 0.05;
 
+/// What is lost on held-out recordings, as a share of what is gained in training, below which these do not show an effect at all.
+const SILENT: f64 = 1e-3;
 /// Share of what an effect gained below which another one at the same place, or a curve anywhere, is taken for what its law leaves.
 const SHADOW: f64 = 2e-3;
 /// From what factor on a parameter of the bench is taken to have become another, as its logarithm.
@@ -64,8 +69,18 @@ pub(crate) struct Step {
     pub(crate) p_value: f64,
     pub(crate) gain: f64,
     pub(crate) held_gain_percent: f64,
+    pub(crate) proof: Proof,
     /// What else was tried, by how much worse it predicted held-out recordings.
     pub(crate) rivals: Vec<(Candidate, f64)>,
+}
+
+/// On what an effect holds that was not fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Proof {
+    /// The held-out recordings.
+    HeldOut,
+    /// Those do not show it; but training recordings that are left out in turn do: how much of what is missed there it takes, per cent.
+    InTurn(f64),
 }
 
 /// The whole way.
@@ -116,7 +131,14 @@ impl Course {
         let Fitted { model, at, .. } = &self.last;
         let scales = Scales::new(&bench.problem(model)?, model, &self.yardstick, at)?;
         let mut all = candidates::all(model, &scales);
-        all.retain(|candidate| !self.steps.iter().any(|step| step.candidate.repeats(candidate)));
+        // Nor what no recording tells from something that was added.
+        let known: Vec<Candidate> =
+            (0..self.steps.len()).flat_map(|index| self.alike(bench, index)).collect();
+        let is_known = |candidate: &Candidate| {
+            known.iter().any(|known| known.is_same(candidate))
+                || self.steps.iter().any(|step| step.candidate.repeats(candidate))
+        };
+        all.retain(|candidate| !is_known(candidate));
         let mut seen =
             screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, (&scales, &all))?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
@@ -162,7 +184,8 @@ impl Course {
             let Some(model) = self.model_without(index) else { continue };
             let values = carried((&self.last.model, &self.last.at.values), &model);
             let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
-            if beside.is_none_or(|beside| is_worth_it(&beside, &curve.fitted)) {
+            let Some(beside) = beside else { continue };
+            if proof(bench, &self.yardstick, &beside, &curve.fitted)?.is_some() {
                 continue;
             }
             let free = curve.free.clone();
@@ -224,6 +247,14 @@ impl Course {
         used.effect.parameters.iter().zip(&used.parameters).map(|(own, index)| (own.name, *index))
     }
 
+    /// What no recording tells from an effect that was added.
+    pub(crate) fn alike(&self, bench: &Bench<'_>, step: usize) -> Vec<Candidate> {
+        let candidate = &self.steps[step].candidate;
+        let strength = candidate.strength.first().and_then(|name| self.fitted(step, name));
+        let step_s = bench.training.first().map_or(0.0, Dataset::sample_time_s);
+        alike(&self.last.model, candidate, strength, step_s)
+    }
+
     /// Value of one of them at the last fit.
     pub(crate) fn fitted(&self, step: usize, name: &str) -> Option<f64> {
         let index = self.parameters(step).find(|(own, _)| *own == name)?.1;
@@ -233,9 +264,9 @@ impl Course {
     /// Takes out what was added earlier and would not be added now: what came last explains it too.
     fn drop_superfluous(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.steps.len().saturating_sub(1)).rev() {
-            let without = self.without(bench, index)?;
-            if let Some(fitted) = without.filter(|fitted| !is_worth_it(fitted, &self.last)) {
-                self.remove(bench, index, fitted)?;
+            let Some(without) = self.without(bench, index)? else { continue };
+            if proof(bench, &self.yardstick, &without, &self.last)?.is_none() {
+                self.remove(bench, index, without)?;
             }
         }
         Ok(())
@@ -466,16 +497,41 @@ fn best(
     };
     let Some(simplest) = near.iter().min_by(|a, b| order(a, b)) else { return Ok(None) };
     let (index, fitted) = straightest(before, simplest, &near, PREFERENCE * first.held_scale()).clone();
-    if !is_worth_it(before, &fitted) {
-        return Ok(None);
-    }
+    let Some(proof) = proof(bench, &course.yardstick, before, &fitted)? else { return Ok(None) };
     let is_there = |best: usize| best != index && tried[best].0.place == tried[index].0.place;
     let nearest = fits.first().filter(|(best, _)| is_there(*best)).cloned();
-    let named = |(index, fitted): (usize, Fitted)| (step(before, tried, &fits, index, &fitted), fitted);
+    let named = |(index, fitted): (usize, Fitted)| {
+        let step = step(before, tried, &fits, index, &fitted);
+        (Step { proof, ..step }, fitted)
+    };
     Ok(Some(Named { chosen: named((index, fitted)), nearest: nearest.map(named) }))
 }
 
-/// Whether an effect that was added between two fits is one: in training, on held-out recordings, and beside what is missed there.
+/// On what an effect that was added between two fits holds, if it is one.
+fn proof(
+    bench: &Bench<'_>,
+    yardstick: &Yardstick,
+    before: &Fitted,
+    after: &Fitted,
+) -> Result<Option<Proof>, IdentifyError> {
+    if is_worth_it(before, after) {
+        return Ok(Some(Proof::HeldOut));
+    }
+    let gain = before.at.total() - after.at.total();
+    let is_silent = (before.held_chi2() - after.held_chi2()).abs() < SILENT * gain;
+    if !is_silent || bench.folds.kind != Validation::Holdout || gain < 0.01 * LEAST_SHARE * before.misfit() {
+        return Ok(None);
+    }
+    let folds = Folds::in_turn(bench.training);
+    let bench = Bench { folds: &folds, fit: bench.fit.clone(), ..*bench };
+    let in_turn = |fitted: &Fitted| bench.held(&fitted.model, fitted.at.clone(), yardstick);
+    Ok(in_turn(before)?
+        .zip(in_turn(after)?)
+        .filter(|(before, after)| is_worth_it(before, after))
+        .map(|(before, after)| Proof::InTurn(before.held_gain_percent(&after))))
+}
+
+/// Whether what was added does something: in training, on recordings that were not fitted, and beside what is missed there.
 fn is_worth_it(before: &Fitted, after: &Fitted) -> bool {
     let scale = after.scale();
     before.held_chi2() - after.held_chi2() >= LEAST_HELD_GAIN * scale
@@ -540,6 +596,7 @@ fn step(
         p_value: *p_value,
         gain: before.at.total() - fitted.at.total(),
         held_gain_percent: before.held_gain_percent(fitted),
+        proof: Proof::HeldOut,
         rivals: rivals
             .map(|(other, fit)| (tried[*other].0.clone(), (cost(*other, fit) - own) / doubt))
             .collect(),

@@ -40,11 +40,16 @@ impl Folds {
             let folds: Result<_, _> = (0..BLOCKS).map(|block| without_block(model, single, block)).collect();
             return Ok(Self { kind: Validation::Blocks, folds: folds? });
         }
+        Ok(Self::in_turn(training))
+    }
+
+    /// Each of some recordings left out in turn.
+    pub(crate) fn in_turn(training: &[Dataset]) -> Self {
         let without = |left_out: usize| Fold {
             fitted: [&training[..left_out], &training[left_out + 1..]].concat(),
             held_out: vec![training[left_out].clone()],
         };
-        Ok(Self { kind: Validation::LeaveOneOut, folds: (0..training.len()).map(without).collect() })
+        Self { kind: Validation::LeaveOneOut, folds: (0..training.len()).map(without).collect() }
     }
 }
 
