@@ -27,7 +27,7 @@ const OPEN: f64 = 0.05;
 const CONTRADICTION: f64 = 2.0;
 /// Mean square of the same, whitened and in units of noise, from which on a model is not called adequate. Where nothing is missing, a
 /// noisy input and coarse converters leave up to 1.09.
-const INADEQUATE: f64 = 1.2;
+pub(crate) const INADEQUATE: f64 = 1.2;
 
 /// `floor` is the noise floor of each output, SI.
 pub(crate) fn document(

@@ -11,9 +11,10 @@ use thiserror::Error;
 use crate::{
     Diagnosis, Evidence, answer,
     bench::Bench,
+    candidates::Candidate,
     cleaned::{self, cleaned, connected},
     course::{self, Course},
-    noise_floor,
+    noise_floor, obeyed,
     pictures::{self, Pair},
     validation::Folds,
 };
@@ -21,10 +22,6 @@ use crate::{
 /// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
 /// on along what the data hardly determine.
 const BASE: usize = 20;
-/// No bench obeys a law better than to this share of its strength: what the law leaves out bends it as much in all recordings.
-const OBEYED: f64 = 1e-3;
-/// Nor does a clock that samples go truer.
-const CLOCK: f64 = 1e-5;
 /// Standard deviations that noise does not make.
 const NO_NOISE: f64 = 3.0;
 /// Most iterations of the last fit, which begins where another one ended: near contact the sum of squares is rough, and has no end.
@@ -247,18 +244,23 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
     for (number, step) in course.steps.iter().enumerate() {
-        let nothing = Some(step.candidate.nothing()).filter(|nothing| nothing.is_finite());
-        for index in strengths(course, number) {
-            let strength = last.at.values[index] - nothing.unwrap_or(0.0);
-            widths[index] = widths[index].max(OBEYED * strength.abs());
-        }
-        for (_, index) in course.parameters(number).filter(|(name, _)| *name == "frequency") {
-            widths[index] = widths[index].max(CLOCK * last.at.values[index]);
+        let Candidate { effect, strength, .. } = &step.candidate;
+        for (name, index) in course.parameters(number) {
+            let (value, nothing) = (last.at.values[index], step.candidate.nothing());
+            let least = obeyed::half_width(effect.id, name, value, nothing, strength.contains(&name));
+            widths[index] = widths[index].max(least);
         }
     }
     let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
     for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
         widen(estimate, width, bounds);
+    }
+    if last.scale().max(last.training_scale()) > answer::INADEQUATE {
+        let all = (0..course.steps.len()).flat_map(|step| course.parameters(step));
+        for (_, index) in all.filter(|(name, _)| *name == "gap") {
+            let ParameterEstimate { value, ci95: [_, high], .. } = &mut after.parameters[index];
+            *high = high.zip(*value).map(|(high, value)| high.max(obeyed::REBOUND * value));
+        }
     }
     Ok(after)
 }

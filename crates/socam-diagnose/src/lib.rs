@@ -16,6 +16,7 @@ mod course;
 mod diagnose;
 mod experiment;
 mod noise_floor;
+mod obeyed;
 mod pictures;
 mod race;
 mod region;
