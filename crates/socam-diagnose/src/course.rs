@@ -19,6 +19,7 @@ use crate::{
     validation::Folds,
 };
 
+mod blind;
 mod refine;
 
 /// Candidates that are fitted in earnest, and places of any one effect among them: in a long chain neighbours promise the same.
@@ -153,17 +154,19 @@ impl Course {
         scales: &Scales,
         threshold: f64,
     ) -> Result<Option<Named>, IdentifyError> {
-        let tried = worth_trying(self, threshold);
-        let named = best(bench, self, &tried)?;
+        let mut tried = worth_trying(self, threshold);
+        let suspicious = !tried.is_empty();
+        let named = best(bench, self, &mut tried, Some(scales))?;
         let chosen = named.as_ref().map(|named| &named.chosen);
-        self.unexplained = unnamed(bench, self, scales, chosen, !tried.is_empty())?;
+        let gains = self.gains(bench)?;
+        self.unexplained = unnamed(bench, self, scales, chosen, &gains, suspicious)?;
         let Some(curve) = &self.unexplained else {
-            return Ok(named.filter(|named| !self.is_shadow(&named.chosen.0)));
+            return Ok(named.filter(|named| !self.is_shadow(&gains, &named.chosen.0)));
         };
-        let late = best(bench, self, &overlooked(self, curve, &tried))?;
+        let late = best(bench, self, &mut overlooked(self, curve, &tried), None)?;
         let is_it = |late: &Named| {
             let step = &late.chosen.0;
-            step.gain > curve.gain && step.held_gain_percent > NEARLY_ALL && !self.is_shadow(step)
+            step.gain > curve.gain && step.held_gain_percent > NEARLY_ALL && !self.is_shadow(&gains, step)
         };
         let late = late.filter(is_it);
         match late {
@@ -227,6 +230,9 @@ impl Course {
     /// What each step gains in training, and of what the fit before missed on held-out recordings, per cent: all by the last yardstick,
     /// for as noise is judged again what is missed weighs more.
     pub(crate) fn gains(&self, bench: &Bench<'_>) -> Result<Vec<(f64, f64)>, IdentifyError> {
+        if self.steps.is_empty() {
+            return Ok(Vec::new());
+        }
         let again = |fitted: &Fitted| bench.measured(fitted, &self.yardstick);
         let all: Result<Vec<Option<Fitted>>, IdentifyError> =
             self.before.iter().chain([&self.last]).map(again).collect();
@@ -314,11 +320,11 @@ impl Course {
     }
 
     /// Whether a step is what the law of an earlier one at the same place leaves: none is quite obeyed.
-    fn is_shadow(&self, step: &Step) -> bool {
-        let casts = |earlier: &Step| {
-            earlier.candidate.place == step.candidate.place && step.gain < SHADOW * earlier.gain
-        };
-        self.steps.iter().any(casts)
+    fn is_shadow(&self, gains: &[(f64, f64)], step: &Step) -> bool {
+        let mut earlier = self.steps.iter().zip(gains);
+        earlier.any(|(earlier, (gain, _))| {
+            earlier.candidate.place == step.candidate.place && step.gain < SHADOW * gain
+        })
     }
 
     /// Takes a step back, unless that would leave a misfit, even from where the step has led: of two springs in a row, neither of which
@@ -373,12 +379,13 @@ fn afresh(bench: &Bench<'_>, course: &Course, fitted: Fitted) -> Result<Fitted, 
 }
 
 /// What has structure but no name: looked for where nothing named was kept although something stands out, or where what was kept
-/// leaves much and explains far less than a curve at some place would.
+/// leaves much and explains far less than a curve at some place would. `gains` are those of the steps before.
 fn unnamed(
     bench: &Bench<'_>,
     course: &Course,
     scales: &Scales,
     named: Option<&(Step, Fitted)>,
+    gains: &[(f64, f64)],
     suspicious: bool,
 ) -> Result<Option<Unexplained>, IdentifyError> {
     let is_elsewhere =
@@ -393,7 +400,7 @@ fn unnamed(
     let shapes = shapes::all(bench, &course.last, &course.yardstick, free)?;
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
-    let strongest = course.steps.iter().map(|step| step.gain).fold(0.0, f64::max);
+    let strongest = gains.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
     let by_name = named.map_or(0.0, |(step, _)| step.gain);
     let nearly = match named {
         Some((step, _)) => share_of_a_name(course, &step.candidate, first),
@@ -464,6 +471,9 @@ fn overlooked(course: &Course, curve: &Unexplained, tried: &[(Candidate, f64)]) 
     all
 }
 
+/// What was tried, with its chance, and its fit.
+type Tried = ((Candidate, f64), Fitted);
+
 /// What was chosen.
 struct Named {
     /// The simplest of those that predict held-out recordings about best.
@@ -472,14 +482,23 @@ struct Named {
     nearest: Option<(Step, Fitted)>,
 }
 
-/// Fits all that are tried; what is chosen of them, if that is worth it.
+/// Fits all that are tried, with `scales` also what may be wrong with single sensors where much is left; what is chosen of them, if that
+/// is worth it.
 fn best(
     bench: &Bench<'_>,
     course: &Course,
-    tried: &[(Candidate, f64)],
+    tried: &mut Vec<(Candidate, f64)>,
+    scales: Option<&Scales>,
 ) -> Result<Option<Named>, IdentifyError> {
     let before = &course.last;
     let mut fits = race::race(bench, before, tried, &course.yardstick)?;
+    if let Some(scales) = scales {
+        let left = fits.iter().map(|(_, fit)| fit.training_scale()).fold(f64::INFINITY, f64::min);
+        for (one, fitted) in course.blindly(bench, scales, left)? {
+            fits.push((tried.len(), fitted));
+            tried.push(one);
+        }
+    }
     fits.sort_by(|a, b| a.1.held_chi2().total_cmp(&b.1.held_chi2()));
     let Some((_, first)) = fits.first() else { return Ok(None) };
     let (least, scale) = (first.held_chi2(), first.scale());
