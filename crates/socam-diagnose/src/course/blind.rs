@@ -84,7 +84,7 @@ impl Course {
         let model = &self.last.model;
         let column = model.channels.iter().find(|channel| channel.name == sensor).map(|own| &*own.column);
         let blind = |dataset: &Dataset| {
-            let all = vec![0..dataset.rows()];
+            let all = std::iter::once(0..dataset.rows()).collect::<Vec<_>>();
             blanked(dataset, column.into_iter().map(|column| (column, all.clone())))
         };
         let blind: Result<Vec<Dataset>, RecordingError> = bench.training.iter().map(blind).collect();
