@@ -10,10 +10,8 @@ const ANGLE: f64 = 1e-2;
 /// A coupling slides by another law than a smoothed step; a sensor is slow by more than one time constant.
 const SLIDING: f64 = 2e-2;
 const SLOW: f64 = 1e-2;
-/// What yields does so by one law or another: where it begins to is known to a factor of two. How friction rises near standstill is
-/// known to a third.
+/// What yields does so by one law or another: where it begins to is known to a factor of two.
 const YIELDING: f64 = 1.0;
-const STANDSTILL: f64 = 0.33;
 /// Teeth that rebound knock like some with less play: where knocks leave more than noise, the gap may be so many times as wide.
 pub(crate) const REBOUND: f64 = 2.5;
 
@@ -24,7 +22,6 @@ pub(crate) fn half_width(effect: &str, name: &str, value: f64, nothing: f64, is_
         ("coupling_slip", _) => SLIDING * strength,
         ("sensor_lag", _) => SLOW * strength,
         ("hysteresis", "deflection") => YIELDING * value.abs(),
-        ("stribeck_friction", "static_torque" | "stribeck_speed") => STANDSTILL * value.abs(),
         (_, "frequency") => CLOCK * value.abs(),
         // A phase in time has a clock, which is as good as true.
         ("sensor_hum" | "external_disturbance", "phase") => 0.0,

@@ -8,7 +8,15 @@ use socam_identify::{
 use socam_recording::{Dataset, RecordingError};
 
 use super::{Course, LEAST_GAIN, Tried};
-use crate::{bench::Bench, candidates, cleaned::blanked, race, scales::Scales, screen, spectrum};
+use crate::{
+    bench::Bench,
+    candidates::{self, Candidate},
+    cleaned::blanked,
+    race,
+    scales::Scales,
+    screen::{self, Promising},
+    spectrum,
+};
 
 /// Mean square of what is left in training, in units of noise, from which on one sensor after another is left out.
 const GROSS: f64 = 3.0;
@@ -56,24 +64,22 @@ impl Course {
         all.retain(|candidate| candidate.place == sensor);
         let mut seen =
             screen::screen(model, bench.training, &bench.fit, &self.yardstick, &begun.at, (scales, &all))?;
-        seen.retain(|one| one.possible && one.promise.gain > LEAST_GAIN);
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
-        let mut tried = Vec::new();
-        for one in seen {
-            let is_new =
-                tried.iter().all(|(known, _): &(candidates::Candidate, f64)| !known.is_same(&one.start));
+        let mut tried: Vec<(Candidate, f64)> = Vec::new();
+        for one in seen.iter().filter(|one| one.possible && one.promise.gain > LEAST_GAIN) {
+            let is_new = tried.iter().all(|(known, _)| !known.is_same(&one.start));
             if is_new && tried.len() < TRIED {
-                tried.push((one.start, one.promise.p_value));
+                tried.push((one.start.clone(), one.promise.p_value));
             }
         }
         let traces = compare::traces(&problem, &begun.at, None)?;
         let output = model.outputs().position(|channel| channel.name == sensor).unwrap_or(0);
-        for (effect, name, answer) in [
-            ("sensor_delay", "delay", late as fn(&[f64], f64) -> Vec<f64>),
-            ("sensor_lag", "time_constant", slow),
-        ] {
-            let own = all.iter().find(|candidate| candidate.effect.id == effect);
-            tried.extend(own.map(|own| (own.with(name, nearest(&traces, output, answer)), 0.0)));
+        let answers: [(&str, &str, Answer); 2] =
+            [("sensor_delay", "delay", late), ("sensor_lag", "time_constant", slow)];
+        for (effect, name, answer) in answers {
+            let own = seen.iter().find(|one| one.start.effect.id == effect);
+            let start = |own: &Promising| own.start.with(name, nearest(&traces, output, answer));
+            tried.extend(own.map(|own| (start(own), own.promise.p_value)));
         }
         let fits = race::race(bench, &begun, &tried, &self.yardstick)?;
         Ok(fits.into_iter().map(|(index, fitted)| (tried[index].clone(), fitted)).collect())
@@ -94,17 +100,20 @@ impl Course {
     }
 }
 
-/// By how much an output comes nearest to what it should read, s; `answer` is what it would read of a signal, the time given in samples.
-fn nearest(traces: &[Traces], output: usize, answer: fn(&[f64], f64) -> Vec<f64>) -> f64 {
+/// What a sensor that is late by so many samples reads of a signal.
+type Answer = fn(&[f64], f64) -> Vec<f64>;
+
+/// By how much an output comes nearest to what it should read, s.
+fn nearest(traces: &[Traces], output: usize, answer: Answer) -> f64 {
     let points = (0..LATE_POINTS).map(|k| {
         let share = f64::from(k) / f64::from(LATE_POINTS - 1);
         LATE_S.0 * (LATE_S.1 / LATE_S.0).powf(share)
     });
     let missed = |late_s: f64| -> f64 {
-        let each = traces.iter().flat_map(|trace| {
+        let each = traces.iter().map(|trace| {
             let would = answer(&trace.predicted[output], late_s / spectrum::step_s(trace));
-            let pairs = trace.measured[output].iter().zip(would);
-            pairs.map(|(y, would)| (y - would).powi(2)).filter(|square| !square.is_nan()).collect::<Vec<_>>()
+            let squares = trace.measured[output].iter().zip(would).map(|(y, would)| (y - would).powi(2));
+            squares.filter(|square| !square.is_nan()).sum::<f64>()
         });
         each.sum()
     };
@@ -125,4 +134,30 @@ fn slow(signal: &[f64], samples: f64) -> Vec<f64> {
         read
     };
     signal.iter().map(&mut next).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sweep to 40 Hz in 4 s at 1 kHz, and what a sensor reads of it.
+    fn sweep(read: impl Fn(&[f64]) -> Vec<f64>) -> Traces {
+        let time_s: Vec<f64> = (0..4000).map(|k| 1e-3 * f64::from(k)).collect();
+        let truth: Vec<f64> = time_s.iter().map(|t| (std::f64::consts::PI * 10.0 * t * t).sin()).collect();
+        let mut measured = read(&truth);
+        measured[100..200].fill(f64::NAN);
+        Traces { recording: 0, time_s, inputs: Vec::new(), measured: vec![measured], predicted: vec![truth] }
+    }
+
+    #[test]
+    fn how_late_a_sensor_is_is_seen_where_slopes_see_nothing() {
+        // A grid's step is a sixth.
+        let near = |found: f64, truth: f64| (found / truth).ln().abs() < 0.1;
+        let late_19_ms = sweep(|truth| late(truth, 19.0));
+        let found = nearest(&[late_19_ms], 0, late);
+        assert!(near(found, 0.019), "{found}");
+        let slow_7_ms = sweep(|truth| slow(truth, 7.0));
+        let found = nearest(&[slow_7_ms], 0, slow);
+        assert!(near(found, 0.007), "{found}");
+    }
 }
