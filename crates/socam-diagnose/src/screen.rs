@@ -56,7 +56,11 @@ pub(crate) fn screen(
         let loudest = scales.loudest(spring);
         let one = std::slice::from_ref(&datasets[loudest]);
         let first = together(model, one, options, yardstick, &at.on_one(&whole, loudest), batch)?;
-        if first.iter().any(|promising| promising.promise.gain > 0.0) { on_all() } else { Ok(first) }
+        if first.iter().any(|promising| promising.promise.gain > 0.0) {
+            return on_all();
+        }
+        // Nor is it a start for anything.
+        Ok(first.into_iter().map(|promising| Promising { possible: false, ..promising }).collect())
     });
     let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
     Ok(found?.into_iter().flatten().collect())
