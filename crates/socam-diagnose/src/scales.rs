@@ -1,14 +1,12 @@
 //! How large motions and torques are on these recordings, at every place: where grids and first guesses are taken from.
 
-use std::ops::Range;
-
 use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Innovations, Measured, Traces, Yardstick},
 };
 use socam_model::{Channel, Model, Quantity, Role, Take};
 
-use crate::spectrum;
+use crate::spectrum::{self, Lines};
 
 /// Frequencies at which a channel's residuals stand out, and those of all together.
 const PEAKS: usize = 3;
@@ -60,8 +58,10 @@ impl Scales {
         let (torques, loudest) = all.unzip();
         let residuals = compare::traces(problem, at, None)?;
         let white = compare::innovations(problem, yardstick, at)?.unwrap_or_default();
-        let peaks = (0..own).map(|output| lines(&white, output..output + 1, PEAKS)).collect();
-        let peaks_of_all = lines(&white, 0..own, PEAKS_OF_ALL);
+        let lines: Vec<Vec<Option<Lines>>> = white.iter().map(lines).collect();
+        let of = |output: usize| lines.iter().filter_map(move |one| one[output].as_ref());
+        let peaks = (0..own).map(|output| spectrum::peaks(of(output), PEAKS)).collect();
+        let peaks_of_all = spectrum::peaks(lines.iter().flatten().flatten(), PEAKS_OF_ALL);
         let limits = (0..own).map(|output| limit(&residuals, output)).collect();
         let readings = (0..own).map(|output| sizes_read(&residuals, output).fold(0.0, f64::max)).collect();
         Ok(Self { speeds, torques, loudest, peaks, peaks_of_all, readings, limits })
@@ -107,13 +107,9 @@ fn largest(traces: &[Traces], output: usize) -> (f64, usize) {
     all.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
-/// Frequencies at which whitened residuals of some outputs have lines, Hz.
-fn lines(white: &[Innovations], outputs: Range<usize>, most: usize) -> Vec<f64> {
-    let series = white.iter().flat_map(|one| {
-        let own = &one.outputs[outputs.clone()];
-        own.iter().map(|values| (&**values, one.sample_time_s))
-    });
-    spectrum::peaks(series, most)
+/// By output, the lines of one stretch's whitened residuals.
+fn lines(white: &Innovations) -> Vec<Option<Lines>> {
+    white.outputs.iter().map(|values| Lines::new(values, white.sample_time_s)).collect()
 }
 
 fn sizes_read(traces: &[Traces], output: usize) -> impl Iterator<Item = f64> {

@@ -1,7 +1,7 @@
 //! Misfit without a name: which place's unknown torque, or which channel's error, would carry it, and its shape.
 //!
 //! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
-//! coupling's twist, or time; or a drag against the motion, or a coupling's stiffness, is any smooth function of time or of the angle.
+//! coupling's twist, or time; or a drag against the motion is one of time or of the angle, or a coupling's stiffness one of time.
 //! One pass of slopes says how much of the misfit each would carry and what it would look like.
 
 use rayon::prelude::*;
@@ -12,7 +12,8 @@ use socam_identify::{
 use socam_model::{
     Model, ModelError, Motion,
     effects::{
-        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
+        self, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response,
+        Sight,
     },
 };
 use socam_recording::Dataset;
@@ -29,15 +30,11 @@ use crate::{
 const POINTS: usize = 9;
 /// Orders of a curve over one turn.
 pub(crate) const ORDERS: usize = 4;
-/// Speed within which what rubs turns its direction, rad/s and m/s: that of the catalogue's friction.
-const TRANSITION: (f64, f64) = (0.05, 2e-3);
+/// Name of the speed within which what rubs turns its direction: as wide as that of the catalogue's friction.
+const TRANSITION: &str = "transition_speed";
 /// Iterations of a shape's fit.
 const ITERATIONS: usize = 10;
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
-/// The same of what rubs: it turns with the motion, within so much speed.
-const RUB: &[EffectParameter] =
-    &[HUMP[0], HUMP[1], HUMP[2], EffectParameter { name: "transition_speed", ..HUMP[2] }];
 
 /// A hump of a height about a centre, nothing beyond a width on either side: such humps side by side make any smooth curve.
 const HUMP: &[EffectParameter] = &[
@@ -45,6 +42,9 @@ const HUMP: &[EffectParameter] = &[
     EffectParameter { name: "centre", kind: Kind::Gain, default: None, bounds: ANY },
     EffectParameter { name: "width", kind: Kind::Gain, default: None, bounds: ANY },
 ];
+
+/// The same of what rubs: it turns with the motion, within so much speed.
+const RUB: &[EffectParameter] = &[HUMP[0], HUMP[1], HUMP[2], EffectParameter { name: TRANSITION, ..HUMP[2] }];
 
 fn hump(sights: &[f64], p: &[f64]) -> Response {
     let distance = (sights[0] - p[1]) / p[2];
@@ -199,7 +199,6 @@ pub(crate) enum Manner {
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
-    pub(crate) acts: Manner,
     pub(crate) free: Free,
     std: Vec<f64>,
     /// The model with it.
@@ -337,11 +336,19 @@ impl Free {
     }
 }
 
+/// Speed within which friction turns its direction, rad/s (m/s), unless a file says otherwise.
+fn transition(motion: Motion) -> f64 {
+    let own = effects::find("coulomb_friction").map_or(&[][..], |effect| effect.parameters);
+    let usual = own.iter().find(|parameter| parameter.name == TRANSITION).and_then(|own| own.default);
+    let (rotation, translation) = usual.unwrap_or_default();
+    if motion == Motion::Rotation { rotation } else { translation }
+}
+
 /// The model with a shape's pieces at no height, and the indices of these.
 fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> {
     let mut grown = model.clone();
     let mut heights = Vec::new();
-    let transition = if model.motion == Motion::Rotation { TRANSITION.0 } else { TRANSITION.1 };
+    let transition = transition(model.motion);
     for [first, second] in free.pieces() {
         let all = [0.0, first, second, transition];
         grown = grown.with_law(free.effect, &free.place, &all[..free.effect.parameters.len()])?;
@@ -395,7 +402,6 @@ pub(crate) fn confirmed(
     let held_gain_percent = last.held_gain_percent(&fitted);
     let found = Unexplained {
         place: shape.free.place.clone(),
-        acts: shape.free.acts(),
         curve: shape.free.curve(&last.model, &heights, &shape.std),
         p_value: shape.p_value,
         gain,
@@ -409,6 +415,10 @@ pub(crate) fn confirmed(
 }
 
 impl Unexplained {
+    pub(crate) fn acts(&self) -> Manner {
+        self.free.acts()
+    }
+
     /// Another model with the same shape, fitted from there.
     pub(crate) fn beside(
         &self,

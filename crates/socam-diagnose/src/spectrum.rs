@@ -7,6 +7,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// Longest piece that is transformed at once.
 const LONGEST: usize = 16_384;
 
+/// Series up to this long have no spectrum to speak of.
+const SHORTEST: usize = 64;
 /// Lines on either side of one with which it is compared, and the chance that noise makes one that counts.
 const NEAR: usize = 40;
 const NO_CHANCE: f64 = 1e-9;
@@ -45,22 +47,45 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     (frequency_hz, sums.into_iter().map(|sum| sum * scale).collect())
 }
 
-/// The frequencies at which some series, each with its sample time (s), stand out of what is near them, strongest first, Hz: those of
-/// one length are taken together, for a line that is weak in each is seen in all of them.
-pub(crate) fn peaks<'s>(series: impl Iterator<Item = (&'s [f64], f64)>, most: usize) -> Vec<f64> {
-    let mut spectra: Vec<Lines> = Vec::new();
-    for (values, step_s) in series.filter(|(values, _)| values.len() > 64) {
-        let (frequency, power) = power(values, step_s);
-        let is_same = |known: &Lines| {
-            known.sums.len() == power.len() && (known.spacing_hz / frequency[1] - 1.0).abs() < SAME_GRID
-        };
-        let index = spectra.iter().position(is_same).unwrap_or(spectra.len());
-        if index == spectra.len() {
-            spectra.push(Lines { spacing_hz: frequency[1], sums: vec![0.0; power.len()], series: 0 });
+/// Lines of a series, each as a multiple of what is near it.
+pub(crate) struct Lines {
+    spacing_hz: f64,
+    sizes: Vec<f64>,
+}
+
+impl Lines {
+    /// Of values at a sample time, s; nothing of too few.
+    pub(crate) fn new(values: &[f64], step_s: f64) -> Option<Self> {
+        if values.len() <= SHORTEST {
+            return None;
         }
-        spectra[index].add(&power);
+        let (frequency, power) = power(values, step_s);
+        let relative = |k: usize| {
+            let mut near = power[k.saturating_sub(NEAR)..(k + NEAR).min(power.len())].to_vec();
+            near.sort_by(f64::total_cmp);
+            // Of white noise a line's power is exponentially distributed.
+            let mean = near[near.len() / 2] / std::f64::consts::LN_2;
+            power[k] / mean.max(f64::MIN_POSITIVE)
+        };
+        Some(Self { spacing_hz: frequency[1], sizes: (0..power.len()).map(relative).collect() })
     }
-    let mut found: Vec<(f64, f64)> = spectra.iter().flat_map(Lines::outstanding).collect();
+
+    fn has_grid_of(&self, other: &Self) -> bool {
+        self.sizes.len() == other.sizes.len() && (self.spacing_hz / other.spacing_hz - 1.0).abs() < SAME_GRID
+    }
+}
+
+/// The frequencies at which some series stand out of what is near them, strongest first, Hz: those of one length are taken together,
+/// for a line that is weak in each is seen in all of them.
+pub(crate) fn peaks<'s>(series: impl Iterator<Item = &'s Lines>, most: usize) -> Vec<f64> {
+    let mut groups: Vec<Vec<&Lines>> = Vec::new();
+    for lines in series {
+        match groups.iter_mut().find(|group| group[0].has_grid_of(lines)) {
+            Some(group) => group.push(lines),
+            None => groups.push(vec![lines]),
+        }
+    }
+    let mut found: Vec<(f64, f64)> = groups.iter().flat_map(|group| outstanding(group)).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut kept: Vec<f64> = Vec::new();
     for (_, frequency) in found {
@@ -71,34 +96,15 @@ pub(crate) fn peaks<'s>(series: impl Iterator<Item = (&'s [f64], f64)>, most: us
     kept
 }
 
-/// Powers of several series of one length, each line as a multiple of what is near it.
-struct Lines {
-    spacing_hz: f64,
-    sums: Vec<f64>,
-    series: usize,
-}
-
-impl Lines {
-    fn add(&mut self, power: &[f64]) {
-        for (k, sum) in self.sums.iter_mut().enumerate() {
-            let mut near = power[k.saturating_sub(NEAR)..(k + NEAR).min(power.len())].to_vec();
-            near.sort_by(f64::total_cmp);
-            // Of white noise a line's power is exponentially distributed.
-            let mean = near[near.len() / 2] / std::f64::consts::LN_2;
-            *sum += power[k] / mean.max(f64::MIN_POSITIVE);
-        }
-        self.series += 1;
-    }
-
-    /// What noise hardly makes: by how much it is more than that, and its frequency.
-    fn outstanding(&self) -> Vec<(f64, f64)> {
-        let chance = ChiSquared::new(2.0 * self.series as f64);
-        let least = chance.map_or(f64::INFINITY, |chance| 0.5 * chance.inverse_cdf(1.0 - NO_CHANCE));
-        let sums = &self.sums;
-        let lines = 4..sums.len().saturating_sub(4);
-        let is_peak = |k: &usize| sums[*k] >= sums[k - 1] && sums[*k] > sums[k + 1] && sums[*k] > least;
-        lines.filter(is_peak).map(|k| (sums[k] / least, refined(sums, k, self.spacing_hz))).collect()
-    }
+/// What noise hardly makes of several series of one grid together: by how much it is more than that, and its frequency.
+fn outstanding(group: &[&Lines]) -> Vec<(f64, f64)> {
+    let chance = ChiSquared::new(2.0 * group.len() as f64);
+    let least = chance.map_or(f64::INFINITY, |chance| 0.5 * chance.inverse_cdf(1.0 - NO_CHANCE));
+    let count = group[0].sizes.len();
+    let sums: Vec<f64> = (0..count).map(|k| group.iter().map(|lines| lines.sizes[k]).sum()).collect();
+    let is_peak = |k: &usize| sums[*k] >= sums[k - 1] && sums[*k] > sums[k + 1] && sums[*k] > least;
+    let lines = (4..count.saturating_sub(4)).filter(is_peak);
+    lines.map(|k| (sums[k] / least, refined(&sums, k, group[0].spacing_hz))).collect()
 }
 
 /// A line's frequency between the grid's, by the parabola through the logarithms.
@@ -126,7 +132,10 @@ mod tests {
 
     #[test]
     fn a_line_that_is_weak_in_each_is_seen_in_all_together() {
-        let found = |all: &[Vec<f64>]| peaks(all.iter().map(|one| (&**one, 1e-3)), 3);
+        let found = |all: &[Vec<f64>]| {
+            let lines: Vec<Lines> = all.iter().filter_map(|one| Lines::new(one, 1e-3)).collect();
+            peaks(lines.iter(), 3)
+        };
         let weak: Vec<Vec<f64>> = (0..6).map(|seed| series(seed, 0.08)).collect();
         for one in &weak {
             assert!(found(std::slice::from_ref(one)).is_empty());

@@ -23,7 +23,7 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
 /// The same of what has no name.
 pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
     let place = found.place.replace('_', " ");
-    let what = match (is_channel, found.acts) {
+    let what = match (is_channel, found.acts()) {
         (true, Manner::Share) => "a gain of that sensor",
         (false, Manner::Share) => "a part of its stiffness",
         (true, _) => "an error of that sensor",
@@ -31,10 +31,10 @@ pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
         (false, Manner::Added) => "a torque",
     };
     let over = match found.curve.over {
-        Over::Time if found.acts == Manner::Share && is_channel => {
+        Over::Time if found.acts() == Manner::Share && is_channel => {
             " that changes as time goes by (its curve is what that makes of the largest reading)"
         }
-        Over::Time if found.acts == Manner::Share => {
+        Over::Time if found.acts() == Manner::Share => {
             " that changes as time goes by (its curve is what that makes of the largest twist)"
         }
         Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",

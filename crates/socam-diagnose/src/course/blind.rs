@@ -5,6 +5,7 @@ use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Measured, Traces},
 };
+use socam_model::Channel;
 use socam_recording::{Dataset, RecordingError};
 
 use super::{Course, LEAST_GAIN, Tried};
@@ -40,9 +41,10 @@ impl Course {
         if left.min(self.last.training_scale()) < GROSS || !self.steps.is_empty() {
             return Ok(Vec::new());
         }
-        let outputs = self.last.model.outputs().filter(|channel| !channel.quantity.is_clock());
-        let names: Vec<&str> = outputs.map(|channel| channel.name.as_str()).collect();
-        let each = names.par_iter().map(|name| self.blind_to(bench, scales, name));
+        let outputs = self.last.model.outputs().enumerate();
+        let sensors: Vec<(usize, &Channel)> =
+            outputs.filter(|(_, channel)| !channel.quantity.is_clock()).collect();
+        let each = sensors.par_iter().map(|sensor| self.blind_to(bench, scales, *sensor));
         let all: Result<Vec<Vec<Tried>>, IdentifyError> = each.collect();
         Ok(all?.into_iter().flatten().collect())
     }
@@ -51,7 +53,7 @@ impl Course {
         &self,
         bench: &Bench<'_>,
         scales: &Scales,
-        sensor: &str,
+        (output, sensor): (usize, &Channel),
     ) -> Result<Vec<Tried>, IdentifyError> {
         let model = &self.last.model;
         let Some(at) = self.fitted_without(bench, sensor)? else { return Ok(Vec::new()) };
@@ -61,7 +63,7 @@ impl Course {
         };
         let Some(begun) = bench.held(model, at, &self.yardstick)? else { return Ok(Vec::new()) };
         let mut all = candidates::all(model, scales);
-        all.retain(|candidate| candidate.place == sensor);
+        all.retain(|candidate| candidate.place == sensor.name);
         let mut seen =
             screen::screen(model, bench.training, &bench.fit, &self.yardstick, &begun.at, (scales, &all))?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
@@ -73,7 +75,6 @@ impl Course {
             }
         }
         let traces = compare::traces(&problem, &begun.at, None)?;
-        let output = model.outputs().position(|channel| channel.name == sensor).unwrap_or(0);
         let answers: [(&str, &str, Answer); 2] =
             [("sensor_delay", "delay", late), ("sensor_lag", "time_constant", slow)];
         for (effect, name, answer) in answers {
@@ -86,12 +87,11 @@ impl Course {
     }
 
     /// The model fitted to training recordings in which a sensor says nothing.
-    fn fitted_without(&self, bench: &Bench<'_>, sensor: &str) -> Result<Option<Measured>, IdentifyError> {
+    fn fitted_without(&self, bench: &Bench<'_>, sensor: &Channel) -> Result<Option<Measured>, IdentifyError> {
         let model = &self.last.model;
-        let column = model.channels.iter().find(|channel| channel.name == sensor).map(|own| &*own.column);
         let blind = |dataset: &Dataset| {
-            let all = std::iter::once(0..dataset.rows()).collect::<Vec<_>>();
-            blanked(dataset, column.into_iter().map(|column| (column, all.clone())))
+            let all = std::iter::once(0..dataset.rows()).collect();
+            blanked(dataset, std::iter::once((&*sensor.column, all)))
         };
         let blind: Result<Vec<Dataset>, RecordingError> = bench.training.iter().map(blind).collect();
         let blind = blind?;
