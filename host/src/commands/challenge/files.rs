@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::{Serialize, de::DeserializeOwned};
-use socam_recording::OutputFile;
+use socam_model::Model;
+use socam_recording::{OutputFile, export_csv};
+use socam_sim::challenge::Recordings;
 
 /// The folder.
 #[derive(Debug, Clone)]
@@ -48,6 +50,28 @@ impl Folder {
             std::fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
         serde_json::from_str(&text)
             .with_context(|| format!("`{}` is not what a challenge writes", path.display()))
+    }
+
+    /// What a diagnosis of a case may see, as files that the `diagnose` command takes.
+    pub(super) fn keep(
+        &self,
+        seed: u64,
+        number: u64,
+        model: &Model,
+        recordings: &Recordings,
+    ) -> anyhow::Result<()> {
+        let folder = self.0.join(format!("seed-{seed}-case-{number:05}"));
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("cannot create the folder `{}`", folder.display()))?;
+        let mut file = OutputFile::create(&folder.join("model.toml"))?;
+        file.write_all(model.text.as_bytes())?;
+        file.commit()?;
+        for (kind, all) in [("training", &recordings.training), ("holdout", &recordings.holdout)] {
+            for (index, recording) in all.iter().enumerate() {
+                export_csv(recording, &folder.join(format!("{kind}-{}.csv", index + 1)))?;
+            }
+        }
+        Ok(())
     }
 
     fn path(&self, seed: u64, number: u64, file: File) -> PathBuf {

@@ -32,7 +32,8 @@ use score::Score;
   socam-host challenge
   socam-host challenge --cases 0..300 --resume challenge
   socam-host challenge --cases 300..1000 --clean --resume challenge
-  socam-host challenge --cases 0..400 --open --json")]
+  socam-host challenge --cases 0..400 --open --json
+  socam-host challenge --cases 5..6 --resume challenge --recordings    # then diagnose challenge/seed-1-case-00005/training*.csv")]
 pub(crate) struct Args {
     /// Numbers of the cases, the last one left out
     #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = range)]
@@ -43,6 +44,9 @@ pub(crate) struct Args {
     /// Keep everything in this folder, and leave out the cases that are finished there
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
+    /// Keep each case's base model and recordings too, in a folder of its own beside the rest, to be diagnosed by hand
+    #[arg(long, requires = "resume")]
+    recordings: bool,
     /// Leave the locked cases alone
     #[arg(long)]
     open: bool,
@@ -108,7 +112,7 @@ fn score_all(
             wanted.push(number);
         }
     }
-    let answers = crew::run(&wanted, threads, |number| one(args.seed, *number, folder, diagnose))?;
+    let answers = crew::run(&wanted, threads, |number| one(args, *number, folder, diagnose))?;
     let (mut scores, mut failures) = (Vec::new(), Vec::new());
     for (number, answer) in wanted.into_iter().zip(answers) {
         match answer {
@@ -120,13 +124,20 @@ fn score_all(
 }
 
 /// One case from its drawing to its score, unless it is finished.
-fn one(seed: u64, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> anyhow::Result<Score> {
-    if let Ok(finished) = folder.read::<Score>(seed, number, File::Score)
-        && finished.schema == score::SCHEMA
-    {
-        return Ok(finished);
+fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> anyhow::Result<Score> {
+    let seed = args.seed;
+    let finished = folder.read::<Score>(seed, number, File::Score).ok();
+    let finished = finished.filter(|finished| finished.schema == score::SCHEMA);
+    if let (Some(finished), false) = (&finished, args.recordings) {
+        return Ok(finished.clone());
     }
     let (model, recordings) = conceal(seed, number, folder)?;
+    if args.recordings {
+        folder.keep(seed, number, &model, &recordings)?;
+    }
+    if let Some(finished) = finished {
+        return Ok(finished);
+    }
     let answer = diagnose(&model, &recordings.training, &recordings.holdout);
     match &answer {
         Ok(diagnosis) => folder.write(seed, number, File::Diagnosis, diagnosis)?,

@@ -59,6 +59,34 @@ fn a_case_is_sealed_diagnosed_scored_and_not_done_again() {
 }
 
 #[test]
+fn recordings_of_a_finished_case_can_be_had_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = Folder::open(dir.path()).unwrap();
+    let asked = AtomicUsize::new(0);
+    let diagnose = |model: &Model, training: &[Dataset], holdout: &[Dataset]| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        adequate(model, training, holdout)
+    };
+    score_all(&args(&["--cases", "0..1"]), 1, &folder, &diagnose).unwrap();
+    let again = args(&["--cases", "0..1", "--resume", "anywhere", "--recordings"]);
+    let (scores, _) = score_all(&again, 1, &folder, &diagnose).unwrap();
+    assert_eq!((scores.len(), asked.load(Ordering::Relaxed)), (1, 1));
+    let kept = dir.path().join("seed-1-case-00000");
+    let text = std::fs::read_to_string(kept.join("model.toml")).unwrap();
+    assert_eq!(Model::parse(&text).unwrap().name, "speed-o-cam");
+    let recordings = Case::draw(1, 0).unwrap().record().unwrap();
+    for (name, recording) in
+        [("training-4.csv", &recordings.training[3]), ("holdout-2.csv", &recordings.holdout[1])]
+    {
+        let read = crate::output::open(kept.join(name).to_str().unwrap()).unwrap();
+        // Sums are taken in another order.
+        let ends =
+            |data: &Dataset| -> Vec<_> { data.statistics().iter().map(|own| (own.min, own.max)).collect() };
+        assert_eq!((read.rows(), ends(&read)), (recording.rows(), ends(recording)));
+    }
+}
+
+#[test]
 fn locked_cases_are_left_alone_where_that_is_asked_for() {
     let dir = tempfile::tempdir().unwrap();
     let folder = Folder::open(dir.path()).unwrap();
