@@ -23,11 +23,12 @@ fn hidden_physics_is_found_in_twenty_benches() {
     }
     assert_eq!(cases, 20);
     assert_eq!(wrong_names, 0, "{document:#}");
-    // A torque sensor's gain that creeps is a gain for the most part, and the rest is a curve over time, not a drag elsewhere.
+    // A torque sensor's gain that creeps is one finding, its curve over time: no gain beside it, no drag elsewhere, and with the curve
+    // nothing but noise is left on held-out recordings.
     let cases = document["cases"].as_array().unwrap();
     let creeping = cases.iter().find(|case| case["hidden"][0]["effect"] == "gain_drift").unwrap();
-    let named = serde_json::json!([["sensor_gain", "torque_out"], ["unexplained", "torque_out"]]);
-    assert_eq!(creeping["named"], named);
+    assert_eq!(creeping["named"], serde_json::json!([["unexplained", "torque_out"]]));
+    assert_eq!(creeping["at_the_floor"], true);
     // Bristles give before they slip: a law that does too leaves nothing but noise, and knows their torque.
     let hides = |case: &&Value, effect: &str| {
         case["hidden"].as_array().unwrap().iter().any(|hidden| hidden["effect"] == effect)
@@ -68,7 +69,7 @@ fn what_was_once_misread_is_read() {
         ("1", 242, vec![["sensor_offset", "torque_out"], ["sensor_lag", "torque_in"]]),
         ("1", 290, vec![["stribeck_friction", "load_bearing"]]),
         ("1", 295, vec![["missing_compliance", "load_shaft"]]),
-        ("1", 245, vec![["unexplained", "cam_bearing"], ["coulomb_friction", "cam_bearing"]]),
+        ("1", 245, vec![["unexplained", "cam_bearing"]]),
         ("2", 125, vec![["unexplained", "coupling_1"]]),
         ("2", 130, vec![["stiffness_hardening", "coupling_2"]]),
         ("2", 202, vec![["missing_inertia", "torque_sensor_out"], ["sensor_ripple", "torque_in"]]),

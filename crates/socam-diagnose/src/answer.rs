@@ -298,8 +298,8 @@ fn rms(all: &[Measured], output: usize) -> Option<f64> {
 }
 
 fn fit(course: &Course, floor: &[f64]) -> Fit {
-    let last = &course.last;
-    let outputs = last.model.outputs().enumerate();
+    let last = course.whole();
+    let outputs = course.base.model.outputs().enumerate();
     let of = |fitted: &Fitted, output: usize| rms(std::slice::from_ref(&fitted.at), output);
     let channels = outputs.map(|(output, channel)| {
         let fit = ChannelFit {

@@ -162,14 +162,11 @@ impl Course {
         Ok(late)
     }
 
-    /// Takes out what was added at another place than a curve that was found since, where beside that it would not be: of what has no
-    /// name a good part may look like something that has one.
+    /// Takes out what was added before a curve was found, where beside that it would not be: of what has no name a good part may look like
+    /// something that has one, elsewhere or, on the average over time, in the same place.
     fn leave_to_curve(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.steps.len()).rev() {
             let Some(curve) = &self.unexplained else { return Ok(()) };
-            if self.steps[index].candidate.place == curve.place {
-                continue;
-            }
             let Some(model) = self.model_without(index) else { continue };
             let values = carried((&self.last.model, &self.last.at.values), &model);
             let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
@@ -206,6 +203,21 @@ impl Course {
         }
         self.refine(bench)?;
         self.drop_superfluous(bench)
+    }
+
+    /// The last fit, with the curve of what has no name, if there is one.
+    pub(crate) fn whole(&self) -> &Fitted {
+        self.unexplained.as_ref().map_or(&self.last, |found| &found.fitted)
+    }
+
+    /// Noise as it shows beside all that was found; what a curve carries is none.
+    pub(crate) fn levels(&self, bench: &Bench<'_>) -> Result<NoiseLevels, IdentifyError> {
+        match &self.unexplained {
+            Some(Unexplained { fitted, .. }) => {
+                compare::noise(&bench.problem(&fitted.model)?, &fitted.at, self.yardstick.levels())
+            }
+            None => Ok(self.yardstick.levels().clone()),
+        }
     }
 
     /// The fits before and after each step.

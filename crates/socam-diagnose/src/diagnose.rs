@@ -160,8 +160,8 @@ pub fn diagnose(
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&bench, &course)?;
-    let (at, levels) = (&course.last.at.values, course.yardstick.levels());
-    let floor = noise_floor::floor(corrected, at, levels, &Pair::proof(&pairs), step_s);
+    let levels = course.levels(&bench)?;
+    let floor = noise_floor::floor(corrected, &course.last.at.values, &levels, &Pair::proof(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
     let mut diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s)?;

@@ -5,8 +5,10 @@
 const ANY: f64 = 1e-3;
 /// A clock that samples goes no truer.
 const CLOCK: f64 = 1e-5;
-/// Angles are integrals of a measured speed, and a tachometer's ripple is in them, rad.
+/// Angles are integrals of a measured speed, and a tachometer's ripple and what its calibration leaves are in them, rad; so how often
+/// something comes back per turn is known to this share only.
 const ANGLE: f64 = 1e-2;
+const TURNS: f64 = 1e-4;
 /// A coupling slides by another law than a smoothed step; a sensor is slow by more than one time constant.
 const SLIDING: f64 = 2e-2;
 const SLOW: f64 = 1e-2;
@@ -26,6 +28,7 @@ pub(crate) fn half_width(effect: &str, name: &str, value: f64, nothing: f64, is_
         // A phase in time has a clock, which is as good as true.
         ("sensor_hum" | "external_disturbance", "phase") => 0.0,
         (_, "phase") => ANGLE,
+        (_, "order") => TURNS * value.abs(),
         _ if is_strength => ANY * strength,
         _ => 0.0,
     }

@@ -30,10 +30,10 @@ pub(crate) struct Pair {
 impl Pair {
     /// Of all recordings that were fitted, then of those that were held out.
     pub(crate) fn all(bench: &Bench<'_>, course: &Course) -> Result<Vec<Self>, IdentifyError> {
-        let corrected = !course.steps.is_empty();
+        let corrected = !course.steps.is_empty() || course.unexplained.is_some();
         let mut pairs = Vec::new();
         let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
-        let (base, last) = (&course.base, &course.last);
+        let (base, last) = (&course.base, course.whole());
         let before = compare::traces(&bench.problem(&base.model)?, &base.at, None)?;
         let after = if corrected {
             compare::traces(&bench.problem(&last.model)?, &last.at, None)?

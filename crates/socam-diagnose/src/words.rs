@@ -45,7 +45,8 @@ pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
         Over::Frequency => "",
     };
     format!(
-        "At {place}: {what}{over} is missing, and nothing that has a name here fits; it would carry {:.0} % of the misfit",
+        "At {place}: {what}{over} is missing, and nothing that has a name here fits; its curve carries {:.0} % of the misfit \
+         (residuals `after` are with it, a model file cannot hold it)",
         found.misfit_percent
     )
 }

@@ -69,18 +69,29 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         .filter(|finding| finding.effect != UNEXPLAINED)
         .map(|finding| format!("{} at {}", words::effect_within(finding), finding.location))
         .collect();
-    let places: Vec<String> = diagnosis.findings.iter().map(|finding| finding.location.clone()).collect();
+    let nameless = diagnosis.findings.iter().filter(|finding| finding.effect == UNEXPLAINED);
+    let nameless: Vec<String> = nameless.map(|finding| finding.location.clone()).collect();
     match diagnosis.verdict {
         Verdict::Adequate => {
             "Nothing is missing: the model explains these recordings down to their noise.".to_owned()
         }
         Verdict::MissingPhysics if named.is_empty() => "Physics is missing.".to_owned(),
-        Verdict::MissingPhysics => format!("Physics is missing: {}.", words::and(&named)),
-        Verdict::Unexplained if places.is_empty() => {
+        Verdict::MissingPhysics if nameless.is_empty() => {
+            format!("Physics is missing: {}.", words::and(&named))
+        }
+        Verdict::MissingPhysics => format!(
+            "Physics is missing: {}, and at {} something that has no name.",
+            words::and(&named),
+            words::and(&nameless)
+        ),
+        Verdict::Unexplained if nameless.is_empty() => {
             "Something is missing that nothing in the catalogue carries.".to_owned()
         }
         Verdict::Unexplained => {
-            format!("Something is missing at {} that nothing in the catalogue carries.", words::and(&places))
+            format!(
+                "Something is missing at {} that nothing in the catalogue carries.",
+                words::and(&nameless)
+            )
         }
     }
 }
@@ -93,7 +104,7 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
     });
     let (name, before, after) = channels.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(match after {
-        Some(after) if tables::is_corrected(diagnosis) => format!(
+        Some(after) if tables::has_after(diagnosis) => format!(
             "On data that were not fitted, the worst channel, {name}, was missed by {before:.2} times its noise floor before \
              the correction and by {after:.2} times after it."
         ),
@@ -146,7 +157,7 @@ fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
 fn proof(diagnosis: &Diagnosis) -> Markup {
     html! {
         section {
-            h2 { @if tables::is_corrected(diagnosis) { "Before and after" } @else { "How well the model fits" } }
+            h2 { @if tables::has_after(diagnosis) { "Before and after" } @else { "How well the model fits" } }
             p {
                 "Root mean square of measured minus predicted, the model running free. A perfect model leaves the noise floor: "
                 "1.00 in noise floors."
@@ -193,7 +204,7 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
                 h2 { "Residuals" }
                 p {
                     "Measured minus predicted, the model running free"
-                    @if tables::is_corrected(diagnosis) { "; before is the base model at its best fit, after the corrected one." } @else { "." }
+                    @if tables::has_after(diagnosis) { "; before is the base model at its best fit, after the corrected one." } @else { "." }
                     " The pictures over speed, angle and torque take all recordings together, those over frequency the longest."
                 }
                 (residuals::residuals(evidence, model))

@@ -13,6 +13,14 @@ pub(super) fn is_corrected(diagnosis: &Diagnosis) -> bool {
     diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED)
 }
 
+/// Whether its residuals became others, if only by a curve that no model file can hold.
+pub(super) fn has_after(diagnosis: &Diagnosis) -> bool {
+    let is_other = |(_, fit): &(String, ChannelFit)| {
+        (fit.rms_before, fit.holdout_rms_before) != (fit.rms_after, fit.holdout_rms_after)
+    };
+    is_corrected(diagnosis) || diagnosis.fit.channels.iter().any(is_other)
+}
+
 /// Residuals of each channel before and after, on training and on held-out data, against the noise floor.
 pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
     let held_out = match diagnosis.validation {
@@ -20,7 +28,7 @@ pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
         Validation::LeaveOneOut => "Each recording, fitted without it",
         Validation::Blocks => "Each block, fitted without it",
     };
-    let corrected = is_corrected(diagnosis);
+    let corrected = has_after(diagnosis);
     html! {
         div class="scroll" {
             table class="fit" {

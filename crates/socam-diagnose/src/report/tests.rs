@@ -174,6 +174,17 @@ fn something_without_a_name() {
 }
 
 #[test]
+fn a_name_beside_something_without_one() {
+    let nameless = sample::unexplained();
+    let expected = format!("and at {} something that has no name.", nameless.location);
+    let mut diagnosis = sample::diagnosis();
+    diagnosis.findings.push(nameless);
+    let evidence = sample::evidence(&diagnosis.recordings, 500);
+    let text = report("beside", &diagnosis, &evidence, &speed_o_cam());
+    assert!(text.contains(&expected), "{text}");
+}
+
+#[test]
 fn many_recordings_and_long_names() {
     let mut diagnosis = sample::diagnosis();
     let long =
