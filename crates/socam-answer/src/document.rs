@@ -228,11 +228,11 @@ pub struct ChannelFit {
     pub noise_std: Option<f64>,
     /// Root mean square residual on training recordings, base model.
     pub rms_before: Option<f64>,
-    /// The same, corrected model.
+    /// The same, with all findings, curves of what has no name included.
     pub rms_after: Option<f64>,
     /// Root mean square residual on data that were not fitted, base model.
     pub holdout_rms_before: Option<f64>,
-    /// The same, corrected model.
+    /// The same, with all findings.
     pub holdout_rms_after: Option<f64>,
     /// SI unit of all of them.
     #[serde(default)]

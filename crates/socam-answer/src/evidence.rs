@@ -33,7 +33,7 @@ pub struct Trace {
     pub time_s: Vec<f64>,
     /// Residual of the base model at each `time_s`, in the channel's SI unit.
     pub before: Vec<f64>,
-    /// Residual of the corrected model at each `time_s`, in the channel's SI unit; empty where nothing was corrected.
+    /// Residual of the model with all findings at each `time_s`, in the channel's SI unit; empty where nothing was corrected.
     pub after: Vec<f64>,
 }
 
@@ -66,7 +66,7 @@ pub struct Binned {
     pub before: Vec<f64>,
     /// Standard error of each `before`.
     pub before_std: Vec<f64>,
-    /// Mean residual of the corrected model; empty where nothing was corrected.
+    /// Mean residual of the model with all findings; empty where nothing was corrected.
     pub after: Vec<f64>,
     /// Standard error of each `after`.
     pub after_std: Vec<f64>,

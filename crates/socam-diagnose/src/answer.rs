@@ -298,7 +298,7 @@ fn rms(all: &[Measured], output: usize) -> Option<f64> {
 }
 
 fn fit(course: &Course, floor: &[f64]) -> Fit {
-    let last = course.whole();
+    let last = course.corrected().unwrap_or(&course.base);
     let outputs = course.base.model.outputs().enumerate();
     let of = |fitted: &Fitted, output: usize| rms(std::slice::from_ref(&fitted.at), output);
     let channels = outputs.map(|(output, channel)| {
@@ -347,7 +347,7 @@ fn combinations(before: &Identification, after: &Identification) -> Vec<Combinat
 
 /// By effect and place, at the point of its grid where it shows best.
 fn not_found(course: &Course) -> Vec<NotFound> {
-    let scale = course.last.scale();
+    let scale = course.corrected().unwrap_or(&course.base).scale();
     let mut all: Vec<NotFound> = Vec::new();
     for one in course.screened.iter().filter(|one| !course.has(&one.start)) {
         let candidate = &one.start;

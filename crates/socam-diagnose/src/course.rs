@@ -49,6 +49,9 @@ const LEAST_PROMISE: f64 = 1e-3;
 /// Share of what an effect gained below which another one at the same place, or a curve anywhere, is taken for what its law leaves.
 const SHADOW: f64 = 2e-3;
 
+/// A name at a curve's own place that gains more than so many times what the curve adds to it is no part of that: it has a remainder.
+const MUCH: f64 = 10.0;
+
 /// One effect that was added.
 #[derive(Debug, Clone)]
 pub(crate) struct Step {
@@ -71,6 +74,7 @@ pub(crate) enum Proof {
 }
 
 /// The whole way.
+#[derive(Clone)]
 pub(crate) struct Course {
     pub(crate) base: Fitted,
     pub(crate) last: Fitted,
@@ -167,22 +171,36 @@ impl Course {
     fn leave_to_curve(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.steps.len()).rev() {
             let Some(curve) = &self.unexplained else { return Ok(()) };
-            let Some(model) = self.model_without(index) else { continue };
-            let values = carried((&self.last.model, &self.last.at.values), &model);
-            let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
-            let Some(beside) = beside else { continue };
-            if proof(bench, &self.yardstick, &beside, &curve.fitted)?.is_some() {
+            let is_there = self.steps[index].candidate.place == curve.place;
+            if is_there && self.gains(bench)?[index].0 > MUCH * curve.gain {
                 continue;
             }
-            let free = curve.free.clone();
-            let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? else { continue };
-            self.remove(bench, index, fitted)?;
-            if let Some(shape) = shapes::one(bench, &self.last, &self.yardstick, free)? {
-                let again = shapes::confirmed(bench, &self.last, &self.yardstick, &shape)?;
-                self.unexplained = again.or(self.unexplained.take());
+            let Some([beside, fitted]) = self.without_beside(bench, index, curve)? else { continue };
+            if proof(bench, &self.yardstick, &beside, &curve.fitted)?.is_none() {
+                let named = self.clone();
+                self.remove(bench, index, fitted)?;
+                if self.unexplained.is_none() {
+                    *self = named;
+                }
             }
         }
         Ok(())
+    }
+
+    /// Without one of the effects that were added: with a curve, and as it goes on without either.
+    fn without_beside(
+        &self,
+        bench: &Bench<'_>,
+        index: usize,
+        curve: &Unexplained,
+    ) -> Result<Option<[Fitted; 2]>, IdentifyError> {
+        let Some(model) = self.model_without(index) else { return Ok(None) };
+        let values = carried((&self.last.model, &self.last.at.values), &model);
+        let Some(beside) = curve.beside(bench, (&model, &values), &self.yardstick)? else {
+            return Ok(None);
+        };
+        let fitted = bench.fitted(&model, &values, None, &self.yardstick)?;
+        Ok(fitted.map(|fitted| [beside, fitted]))
     }
 
     /// The last model but for one of the effects that were added.
@@ -205,9 +223,10 @@ impl Course {
         self.drop_superfluous(bench)
     }
 
-    /// The last fit, with the curve of what has no name, if there is one.
-    pub(crate) fn whole(&self) -> &Fitted {
-        self.unexplained.as_ref().map_or(&self.last, |found| &found.fitted)
+    /// With all that was found, the curve of what has no name among it; `None` where nothing was.
+    pub(crate) fn corrected(&self) -> Option<&Fitted> {
+        let named = (!self.steps.is_empty()).then_some(&self.last);
+        self.unexplained.as_ref().map(|found| &found.fitted).or(named)
     }
 
     /// Noise as it shows beside all that was found; what a curve carries is none.
@@ -329,13 +348,17 @@ impl Course {
     /// is known, one may harden although nobody can say by how much.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>, index: usize) -> Result<bool, IdentifyError> {
         let total = |fitted: &Fitted| fitted.at.total() + fitted.held_chi2();
-        match self.without(bench, index)?.filter(|fitted| total(fitted) < MISFIT * total(&self.last)) {
-            Some(fitted) => self.remove(bench, index, fitted).map(|()| true),
+        let (without, whole) = match &self.unexplained {
+            Some(curve) => (self.without_beside(bench, index, curve)?, &curve.fitted),
+            None => (self.without(bench, index)?.map(|fitted| [fitted.clone(), fitted]), &self.last),
+        };
+        match without.filter(|[compared, _]| total(compared) < MISFIT * total(whole)) {
+            Some([_, fitted]) => self.remove(bench, index, fitted).map(|()| true),
             None => Ok(false),
         }
     }
 
-    /// Goes on without a step; what it gained is the next one's.
+    /// Goes on without a step; what it gained is the next one's, and a curve is measured anew.
     fn remove(&mut self, bench: &Bench<'_>, index: usize, fitted: Fitted) -> Result<(), IdentifyError> {
         let gone = self.steps.remove(index);
         match self.steps.get_mut(index) {
@@ -350,7 +373,13 @@ impl Course {
             }
         }
         self.last = fitted;
-        self.judge_noise(bench)
+        self.judge_noise(bench)?;
+        if let Some(Unexplained { free, .. }) = self.unexplained.take()
+            && let Some(shape) = shapes::one(bench, &self.last, &self.yardstick, free)?
+        {
+            self.unexplained = shapes::confirmed(bench, &self.last, &self.yardstick, &shape)?;
+        }
+        Ok(())
     }
 }
 

@@ -160,8 +160,8 @@ pub fn diagnose(
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&bench, &course)?;
-    let levels = course.levels(&bench)?;
-    let floor = noise_floor::floor(corrected, &course.last.at.values, &levels, &Pair::proof(&pairs), step_s);
+    let (levels, whole) = (course.levels(&bench)?, course.corrected().unwrap_or(&course.last));
+    let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::proof(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
     let mut diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s)?;
@@ -255,7 +255,8 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
         widen(estimate, width, bounds);
     }
-    if last.scale().max(last.training_scale()) > answer::INADEQUATE {
+    let whole = course.corrected().unwrap_or(last);
+    if whole.scale().max(whole.training_scale()) > answer::INADEQUATE {
         let all = (0..course.steps.len()).flat_map(|step| course.parameters(step));
         for (_, index) in all.filter(|(name, _)| *name == "gap") {
             let ParameterEstimate { value, ci95: [_, high], .. } = &mut after.parameters[index];

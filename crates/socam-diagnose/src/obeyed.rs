@@ -5,9 +5,9 @@
 const ANY: f64 = 1e-3;
 /// A clock that samples goes no truer.
 const CLOCK: f64 = 1e-5;
-/// Angles are integrals of a measured speed, and a tachometer's ripple and what its calibration leaves are in them, rad; so how often
-/// something comes back per turn is known to this share only.
+/// Angles are integrals of a measured speed, and a tachometer's ripple is in them, rad.
 const ANGLE: f64 = 1e-2;
+/// How often something comes back per turn is counted by the same angles, and no tachometer is calibrated to better than this share.
 const TURNS: f64 = 1e-4;
 /// A coupling slides by another law than a smoothed step; a sensor is slow by more than one time constant.
 const SLIDING: f64 = 2e-2;
@@ -31,5 +31,18 @@ pub(crate) fn half_width(effect: &str, name: &str, value: f64, nothing: f64, is_
         (_, "order") => TURNS * value.abs(),
         _ if is_strength => ANY * strength,
         _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_is_known_no_better_than_it_is_obeyed() {
+        let width = |effect, name, value| half_width(effect, name, value, 0.0, name == "amplitude");
+        assert_eq!(width("sensor_ripple", "order", 2.0), 2e-4);
+        assert_eq!(width("sensor_ripple", "amplitude", 2.0), 2e-3);
+        assert_eq!(width("sensor_hum", "phase", 2.0), 0.0);
     }
 }

@@ -30,15 +30,13 @@ pub(crate) struct Pair {
 impl Pair {
     /// Of all recordings that were fitted, then of those that were held out.
     pub(crate) fn all(bench: &Bench<'_>, course: &Course) -> Result<Vec<Self>, IdentifyError> {
-        let corrected = !course.steps.is_empty() || course.unexplained.is_some();
         let mut pairs = Vec::new();
         let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
-        let (base, last) = (&course.base, course.whole());
+        let (base, corrected) = (&course.base, course.corrected());
         let before = compare::traces(&bench.problem(&base.model)?, &base.at, None)?;
-        let after = if corrected {
-            compare::traces(&bench.problem(&last.model)?, &last.at, None)?
-        } else {
-            Vec::new()
+        let after = match corrected {
+            Some(after) => compare::traces(&bench.problem(&after.model)?, &after.at, None)?,
+            None => Vec::new(),
         };
         pairs.extend(paired(&training, false, before, after));
         if bench.folds.kind == Validation::Holdout {
@@ -48,7 +46,10 @@ impl Pair {
                 compare::traces(&Problem::new(model, &fold.held_out, bench.fit.clone())?, at, None)
             };
             let before = of(&base.model, &base.held[0])?;
-            let after = if corrected { of(&last.model, &last.held[0])? } else { Vec::new() };
+            let after = match corrected {
+                Some(after) => of(&after.model, &after.held[0])?,
+                None => Vec::new(),
+            };
             pairs.extend(paired(&names, true, before, after));
         }
         Ok(pairs)

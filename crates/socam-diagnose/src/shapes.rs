@@ -450,3 +450,14 @@ fn fitted(
     let found = heights.iter().map(|height| at.values[*height]).collect();
     Ok(bench.held(&grown, at, yardstick)?.map(|fitted| (fitted, found)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rubs_turns_as_the_catalogue_s_friction_does() {
+        let speeds = [Motion::Rotation, Motion::Translation].map(transition);
+        assert!(speeds.iter().all(|speed| *speed > 0.0), "{speeds:?}");
+    }
+}

@@ -136,7 +136,10 @@ fn a_place_that_cannot_be_written_is_named() {
 
 #[test]
 fn nothing_missing() {
-    let sample = sample::diagnosis();
+    let mut sample = sample::diagnosis();
+    for (_, fit) in &mut sample.fit.channels {
+        (fit.rms_after, fit.holdout_rms_after) = (fit.rms_before, fit.holdout_rms_before);
+    }
     let diagnosis = Diagnosis {
         verdict: Verdict::Adequate,
         findings: Vec::new(),
@@ -157,7 +160,8 @@ fn nothing_missing() {
     }
     let text = report("adequate", &diagnosis, &evidence, &speed_o_cam());
     assert!(text.contains("Nothing is missing"), "{text}");
-    assert!(!text.contains("What is missing"));
+    assert!(!text.contains("What is missing") && !text.contains("Before and after"), "{text}");
+    assert!(text.contains("How well the model fits"), "{text}");
 }
 
 #[test]
@@ -171,6 +175,8 @@ fn something_without_a_name() {
     let evidence = sample::evidence(&diagnosis.recordings, 500);
     let text = report("unexplained", &diagnosis, &evidence, &speed_o_cam());
     assert!(text.contains("Missing torque (N m)") && text.contains("Speed (rad/s)"), "{text}");
+    // What its curve does to the residuals is shown.
+    assert!(text.contains("Before and after"), "{text}");
 }
 
 #[test]

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::{Serialize, de::DeserializeOwned};
-use socam_model::Model;
 use socam_recording::{OutputFile, export_csv};
-use socam_sim::challenge::Recordings;
+use socam_sim::challenge::{Case, Recordings};
 
 /// The folder.
 #[derive(Debug, Clone)]
@@ -53,18 +52,12 @@ impl Folder {
     }
 
     /// What a diagnosis of a case may see, as files that the `diagnose` command takes.
-    pub(super) fn keep(
-        &self,
-        seed: u64,
-        number: u64,
-        model: &Model,
-        recordings: &Recordings,
-    ) -> anyhow::Result<()> {
-        let folder = self.0.join(format!("seed-{seed}-case-{number:05}"));
+    pub(super) fn keep(&self, case: &Case, recordings: &Recordings) -> anyhow::Result<()> {
+        let folder = self.0.join(format!("seed-{}-case-{:05}", case.seed, case.number));
         std::fs::create_dir_all(&folder)
             .with_context(|| format!("cannot create the folder `{}`", folder.display()))?;
         let mut file = OutputFile::create(&folder.join("model.toml"))?;
-        file.write_all(model.text.as_bytes())?;
+        file.write_all(case.base()?.text.as_bytes())?;
         file.commit()?;
         for (kind, all) in [("training", &recordings.training), ("holdout", &recordings.holdout)] {
             for (index, recording) in all.iter().enumerate() {

@@ -33,7 +33,7 @@ use score::Score;
   socam-host challenge --cases 0..300 --resume challenge
   socam-host challenge --cases 300..1000 --clean --resume challenge
   socam-host challenge --cases 0..400 --open --json
-  socam-host challenge --cases 5..6 --resume challenge --recordings    # then diagnose challenge/seed-1-case-00005/training*.csv")]
+  socam-host challenge --cases 5..6 --resume challenge --recordings      into challenge/seed-1-case-00005")]
 pub(crate) struct Args {
     /// Numbers of the cases, the last one left out
     #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = range)]
@@ -44,7 +44,7 @@ pub(crate) struct Args {
     /// Keep everything in this folder, and leave out the cases that are finished there
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
-    /// Keep each case's base model and recordings too, in a folder of its own beside the rest, to be diagnosed by hand
+    /// Keep each open case's base model and recordings too, in a folder of its own beside the rest, to be diagnosed by hand
     #[arg(long, requires = "resume")]
     recordings: bool,
     /// Leave the locked cases alone
@@ -127,17 +127,14 @@ fn score_all(
 fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> anyhow::Result<Score> {
     let seed = args.seed;
     let finished = folder.read::<Score>(seed, number, File::Score).ok();
-    let finished = finished.filter(|finished| finished.schema == score::SCHEMA);
-    if let (Some(finished), false) = (&finished, args.recordings) {
-        return Ok(finished.clone());
-    }
-    let (model, recordings) = conceal(seed, number, folder)?;
-    if args.recordings {
-        folder.keep(seed, number, &model, &recordings)?;
-    }
-    if let Some(finished) = finished {
+    if let Some(finished) = finished.filter(|finished| finished.schema == score::SCHEMA) {
+        if args.recordings {
+            let case: Case = folder.read(seed, number, File::Sealed)?;
+            keep(&case, &case.record()?, folder)?;
+        }
         return Ok(finished);
     }
+    let (model, recordings) = conceal(args, number, folder)?;
     let answer = diagnose(&model, &recordings.training, &recordings.holdout);
     match &answer {
         Ok(diagnosis) => folder.write(seed, number, File::Diagnosis, diagnosis)?,
@@ -150,10 +147,19 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
 }
 
 /// Draws a case, seals its truth away, and hands out what a diagnosis may see.
-fn conceal(seed: u64, number: u64, folder: &Folder) -> anyhow::Result<(Model, Recordings)> {
-    let case = Case::draw(seed, number)?;
-    folder.write(seed, number, File::Sealed, &case)?;
-    Ok((case.base()?, case.record()?))
+fn conceal(args: &Args, number: u64, folder: &Folder) -> anyhow::Result<(Model, Recordings)> {
+    let case = Case::draw(args.seed, number)?;
+    folder.write(args.seed, number, File::Sealed, &case)?;
+    let recordings = case.record()?;
+    if args.recordings {
+        keep(&case, &recordings, folder)?;
+    }
+    Ok((case.base()?, recordings))
+}
+
+/// What a diagnosis may see, for whoever wants to diagnose it by hand: not what is locked.
+fn keep(case: &Case, recordings: &Recordings, folder: &Folder) -> anyhow::Result<()> {
+    if case.locked { Ok(()) } else { folder.keep(case, recordings) }
 }
 
 #[cfg(test)]

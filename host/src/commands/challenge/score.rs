@@ -12,7 +12,7 @@ use super::twins::{are_twins, is_place};
 
 pub(super) const SCHEMA: &str = "socam.challenge-case/1";
 
-/// A corrected model's residuals on held-out recordings may be so many times their noise floor.
+/// With all findings, curves included, residuals on held-out recordings may be so many times their noise floor.
 const AT_THE_FLOOR: f64 = 1.15;
 
 /// An oracle that is told the effect must gain as much in whitened chi-square on the held-out recordings.
@@ -40,7 +40,7 @@ pub(super) struct Score {
     pub(super) right: bool,
     /// Something is named with confidence that is not there.
     pub(super) wrong_name: bool,
-    /// Whether the corrected model predicts all channels down to their noise; of right answers only.
+    /// Whether all channels are predicted down to their noise with all findings, curves included; of right answers only.
     pub(super) at_the_floor: Option<bool>,
     /// Whether the intervals hold the truth; of effects named as they are.
     pub(super) intervals: Vec<(String, bool)>,
