@@ -347,7 +347,7 @@ fn combinations(before: &Identification, after: &Identification) -> Vec<Combinat
 
 /// By effect and place, at the point of its grid where it shows best.
 fn not_found(course: &Course) -> Vec<NotFound> {
-    let scale = course.corrected().unwrap_or(&course.base).scale();
+    let scale = course.whole().scale();
     let mut all: Vec<NotFound> = Vec::new();
     for one in course.screened.iter().filter(|one| !course.has(&one.start)) {
         let candidate = &one.start;

@@ -175,38 +175,28 @@ impl Course {
             if is_there && self.gains(bench)?[index].0 > MUCH * curve.gain {
                 continue;
             }
-            let Some([beside, fitted]) = self.without_beside(bench, index, curve)? else { continue };
-            if proof(bench, &self.yardstick, &beside, &curve.fitted)?.is_none() {
-                let named = self.clone();
-                self.remove(bench, index, fitted)?;
-                if self.unexplained.is_none() {
-                    *self = named;
-                }
+            let Some((model, values)) = self.begun_without(index) else { continue };
+            let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
+            let Some(beside) = beside else { continue };
+            if proof(bench, &self.yardstick, &beside, &curve.fitted)?.is_some() {
+                continue;
+            }
+            let Some(fitted) = bench.fitted(&model, &values, None, &self.yardstick)? else { continue };
+            let named = self.clone();
+            self.remove(bench, index, fitted)?;
+            if self.unexplained.is_none() {
+                *self = named;
             }
         }
         Ok(())
     }
 
-    /// Without one of the effects that were added: with a curve, and as it goes on without either.
-    fn without_beside(
-        &self,
-        bench: &Bench<'_>,
-        index: usize,
-        curve: &Unexplained,
-    ) -> Result<Option<[Fitted; 2]>, IdentifyError> {
-        let Some(model) = self.model_without(index) else { return Ok(None) };
-        let values = carried((&self.last.model, &self.last.at.values), &model);
-        let Some(beside) = curve.beside(bench, (&model, &values), &self.yardstick)? else {
-            return Ok(None);
-        };
-        let fitted = bench.fitted(&model, &values, None, &self.yardstick)?;
-        Ok(fitted.map(|fitted| [beside, fitted]))
-    }
-
-    /// The last model but for one of the effects that were added.
-    fn model_without(&self, index: usize) -> Option<Model> {
+    /// The last model but for one of the effects that were added, and its values as they are.
+    fn begun_without(&self, index: usize) -> Option<(Model, Vec<f64>)> {
         let others = self.steps.iter().enumerate().filter(|(other, _)| *other != index);
-        self.base.with(others.map(|(_, step)| &step.candidate))
+        let model = self.base.with(others.map(|(_, step)| &step.candidate))?;
+        let values = carried((&self.last.model, &self.last.at.values), &model);
+        Some((model, values))
     }
 
     /// Adds what was chosen, and makes of it what the recordings now say.
@@ -227,6 +217,11 @@ impl Course {
     pub(crate) fn corrected(&self) -> Option<&Fitted> {
         let named = (!self.steps.is_empty()).then_some(&self.last);
         self.unexplained.as_ref().map(|found| &found.fitted).or(named)
+    }
+
+    /// The same, or the last fit where nothing was found.
+    pub(crate) fn whole(&self) -> &Fitted {
+        self.corrected().unwrap_or(&self.last)
     }
 
     /// Noise as it shows beside all that was found; what a curve carries is none.
@@ -297,8 +292,7 @@ impl Course {
 
     /// Fits the last model but for one of the effects that were added; `None` where that stays far from it.
     fn without(&self, bench: &Bench<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
-        let Some(model) = self.model_without(index) else { return Ok(None) };
-        let values = carried((&self.last.model, &self.last.at.values), &model);
+        let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
         let mut at: Option<Measured> = None;
         for (iterations, hopeful) in WITHOUT {
             let (begin, from) = at.as_ref().map_or((&values, None), |at| (&at.values, Some((&model, at))));
@@ -348,12 +342,22 @@ impl Course {
     /// is known, one may harden although nobody can say by how much.
     pub(crate) fn undo(&mut self, bench: &Bench<'_>, index: usize) -> Result<bool, IdentifyError> {
         let total = |fitted: &Fitted| fitted.at.total() + fitted.held_chi2();
-        let (without, whole) = match &self.unexplained {
-            Some(curve) => (self.without_beside(bench, index, curve)?, &curve.fitted),
-            None => (self.without(bench, index)?.map(|fitted| [fitted.clone(), fitted]), &self.last),
+        let without = match &self.unexplained {
+            None => {
+                let without = self.without(bench, index)?;
+                without.filter(|fitted| total(fitted) < MISFIT * total(&self.last))
+            }
+            Some(curve) => {
+                let Some((model, values)) = self.begun_without(index) else { return Ok(false) };
+                let beside = curve.beside(bench, (&model, &values), &self.yardstick)?;
+                if beside.is_none_or(|beside| total(&beside) >= MISFIT * total(&curve.fitted)) {
+                    return Ok(false);
+                }
+                bench.fitted(&model, &values, None, &self.yardstick)?
+            }
         };
-        match without.filter(|[compared, _]| total(compared) < MISFIT * total(whole)) {
-            Some([_, fitted]) => self.remove(bench, index, fitted).map(|()| true),
+        match without {
+            Some(fitted) => self.remove(bench, index, fitted).map(|()| true),
             None => Ok(false),
         }
     }

@@ -160,7 +160,7 @@ pub fn diagnose(
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&bench, &course)?;
-    let (levels, whole) = (course.levels(&bench)?, course.corrected().unwrap_or(&course.last));
+    let (levels, whole) = (course.levels(&bench)?, course.whole());
     let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::proof(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
@@ -255,7 +255,7 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
         widen(estimate, width, bounds);
     }
-    let whole = course.corrected().unwrap_or(last);
+    let whole = course.whole();
     if whole.scale().max(whole.training_scale()) > answer::INADEQUATE {
         let all = (0..course.steps.len()).flat_map(|step| course.parameters(step));
         for (_, index) in all.filter(|(name, _)| *name == "gap") {

@@ -53,7 +53,7 @@ impl Folder {
 
     /// What a diagnosis of a case may see, as files that the `diagnose` command takes.
     pub(super) fn keep(&self, case: &Case, recordings: &Recordings) -> anyhow::Result<()> {
-        let folder = self.0.join(format!("seed-{}-case-{:05}", case.seed, case.number));
+        let folder = self.0.join(stem(case.seed, case.number));
         std::fs::create_dir_all(&folder)
             .with_context(|| format!("cannot create the folder `{}`", folder.display()))?;
         let mut file = OutputFile::create(&folder.join("model.toml"))?;
@@ -73,6 +73,11 @@ impl Folder {
             File::Diagnosis => "diagnosis",
             File::Score => "score",
         };
-        self.0.join(format!("seed-{seed}-case-{number:05}.{what}.json"))
+        self.0.join(format!("{}.{what}.json", stem(seed, number)))
     }
+}
+
+/// Of the names of all that is kept of a case.
+fn stem(seed: u64, number: u64) -> String {
+    format!("seed-{seed}-case-{number:05}")
 }

@@ -128,9 +128,9 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
     let seed = args.seed;
     let finished = folder.read::<Score>(seed, number, File::Score).ok();
     if let Some(finished) = finished.filter(|finished| finished.schema == score::SCHEMA) {
-        if args.recordings {
+        if args.recordings && !finished.locked {
             let case: Case = folder.read(seed, number, File::Sealed)?;
-            keep(&case, &case.record()?, folder)?;
+            folder.keep(&case, &case.record()?)?;
         }
         return Ok(finished);
     }
@@ -151,15 +151,10 @@ fn conceal(args: &Args, number: u64, folder: &Folder) -> anyhow::Result<(Model, 
     let case = Case::draw(args.seed, number)?;
     folder.write(args.seed, number, File::Sealed, &case)?;
     let recordings = case.record()?;
-    if args.recordings {
-        keep(&case, &recordings, folder)?;
+    if args.recordings && !case.locked {
+        folder.keep(&case, &recordings)?;
     }
     Ok((case.base()?, recordings))
-}
-
-/// What a diagnosis may see, for whoever wants to diagnose it by hand: not what is locked.
-fn keep(case: &Case, recordings: &Recordings, folder: &Folder) -> anyhow::Result<()> {
-    if case.locked { Ok(()) } else { folder.keep(case, recordings) }
 }
 
 #[cfg(test)]

@@ -87,6 +87,18 @@ fn recordings_of_a_finished_case_can_be_had_too() {
 }
 
 #[test]
+fn recordings_of_a_locked_case_are_not_laid_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = Folder::open(dir.path()).unwrap();
+    let args = args(&["--cases", "20..21", "--resume", "anywhere", "--recordings"]);
+    for _ in ["first", "finished"] {
+        let (scores, _) = score_all(&args, 1, &folder, &adequate).unwrap();
+        assert!(scores.len() == 1 && scores[0].locked);
+        assert!(!dir.path().join("seed-1-case-00020").exists());
+    }
+}
+
+#[test]
 fn locked_cases_are_left_alone_where_that_is_asked_for() {
     let dir = tempfile::tempdir().unwrap();
     let folder = Folder::open(dir.path()).unwrap();
