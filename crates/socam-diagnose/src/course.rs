@@ -20,7 +20,7 @@ mod blind;
 mod choice;
 mod refine;
 
-use choice::{Named, Tried, best, proof};
+use choice::{Named, Tried, against_noise, best, proof};
 
 /// Candidates that are fitted in earnest, and places of any one effect among them: in a long chain neighbours promise the same.
 const TRIED: usize = 8;
@@ -145,8 +145,15 @@ impl Course {
         threshold: f64,
     ) -> Result<Option<Named>, IdentifyError> {
         let mut tried = worth_trying(self, threshold);
-        let suspicious = !tried.is_empty();
-        let named = best(bench, self, &mut tried, Some(scales))?;
+        let suspicious = tried.iter().any(|(_, p_value)| *p_value < threshold);
+        let mut named = best(bench, self, &mut tried, Some(scales))?;
+        if let Some(weak) = named.take_if(|named| named.chosen.0.p_value >= threshold) {
+            named = against_noise(bench, &self.yardstick, weak, threshold)?;
+            if named.is_none() && suspicious {
+                tried.retain(|(_, p_value)| *p_value < threshold);
+                named = best(bench, self, &mut tried, Some(scales))?;
+            }
+        }
         let chosen = named.as_ref().map(|named| &named.chosen);
         let gains = self.gains(bench)?;
         self.unexplained = unnamed(bench, self, scales, chosen, &gains, suspicious)?;
@@ -464,12 +471,13 @@ fn share_of_a_name(course: &Course, named: &Candidate, curve: &Shape) -> f64 {
     if is_more { 1.0 } else { NEARLY }
 }
 
-/// The candidates that promise most, each effect and place once.
+/// The candidates that promise most of those that may stand out, each effect and place once.
 fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
     let mut tried: Vec<(Candidate, f64)> = Vec::new();
     let least = LEAST_GAIN.max(LEAST_PROMISE * course.last.misfit());
     for one in &course.screened {
-        let significant = one.promise.p_value < threshold && one.promise.gain > least;
+        let p_value = one.promise.p_value.min(one.promise.white_p_value());
+        let significant = p_value < threshold && one.promise.gain > least;
         // Where a fit may end depends on where it starts in what the effect is not linear in.
         let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
         let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };

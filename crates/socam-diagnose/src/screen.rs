@@ -7,7 +7,6 @@ use socam_identify::{
 };
 use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{
     candidates::{self, Candidate},
@@ -103,16 +102,11 @@ fn together(
     let each = batch.iter().zip(promises).map(|(candidate, mut promise)| {
         if candidate.is_full() {
             promise.gain += at.total() - promise.total;
-            promise.p_value = white(promise.gain);
+            promise.p_value = promise.white_p_value();
         }
         foretold(model, candidate, promise)
     });
     Ok(each.collect())
-}
-
-/// Chance of a gain by one parameter from white noise of the yardstick's levels.
-fn white(gain: f64) -> f64 {
-    ChiSquared::new(1.0).map_or(1.0, |noise| noise.sf(gain.max(0.0)))
 }
 
 /// The model with all of a batch in it at no strength, and the parameters that measure each one's.

@@ -187,6 +187,13 @@ pub struct Promise {
     pub resolution: f64,
 }
 
+impl Promise {
+    /// Chance of the gain from white noise just as strong as the yardstick has it.
+    pub fn white_p_value(&self) -> f64 {
+        ChiSquared::new(self.step.len().max(1) as f64).map_or(1.0, |noise| noise.sf(self.gain.max(0.0)))
+    }
+}
+
 /// For each of `groups` (indices of free parameters that belong together) what freeing it along with `base` would do; `at` was
 /// measured with `model`. `None` where slopes overflow.
 ///
@@ -207,7 +214,7 @@ pub fn screen(
     let factor = triangle::join(passed.iter().map(StretchResult::corner), free + 1);
     let column = |index: &usize| problem.free.iter().position(|free| free == index);
     let base: Vec<usize> = base.iter().filter_map(column).collect();
-    let blocks = blocks(&passed, free);
+    let blocks = pass::blocks(&passed, free);
     let picture = Picture { total: solver::squares(&passed), ..Picture::new(factor.as_ref(), base) };
     let each = groups.iter().map(|group| {
         let own: Vec<usize> = group.iter().filter_map(column).collect();
@@ -219,12 +226,6 @@ pub fn screen(
         promise
     });
     Ok(Some(each.collect()))
-}
-
-/// Sums of slopes times residuals over blocks of half a second, by free parameter.
-fn blocks(passed: &[StretchResult], free: usize) -> Vec<Vec<f64>> {
-    let all = passed.iter().flat_map(|result| result.scores.iter());
-    all.map(|block| block[block.len() - free..].to_vec()).collect()
 }
 
 /// Slopes of all parameters with those of the base taken out.

@@ -2,12 +2,12 @@
 
 use faer::{Mat, Side};
 use socam_model::Model;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use crate::{
     IdentifyError,
     compare::{Measured, Yardstick, begin},
-    pass::{self, StretchResult},
+    pass::{self, StretchResult, Weights},
     problem::Problem,
     solver, triangle,
 };
@@ -41,35 +41,27 @@ pub fn half_widths(
     if recordings < LEAST_RECORDINGS {
         return Ok(None);
     }
-    let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
-    let weights = yardstick.weights(problem, &at.values);
-    let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
+    let Some(fit) = Slopes::at(problem, yardstick, model, at)? else { return Ok(None) };
+    let Slopes { passed, root, weights } = &fit;
     let free = problem.free.len();
-    let information = solver::information_factor(problem, &point, &weights, &passed);
-    let lengths = triangle::lengths(information.as_ref(), free);
-    let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
-    let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
-    let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
-    let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
-    let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
     let mut pulls = Mat::<f64>::zeros(free, recordings);
-    for (stretch, result) in problem.stretches.iter().zip(&passed) {
+    for (stretch, result) in problem.stretches.iter().zip(passed) {
         add_pull(result, free, pulls.as_mut().col_mut(stretch.recording));
     }
     let mut apart = root.transpose() * &pulls;
     for (recording, mut pull) in apart.col_iter_mut().enumerate() {
-        let own = problem.stretches.iter().zip(&passed).filter(|(stretch, _)| stretch.recording == recording);
-        let share = own.fold(Mat::<f64>::zeros(kept.len(), kept.len()), |share, (_, result)| {
+        let own = problem.stretches.iter().zip(passed).filter(|(stretch, _)| stretch.recording == recording);
+        let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
             let corner = result.corner();
-            let slopes = corner.subcols(0, free) * &root;
+            let slopes = corner.subcols(0, free) * root;
             share + slopes.transpose() * &slopes
         });
         let Ok(eigen) = share.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
         let along = eigen.U().transpose() * &pull;
-        let without = Mat::from_fn(kept.len(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
+        let without = Mat::from_fn(root.ncols(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
         pull.copy_from((eigen.U() * without).col(0));
     }
-    let steps = &root * apart;
+    let steps = root * apart;
     let m = recordings as f64;
     let t = StudentsT::new(0.0, 1.0, m - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
     let mut widths = vec![0.0; problem.model.parameters.len()];
@@ -78,6 +70,85 @@ pub fn half_widths(
         widths[*index] = t * ((m - 1.0) / m * squares).sqrt() * weights.scales[j].abs();
     }
     Ok(Some(widths))
+}
+
+/// How far noise moves an estimate, as its own course says.
+#[derive(Debug, Clone, Copy)]
+pub struct Spread {
+    /// Standard error, SI; zero of what is fixed.
+    pub std: f64,
+    /// Degrees of freedom that it is known with.
+    pub freedom: f64,
+}
+
+impl Spread {
+    /// Chance that the strongest of `parameters` that were chosen together comes out `distance` (SI) from what it is.
+    pub fn chance(&self, distance: f64, parameters: usize) -> f64 {
+        let n = parameters.max(1) as f64;
+        let ratio = (distance / self.std).powi(2) / n;
+        FisherSnedecor::new(n, self.freedom).map_or(1.0, |f| f.sf(if ratio.is_nan() { 0.0 } else { ratio }))
+    }
+}
+
+/// How far noise moves each parameter of the model at a fit (`at`, made with `model`), whatever its colour and wherever it is loud: half a
+/// second after half a second pulls as it does (the sandwich estimate clustered by blocks; degrees of freedom after F. E. Satterthwaite,
+/// Biometrics 2, 1946). No less than the yardstick's white noise would. Unlike [`half_widths`] it takes a law for obeyed. `None` where slopes
+/// overflow.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn spread(
+    problem: &Problem<'_>,
+    yardstick: &Yardstick,
+    model: &Model,
+    at: &Measured,
+) -> Result<Option<Vec<Spread>>, IdentifyError> {
+    let Some(Slopes { passed, root, weights }) = Slopes::at(problem, yardstick, model, at)? else {
+        return Ok(None);
+    };
+    let free = problem.free.len();
+    let blocks = pass::blocks(&passed, free);
+    let pulls = Mat::from_fn(free, blocks.len(), |j, block| blocks[block][j]);
+    let most = blocks.len().max(1) as f64;
+    let steps = &root * (root.transpose() * pulls);
+    let mut spread = vec![Spread { std: 0.0, freedom: 1.0 }; problem.model.parameters.len()];
+    for (j, index) in problem.free.iter().enumerate() {
+        let squares = steps.row(j).squared_norm_l2();
+        let fourths: f64 = steps.row(j).iter().map(|step| step.powi(4)).sum();
+        let std = squares.max(root.row(j).squared_norm_l2()).sqrt() * weights.scales[j].abs();
+        spread[*index] = Spread { std, freedom: (3.0 * squares.powi(2) / fourths).clamp(1.0, most) };
+    }
+    Ok(Some(spread))
+}
+
+/// Slopes at a fit.
+struct Slopes {
+    passed: Vec<StretchResult>,
+    /// Of the free parameters' covariance in white noise, scaled.
+    root: Mat<f64>,
+    weights: Weights,
+}
+
+impl Slopes {
+    fn at(
+        problem: &Problem<'_>,
+        yardstick: &Yardstick,
+        model: &Model,
+        at: &Measured,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
+        let weights = Weights { scores: true, ..yardstick.weights(problem, &at.values) };
+        let Some(passed) = pass::run(problem, &point, &weights)? else { return Ok(None) };
+        let free = problem.free.len();
+        let information = solver::information_factor(problem, &point, &weights, &passed);
+        let lengths = triangle::lengths(information.as_ref(), free);
+        let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
+        let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
+        let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
+        let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
+        let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
+        Ok(Some(Self { passed, root, weights }))
+    }
 }
 
 /// Slopes times residuals of a stretch, its local unknowns following.

@@ -89,6 +89,12 @@ fn shows(remainder: f64, length: f64) -> bool {
 /// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
 pub(crate) const SCORE_BLOCK_S: f64 = 0.5;
 
+/// Sums of slopes times residuals over blocks of that length, by free parameter.
+pub(crate) fn blocks(passed: &[StretchResult], free: usize) -> Vec<Vec<f64>> {
+    let all = passed.iter().flat_map(|result| result.scores.iter());
+    all.map(|block| block[block.len() - free..].to_vec()).collect()
+}
+
 /// Sums over one output channel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ChannelSums {

@@ -1,6 +1,6 @@
 //! What is chosen of all that was tried: the simplest of what predicts best, if it is proven.
 
-use socam_identify::{IdentifyError, compare::Yardstick};
+use socam_identify::{IdentifyError, compare::Yardstick, influence};
 
 use super::{Course, LEAST_GAIN, LEAST_SHARE, Proof, Step};
 use crate::{
@@ -81,6 +81,26 @@ pub(super) fn best(
         (Step { proof, ..step }, fitted)
     };
     Ok(Some(Named { chosen: named((index, fitted)), nearest: nearest.map(named) }))
+}
+
+/// What stands out against white noise only, if it does against noise as it is in the effect's own direction: that may be as quiet.
+pub(super) fn against_noise(
+    bench: &Bench<'_>,
+    yardstick: &Yardstick,
+    mut named: Named,
+    threshold: f64,
+) -> Result<Option<Named>, IdentifyError> {
+    let (step, Fitted { model, at, .. }) = &mut named.chosen;
+    let Candidate { effect, strength, .. } = &step.candidate;
+    let nothing = step.candidate.nothing();
+    let spread = influence::spread(&bench.problem(model)?, yardstick, model, at)?;
+    let Some(spread) = spread.filter(|_| nothing.is_finite()) else { return Ok(None) };
+    let used = model.effects.last().map_or(&[][..], |used| &used.parameters);
+    let own = effect.parameters.iter().zip(used).filter(|(own, _)| strength.contains(&own.name));
+    let chosen = if step.candidate.is_wave() { 2 } else { strength.len() };
+    let chance = own.map(|(_, index)| spread[*index].chance(at.values[*index] - nothing, chosen));
+    step.p_value = chance.fold(1.0, f64::min);
+    Ok((step.p_value < threshold).then_some(named))
 }
 
 /// On what an effect that was added between two fits holds, if it is one.
