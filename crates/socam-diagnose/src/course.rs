@@ -82,8 +82,9 @@ pub(crate) struct Course {
     /// Fits before each of these.
     before: Vec<Fitted>,
     pub(crate) yardstick: Yardstick,
-    /// What the last screening saw, strongest first.
+    /// What the last screening saw, strongest first, and beside how many steps.
     pub(crate) screened: Vec<Promising>,
+    looked_beside: usize,
     /// What remains without a name.
     pub(crate) unexplained: Option<Unexplained>,
 }
@@ -104,6 +105,7 @@ pub(crate) fn run(
         before: Vec::new(),
         yardstick,
         screened: Vec::new(),
+        looked_beside: 0,
         unexplained: None,
     };
     for _ in 0..bench.options.most_effects {
@@ -111,8 +113,6 @@ pub(crate) fn run(
         let Some(named) = course.choose(bench, &scales, threshold)? else { return Ok(Some(course)) };
         course.add(bench, named)?;
     }
-    // What could not be seen is said of the last model.
-    course.look(bench)?;
     Ok(Some(course))
 }
 
@@ -134,7 +134,16 @@ impl Course {
             screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, (&scales, &all))?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
         self.screened = seen;
+        self.looked_beside = self.steps.len();
         Ok((scales, bench.options.false_alarm_rate / all.len().max(1) as f64))
+    }
+
+    /// What could not be seen is said of the last model: screens again if a step was added or taken back since.
+    pub(crate) fn look_last(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
+        if self.looked_beside != self.steps.len() {
+            self.look(bench)?;
+        }
+        Ok(())
     }
 
     /// What to add next; nothing where nothing is missing, or what is has no name.

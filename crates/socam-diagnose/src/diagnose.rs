@@ -156,6 +156,7 @@ pub fn diagnose(
             break after;
         }
     };
+    course.look_last(&bench)?;
     let corrected = &course.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
     let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
