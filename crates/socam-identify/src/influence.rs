@@ -16,7 +16,8 @@ use crate::{
 const LEAST_RECORDINGS: usize = 3;
 /// Directions of the parameters that weigh less than this, relative to the heaviest, are nobody's pull.
 const LEAST_WEIGHT: f64 = 1e-6;
-
+/// Share of a parameter that must lie in the others for anything to be said of it.
+const MOSTLY: f64 = 0.99;
 /// What the other recordings say of a direction counts as no less than this share of what all do: what one alone says is not judged by
 /// the others.
 const LEAST_LEFT: f64 = 0.1;
@@ -42,7 +43,7 @@ pub fn half_widths(
         return Ok(None);
     }
     let Some(fit) = Slopes::at(problem, yardstick, model, at)? else { return Ok(None) };
-    let Slopes { passed, root, weights } = &fit;
+    let Slopes { passed, root, weights, .. } = &fit;
     let free = problem.free.len();
     let mut pulls = Mat::<f64>::zeros(free, recordings);
     for (stretch, result) in problem.stretches.iter().zip(passed) {
@@ -75,7 +76,7 @@ pub fn half_widths(
 /// How far noise moves an estimate, as its own course says.
 #[derive(Debug, Clone, Copy)]
 pub struct Spread {
-    /// Standard error, SI; zero of what is fixed.
+    /// Standard error, SI; infinite of what is fixed, or what no recording shows.
     pub std: f64,
     /// Degrees of freedom that it is known with.
     pub freedom: f64,
@@ -103,7 +104,7 @@ pub fn spread(
     model: &Model,
     at: &Measured,
 ) -> Result<Option<Vec<Spread>>, IdentifyError> {
-    let Some(Slopes { passed, root, weights }) = Slopes::at(problem, yardstick, model, at)? else {
+    let Some(Slopes { passed, root, shown, weights }) = Slopes::at(problem, yardstick, model, at)? else {
         return Ok(None);
     };
     let free = problem.free.len();
@@ -111,8 +112,8 @@ pub fn spread(
     let pulls = Mat::from_fn(free, blocks.len(), |j, block| blocks[block][j]);
     let most = blocks.len().max(1) as f64;
     let steps = &root * (root.transpose() * pulls);
-    let mut spread = vec![Spread { std: 0.0, freedom: 1.0 }; problem.model.parameters.len()];
-    for (j, index) in problem.free.iter().enumerate() {
+    let mut spread = vec![Spread { std: f64::INFINITY, freedom: 1.0 }; problem.model.parameters.len()];
+    for (j, index) in problem.free.iter().enumerate().filter(|(j, _)| shown[*j] > MOSTLY) {
         let squares = steps.row(j).squared_norm_l2();
         let fourths: f64 = steps.row(j).iter().map(|step| step.powi(4)).sum();
         let std = squares.max(root.row(j).squared_norm_l2()).sqrt() * weights.scales[j].abs();
@@ -126,6 +127,8 @@ struct Slopes {
     passed: Vec<StretchResult>,
     /// Of the free parameters' covariance in white noise, scaled.
     root: Mat<f64>,
+    /// By free parameter, how much of it lies in directions that weigh anything.
+    shown: Vec<f64>,
     weights: Weights,
 }
 
@@ -147,7 +150,8 @@ impl Slopes {
         let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
         let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
         let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
-        Ok(Some(Self { passed, root, weights }))
+        let shown = (0..free).map(|j| kept.iter().map(|k| svd.V()[(j, *k)].powi(2)).sum()).collect();
+        Ok(Some(Self { passed, root, shown, weights }))
     }
 }
 
