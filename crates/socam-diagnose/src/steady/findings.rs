@@ -1,0 +1,286 @@
+//! What a document says of a tie that breaks, and of one that holds.
+
+use socam_model::{Model, effects};
+
+use super::{
+    Outcome,
+    explain::{Explanation, Fitted},
+    ties::Kind,
+};
+use crate::{
+    document::{
+        ChannelFit, Curve, EffectParameter, Finding, NotFound, Over, ParameterChange, Proof, Region, Rival,
+        UNEXPLAINED,
+    },
+    words,
+};
+
+/// Fall of the sum of squares at which an effect would have been seen.
+const SEEN: f64 = 25.0;
+/// Weight of a rival that is worth naming.
+const LEAST_WEIGHT: f64 = 1e-2;
+
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let known = || values.iter().copied().filter(|value| value.is_finite());
+    let ends = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
+    (ends[0] <= ends[1]).then_some(ends)
+}
+
+pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Finding {
+    let Outcome { tie, readings, base, .. } = outcome;
+    let torque = if tie.kind == Kind::Speeds { None } else { range(&readings.second) };
+    let region = Region {
+        speed_rad_s: range(&readings.speed),
+        torque_nm: torque,
+        text: "at every steady state of the table; what happens in between is not in it".into(),
+        ..Region::default()
+    };
+    let seen = observation(model, outcome);
+    let named = outcome.named();
+    let mut proof = Proof {
+        p_value: Some(base.p_value),
+        chi2_gain: Some(base.chi2 - named.map_or(0.0, |(_, fitted)| fitted.chi2)),
+        holdout_gain_percent: None,
+        misfit_percent: None,
+    };
+    let Some((own, fitted)) = named else {
+        return Finding {
+            effect: UNEXPLAINED.into(),
+            location: unexplained_at(model, outcome),
+            parameters: Vec::new(),
+            components: Vec::new(),
+            curve: Some(curve(model, outcome)),
+            region,
+            evidence: proof,
+            rivals: Vec::new(),
+            sentence: format!("{seen}: {}", without_a_name(model, outcome)),
+            equation: String::new(),
+        };
+    };
+    if let (Some(before), Some(after)) = (outcome.left_out(model, None), outcome.left_out(model, Some(own))) {
+        let (before, after, count) =
+            (before.iter().sum::<f64>(), after.iter().sum::<f64>(), before.len() as f64);
+        let gain = before - after;
+        proof.holdout_gain_percent = Some(100.0 * gain / (before - count).max(gain).max(1.0));
+    }
+    let parameters = vec![estimate(model, own, fitted)];
+    let effect = effects::find(own.effect);
+    Finding {
+        effect: own.effect.into(),
+        location: own.place.clone(),
+        sentence: format!(
+            "{}. {seen}",
+            effect.map_or(String::new(), |effect| words::sentence(effect, &own.place, &parameters))
+        ),
+        equation: effect.map_or("", |effect| effect.equation).into(),
+        parameters,
+        components: Vec::new(),
+        curve: None,
+        region,
+        evidence: proof,
+        rivals: rivals(model, outcome, points),
+    }
+}
+
+fn estimate(model: &Model, own: &Explanation, fitted: &Fitted) -> EffectParameter {
+    let (value, ci95) = own.estimate(fitted);
+    EffectParameter {
+        name: own.parameter.into(),
+        value: Some(value),
+        unit: unit(model, own),
+        ci95: ci95.map(|end| Some(end).filter(|end| end.is_finite())),
+    }
+}
+
+fn unit(model: &Model, own: &Explanation) -> String {
+    let parameter =
+        effects::find(own.effect).and_then(|e| e.parameters.iter().find(|p| p.name == own.parameter));
+    parameter.map_or("", |p| model.unit_at(p.kind, &own.place)).into()
+}
+
+/// What the table says, in its own numbers.
+fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
+    let tie = outcome.tie;
+    let (first, second) = (&model.channels[tie.first].name, &model.channels[tie.second].name);
+    let list =
+        |values: &[f64]| values.iter().map(|value| words::short(*value)).collect::<Vec<_>>().join(", ");
+    let ratio = words::short(tie.ratio);
+    match tie.kind {
+        Kind::Speeds => format!(
+            "`{first}` / `{second}` is {}, where in a steady state gears and couplings allow {ratio} only",
+            list(&outcome.shares())
+        ),
+        Kind::Torques => format!("`{second}` is {} % of {ratio} times `{first}`", list(&outcome.shares())),
+        Kind::Load => format!(
+            "`{first}` is {} {} at {} rad/s",
+            list(&outcome.readings.first),
+            model.channels[tie.first].unit,
+            list(&outcome.readings.speed)
+        ),
+    }
+}
+
+fn without_a_name(model: &Model, outcome: &Outcome<'_>) -> String {
+    let chance = |effect: &str| {
+        let own = outcome.ranked.iter().filter(|(own, _)| own.effect == effect);
+        own.map(|(_, fitted)| fitted.p_value).fold(0.0, f64::max)
+    };
+    match outcome.tie.kind {
+        Kind::Speeds => format!(
+            "they scatter beyond any one gain (chance {:.0e}) and any one offset (chance {:.0e}) of either sensor, so neither corrects \
+             them, and whatever is worked out from both is uncertain by as much",
+            chance("sensor_gain"),
+            chance("sensor_offset")
+        ),
+        Kind::Torques => "no loss, drag, gain or offset of the catalogue takes as much at every point".into(),
+        Kind::Load => {
+            let viscous =
+                if outcome.case.base.is_empty() { "nothing in the model" } else { "no viscous drag" };
+            let place = unexplained_at(model, outcome);
+            format!("{viscous} at {place} does that, nor does any constant or quadratic drag")
+        }
+    }
+}
+
+fn unexplained_at(model: &Model, outcome: &Outcome<'_>) -> String {
+    let tie = outcome.tie;
+    let bearing = tie.bearings.last().map(|(bearing, _)| model.bearings[*bearing].name.clone());
+    let gear = tie.gears.first().map(|gear| model.gears[*gear].name.clone());
+    let place = match tie.kind {
+        Kind::Speeds => None,
+        Kind::Torques => gear.or(bearing),
+        Kind::Load => bearing,
+    };
+    place.unwrap_or_else(|| model.channels[tie.second].name.clone())
+}
+
+/// The error point by point, over speed.
+fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
+    let Outcome { tie, readings, case, .. } = outcome;
+    let second = &model.channels[tie.second];
+    let error = |k: usize| match tie.kind {
+        // As an error of the second sensor.
+        Kind::Speeds => readings.second[k] * (1.0 - case.error[k].exp()),
+        _ => case.error[k],
+    };
+    let mut all: Vec<(f64, f64)> = (0..case.error.len())
+        .map(|k| (readings.speed[k], error(k)))
+        .filter(|(x, y)| x.is_finite() && y.is_finite())
+        .collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Curve {
+        over: Over::Speed,
+        unit: "rad/s".into(),
+        x: all.iter().map(|(x, _)| *x).collect(),
+        torque: all.iter().map(|(_, y)| Some(*y)).collect(),
+        torque_std: Vec::new(),
+        torque_unit: second.unit.into(),
+    }
+}
+
+/// What explains it too, by its likelihood beside the best.
+fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Vec<Rival> {
+    let best = outcome.ranked[0].1.chi2;
+    let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.good]
+        .iter()
+        .map(|(own, fitted)| (own.effect.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
+        .collect();
+    if outcome.tie.kind == Kind::Speeds {
+        all.extend(slip(model, outcome, points));
+    }
+    let total: f64 = all.iter().map(|(.., weight)| weight).sum();
+    all.into_iter()
+        .skip(1)
+        .map(|(effect, location, weight)| Rival { effect, location, weight: weight / total })
+        .filter(|rival| rival.weight > LEAST_WEIGHT)
+        .collect()
+}
+
+/// A coupling may run at two speeds only while it slips, and then passes on the same torque at every speed: it is a rival where no
+/// torque was measured that says otherwise.
+fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Option<(String, String, f64)> {
+    let spring = outcome.tie.springs.first().map(|spring| model.springs[*spring].name.clone())?;
+    let torque = model.channels.iter().position(|channel| channel.quantity == socam_model::Quantity::Torque);
+    let read: Vec<f64> = points.iter().filter_map(|point| point[torque?]).collect();
+    let [least, most] = range(&read).unwrap_or([1.0, 1.0]);
+    let changes = (most - least).abs() > 0.05 * most.abs().max(least.abs());
+    // As Akaike counts: a slip of its own at every point, against one gain.
+    (!changes).then(|| ("coupling_slip".into(), spring, (-(outcome.case.error.len() as f64 - 1.0)).exp()))
+}
+
+pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) {
+    let tie = outcome.tie;
+    // The error of speeds is a share of them.
+    let scale = |k: usize| if tie.kind == Kind::Speeds { outcome.readings.second[k] } else { 1.0 };
+    let rms = |values: &[f64]| {
+        let sum: f64 = values.iter().enumerate().map(|(k, value)| (value * scale(k)).powi(2)).sum();
+        Some((sum / values.len() as f64).sqrt()).filter(|rms| rms.is_finite())
+    };
+    // Uncertainty is what is left over what that is in its units.
+    let sigma: Vec<f64> = outcome.base.residual.iter().zip(&outcome.base.left).map(|(r, l)| r / l).collect();
+    let held = |explanation: Option<&Explanation>| {
+        let left = outcome.left_out(model, explanation)?;
+        rms(&left.iter().zip(&sigma).map(|(left, sigma)| left.sqrt() * sigma).collect::<Vec<_>>())
+    };
+    let own = outcome.named();
+    let fit = ChannelFit {
+        noise_std: rms(&sigma),
+        rms_before: rms(&outcome.base.residual),
+        rms_after: rms(own.map_or(&outcome.base.residual, |(_, fitted)| &fitted.residual)),
+        holdout_rms_before: held(None),
+        holdout_rms_after: held(own.map(|(own, _)| own)),
+        unit: model.channels[tie.second].unit.into(),
+    };
+    let name = &model.channels[tie.second].name;
+    let of = match tie.kind {
+        Kind::Load => format!("{name} by drag"),
+        _ => format!("{name} by {}", model.channels[tie.first].name),
+    };
+    (of, fit)
+}
+
+/// Dampings that steady states determine; all else of the model they do not.
+pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<ParameterChange> {
+    let each = model.parameters.iter().enumerate().map(|(index, parameter)| {
+        let find = |outcome: &Outcome<'_>, fitted: &Fitted| {
+            outcome
+                .case
+                .dampings(fitted)
+                .into_iter()
+                .find(|(own, ..)| *own == index)
+                .map(|(_, value, ends)| (value, ends))
+        };
+        let before = outcomes.iter().find_map(|outcome| find(outcome, &outcome.base));
+        let after = outcomes.iter().find_map(|outcome| match outcome.named() {
+            Some((_, fitted)) => find(outcome, fitted),
+            None if outcome.broken => None,
+            None => find(outcome, &outcome.base),
+        });
+        let determined = after.filter(|(value, ends)| ends[1] - ends[0] <= value.abs());
+        let ends = |known: Option<(f64, [f64; 2])>| known.map_or([None; 2], |(_, ends)| ends.map(Some));
+        let fixed = Some(parameter.value).filter(|_| parameter.fixed);
+        ParameterChange {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            before: fixed.or(before.map(|(value, _)| value)),
+            after: fixed.or(determined.map(|(value, _)| value)),
+            ci95: ends(determined),
+            ci95_before: ends(before),
+            identifiable: determined.is_some(),
+            fixed: parameter.fixed,
+            determined_with: Vec::new(),
+        }
+    });
+    each.collect()
+}
+
+pub(super) fn unseen(model: &Model, outcome: &Outcome<'_>) -> Vec<NotFound> {
+    let each = outcome.ranked.iter().map(|(own, fitted)| NotFound {
+        effect: own.effect.into(),
+        location: own.place.clone(),
+        parameter: own.parameter.into(),
+        smallest_detectable: Some(SEEN.sqrt() * own.resolution(fitted)).filter(|size| size.is_finite()),
+        unit: unit(model, own),
+    });
+    each.collect()
+}
