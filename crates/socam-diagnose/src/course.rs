@@ -82,9 +82,8 @@ pub(crate) struct Course {
     /// Fits before each of these.
     before: Vec<Fitted>,
     pub(crate) yardstick: Yardstick,
-    /// What the last screening saw, strongest first, and beside how many steps.
+    /// What a screening of the last model saw, strongest first; nothing once that is another one.
     pub(crate) screened: Vec<Promising>,
-    looked_beside: usize,
     /// What remains without a name.
     pub(crate) unexplained: Option<Unexplained>,
 }
@@ -105,7 +104,6 @@ pub(crate) fn run(
         before: Vec::new(),
         yardstick,
         screened: Vec::new(),
-        looked_beside: 0,
         unexplained: None,
     };
     for _ in 0..bench.options.most_effects {
@@ -134,13 +132,12 @@ impl Course {
             screen::screen(model, bench.training, &bench.fit, &self.yardstick, at, (&scales, &all))?;
         seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
         self.screened = seen;
-        self.looked_beside = self.steps.len();
         Ok((scales, bench.options.false_alarm_rate / all.len().max(1) as f64))
     }
 
-    /// What could not be seen is said of the last model: screens again if a step was added or taken back since.
+    /// What could not be seen is said of the last model: screens it unless that was done.
     pub(crate) fn look_last(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
-        if self.looked_beside != self.steps.len() {
+        if self.screened.is_empty() {
             self.look(bench)?;
         }
         Ok(())
@@ -226,7 +223,9 @@ impl Course {
             self.enrich(bench, nearest)?;
         }
         self.refine(bench)?;
-        self.drop_superfluous(bench)
+        self.drop_superfluous(bench)?;
+        self.screened.clear();
+        Ok(())
     }
 
     /// With all that was found, the curve of what has no name among it; `None` where nothing was.
@@ -381,6 +380,7 @@ impl Course {
     /// Goes on without a step; what it gained is the next one's, and a curve is measured anew.
     fn remove(&mut self, bench: &Bench<'_>, index: usize, fitted: Fitted) -> Result<(), IdentifyError> {
         let gone = self.steps.remove(index);
+        self.screened.clear();
         match self.steps.get_mut(index) {
             Some(next) => {
                 self.before.remove(index + 1);

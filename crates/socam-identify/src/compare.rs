@@ -190,7 +190,7 @@ pub struct Promise {
 impl Promise {
     /// Chance of the gain from white noise just as strong as the yardstick has it.
     pub fn white_p_value(&self) -> f64 {
-        ChiSquared::new(self.step.len().max(1) as f64).map_or(1.0, |noise| noise.sf(self.gain.max(0.0)))
+        chance(self.gain.max(0.0), self.step.len())
     }
 }
 
@@ -315,7 +315,7 @@ impl<'f> Picture<'f> {
             .collect();
         let mut promise = Promise {
             gain,
-            p_value: consistency(&scores).min(chance(gain, n)),
+            p_value: consistency(&scores).min(chance(gain / INFLATION, n)),
             resolution: 1.0 / lengths[kept[0]],
             ..nothing
         };
@@ -341,9 +341,9 @@ fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
     (0..matrix.nrows()).map(|k| Some(solution[(k, 0)]).filter(|value| value.is_finite())).collect()
 }
 
-/// Chance of a gain by that many parameters if noise had [`INFLATION`] times the power that the yardstick gives it.
+/// Chance of a gain by that many parameters from noise as strong as the yardstick has it.
 fn chance(gain: f64, parameters: usize) -> f64 {
-    ChiSquared::new(parameters as f64).map_or(1.0, |noise| noise.sf(gain / INFLATION))
+    ChiSquared::new(parameters as f64).map_or(1.0, |noise| noise.sf(gain))
 }
 
 /// Chance that block sums of mean zero come out so alike (Hotelling 1931).
