@@ -13,8 +13,9 @@ use crate::{
     scales::Scales,
 };
 
-/// Candidates that share a pass: each adds to what a step costs.
+/// Candidates that share a pass: each adds to what a step costs; those less that only a sensor shows.
 const TOGETHER: usize = 10;
+const TOGETHER_ON_SENSORS: usize = 18;
 
 /// A candidate and what it promises, as a start for a fit.
 #[derive(Debug, Clone)]
@@ -44,7 +45,10 @@ pub(crate) fn screen(
     // What has a memory answers the motion even at no strength, and several of them each other.
     let (remembering, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         laws.into_iter().partition(|candidate| candidates::has_memory(candidate.effect));
+    let is_on_a_sensor = |one: &&Candidate| model.outputs().any(|output| output.name == one.place);
+    let (on_sensors, laws): (Vec<&Candidate>, Vec<&Candidate>) = laws.into_iter().partition(is_on_a_sensor);
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
+    batches.extend(on_sensors.chunks(TOGETHER_ON_SENSORS).map(<[_]>::to_vec));
     batches.extend(full.into_iter().chain(remembering).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
     let whole = Problem::new(model, datasets, options.clone())?;

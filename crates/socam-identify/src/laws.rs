@@ -87,6 +87,11 @@ impl Law {
         self.sight == 0
     }
 
+    /// Columns of its free parameters.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.free.iter().map(|(_, column)| *column)
+    }
+
     /// How much it sees: ports that stand next to each other.
     pub(crate) fn count(&self) -> usize {
         self.count

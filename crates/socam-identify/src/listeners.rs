@@ -37,12 +37,90 @@ pub(crate) struct Hearing {
     rows: usize,
 }
 
+/// Those of them that would change what sensors read, and move nothing: they hear the motion when it is observed.
+pub(crate) struct Readers {
+    /// By what they hear first.
+    laws: Vec<Law>,
+    /// What they hear of states, inputs and forces, one after the other: for each as many numbers as there is to hear.
+    heard: Vec<f64>,
+    count: usize,
+    /// What each law's answer does to outputs.
+    output: DMatrix<f64>,
+}
+
 /// How what a law would answer moves with one free parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Heard {
     law: usize,
     pub(crate) column: usize,
     pub(crate) slope: f64,
+}
+
+/// Parts the ports that are `quiet` into those whose forces would move something, and those that only sensors would show.
+pub(crate) fn parted(equations: &Equations, quiet: &[usize]) -> [Vec<usize>; 2] {
+    let mut leader = 0;
+    let (moving, reading) = quiet.iter().partition(|port| {
+        if equations.ports[**port].sight == 0 {
+            leader = **port;
+        }
+        let forces = [&equations.force, &equations.port_force];
+        forces.into_iter().any(|matrix| matrix.column(leader).iter().any(|value| *value != 0.0))
+    });
+    [moving, reading]
+}
+
+impl Readers {
+    /// Of the ports `reading` of `equations`, of whose others `live` answer.
+    pub(crate) fn new(
+        equations: &Equations,
+        values: &[f64],
+        free: &[usize],
+        [live, reading]: [&[usize]; 2],
+    ) -> Self {
+        let own = equations.with_ports(reading);
+        let force = equations.port_force.select_rows(reading).select_columns(live);
+        let leaders = reading.iter().copied().filter(|p| equations.ports[*p].sight == 0);
+        let leaders: Vec<usize> = leaders.collect();
+        Self {
+            laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
+            heard: [own.port, own.port_input, force].iter().flat_map(|part| part.iter().copied()).collect(),
+            count: reading.len(),
+            output: equations.force_output.select_columns(&leaders),
+        }
+    }
+
+    /// What they would answer now.
+    pub(crate) fn answer(&self, motion: impl Iterator<Item = f64>, all: &mut Vec<Heard>) {
+        all.clear();
+        if self.count == 0 {
+            return;
+        }
+        let mut heard = vec![0.0; self.count];
+        for (value, column) in motion.zip(self.heard.chunks_exact(self.count)) {
+            heard.iter_mut().zip(column).for_each(|(heard, factor)| *heard += factor * value);
+        }
+        answer(&self.laws, &heard, all);
+    }
+
+    /// Of one of them to an output.
+    pub(crate) fn to_output(&self, output: usize, heard: &Heard) -> f64 {
+        self.output[(output, heard.law)] * heard.slope
+    }
+}
+
+/// What laws would answer to what they hear, one after the other.
+fn answer(laws: &[Law], heard: &[f64], all: &mut Vec<Heard>) {
+    let mut first = 0;
+    for (index, law) in laws.iter().enumerate() {
+        let slopes = law.at(&heard[first..]).slope_parameters;
+        let own = law.free.iter().map(|(position, column)| Heard {
+            law: index,
+            column: *column,
+            slope: slopes[*position],
+        });
+        all.extend(own);
+        first += law.count();
+    }
 }
 
 impl Listeners {
@@ -65,6 +143,11 @@ impl Listeners {
             output: equations.force_output.select_columns(&leaders),
             leaders,
         }
+    }
+
+    /// Columns of what they would answer.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.laws.iter().flat_map(Law::columns)
     }
 
     /// What a step is to them, which is one of all ports.
@@ -99,22 +182,8 @@ impl Listeners {
             })
             .collect();
         let mut all = Vec::new();
-        self.answer(&heard, &mut all);
+        answer(&self.laws, &heard, &mut all);
         all
-    }
-
-    fn answer(&self, heard: &[f64], all: &mut Vec<Heard>) {
-        let mut first = 0;
-        for (index, law) in self.laws.iter().enumerate() {
-            let slopes = law.at(&heard[first..]).slope_parameters;
-            let own = law.free.iter().map(|(position, column)| Heard {
-                law: index,
-                column: *column,
-                slope: slopes[*position],
-            });
-            all.extend(own);
-            first += law.count();
-        }
     }
 
     /// What they would answer in the middle of a step and at its end.
@@ -124,7 +193,7 @@ impl Listeners {
         let (first, last) = heard.split_at(heard.len() / 2);
         for (heard, all) in [(first, middle), (last, end)] {
             all.clear();
-            self.answer(heard, all);
+            answer(&self.laws, heard, all);
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
     combine::row_times,
     exponential::{self, Level, Sizes},
     laws::Law,
-    listeners::Listeners,
+    listeners::{self, Listeners, Readers},
     sensitivity::Constants,
     walker::Instant,
 };
@@ -27,6 +27,7 @@ pub(crate) struct Motion {
     pub(crate) coupling: Vec<f64>,
     pub(crate) constants: Constants,
     pub(crate) listeners: Listeners,
+    pub(crate) readers: Readers,
 }
 
 /// A way of moving.
@@ -53,8 +54,9 @@ pub(crate) struct Regimes {
     pub(crate) play: Option<Play>,
     /// Length of the shortest step, s.
     pub(crate) finest_s: f64,
-    /// Number of free parameters.
+    /// Number of free parameters, and of those up to the last that moves anything.
     pub(crate) free: usize,
+    pub(crate) moving: usize,
 }
 
 impl Motion {
@@ -72,8 +74,12 @@ impl Motion {
         let last = moved.iter().rposition(moves).unwrap_or(0);
         moved.truncate(last + 1);
         let mut levels = exponential::levels(&live, &moved, sample_time_s)?;
+        let [live_ports, quiet] = ports;
+        let [moving, reading] = listeners::parted(equations, quiet);
+        let readers = Readers::new(equations, values, free, [live_ports, &reading]);
+        let ports = [live_ports, &*moving];
         let listeners = Listeners::new(equations, values, free, ports);
-        if !ports[1].is_empty() {
+        if !moving.is_empty() {
             let sizes = Sizes::new(equations, 0);
             let all = exponential::levels(equations, &[], sample_time_s)?;
             // Where all are silent nothing bends, and a step is a sample.
@@ -83,7 +89,7 @@ impl Motion {
         }
         let constants = Constants::new(&live, &moved);
         let coupling = live.port_force.transpose().iter().copied().collect();
-        Some(Self { equations: live, slopes: moved, levels, coupling, constants, listeners })
+        Some(Self { equations: live, slopes: moved, levels, coupling, constants, listeners, readers })
     }
 
     /// Of the states, at an instant.
@@ -116,10 +122,20 @@ impl Regimes {
         };
         let touching = motion(equations, slopes)?;
         let laws = Law::all(&touching.equations, values, free);
+        // Whatever ways of moving there are, the same parameters move them.
+        let by_laws = laws.iter().flat_map(Law::columns).chain(touching.listeners.columns());
+        let moving = by_laws.map(|column| column + 1).fold(touching.slopes.len(), usize::max);
         let one = |touching, laws| {
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let side = Side { motion: 0, laws, range: everywhere };
-            Self { motions: vec![touching], sides: vec![side], play: None, finest_s, free: free.len() }
+            Self {
+                motions: vec![touching],
+                sides: vec![side],
+                play: None,
+                finest_s,
+                free: free.len(),
+                moving,
+            }
         };
         // Of several gears with play none is treated so: their ways of moving would multiply.
         let is_play = |p: &usize| equations.ports[*p].sight == 0 && equations.ports[*p].is_play();
@@ -131,6 +147,7 @@ impl Regimes {
             return Some(one(touching, laws));
         };
         let loose = motion(&loose, &moved)?;
+        let moving = moving.max(loose.slopes.len());
         let port = live.iter().position(|p| p == port)?;
         let half = 0.5 * values[gap];
         let side = |motion: usize, range: [f64; 2], flank: f64| {
@@ -145,7 +162,7 @@ impl Regimes {
         ];
         let gap = free.iter().position(|index| *index == gap);
         let play = Some(Play { port, gap });
-        Some(Self { motions: vec![touching, loose], sides, play, finest_s, free: free.len() })
+        Some(Self { motions: vec![touching, loose], sides, play, finest_s, free: free.len(), moving })
     }
 
     /// Of the network as it is, teeth in touch.

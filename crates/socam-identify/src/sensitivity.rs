@@ -1,5 +1,7 @@
 //! Sensitivities of a model's state, forces and outputs with respect to parameters and start state, step by step.
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 use pulp::{Simd, WithSimd};
 use socam_model::Equations;
@@ -44,15 +46,19 @@ impl Constants {
     }
 }
 
-/// Columns are the free parameters, then, while it shows, the start state; each part is filled up to whole vectors.
+/// Columns are the free parameters that move anything, then, while it shows, the start state; each part is filled up to whole vectors.
 pub(crate) struct Sensitivity<'s> {
     regimes: &'s Regimes,
     sizes: Sizes,
+    /// Free parameters up to the last one that moves anything: those that only readers know come behind all columns.
+    moving: usize,
     start: usize,
     columns: usize,
     /// What silent laws would answer now, and in the middle of a step and at its end.
     heard: Vec<Heard>,
     later: [Vec<Heard>; 2],
+    /// What readers would answer at the last observation.
+    read: Vec<Heard>,
     /// Of the states, then of the forces at a step's start, middle and end; row by row.
     rows: Vec<f64>,
     /// Of the states at the end of a step, then of the speeds in its middle and at its end.
@@ -67,15 +73,18 @@ impl<'s> Sensitivity<'s> {
     pub(crate) fn new(regimes: &'s Regimes, first: &Instant, moved: Option<&[DVector<f64>]>) -> Self {
         let s = regimes.motion(first.side).constants.sizes;
         let start = if moved.is_some() { 0 } else { s.states };
-        let free = padded(regimes.free);
+        let moving = regimes.moving;
+        let free = padded(moving);
         let columns = free + padded(start);
         let mut this = Self {
             regimes,
             sizes: s,
+            moving,
             start,
             columns,
             heard: Vec::new(),
             later: [Vec::new(), Vec::new()],
+            read: Vec::new(),
             rows: vec![0.0; (s.states + 3 * s.ports) * columns],
             next: vec![0.0; (s.states + 2 * s.ports) * columns],
             room: Room::default(),
@@ -84,7 +93,7 @@ impl<'s> Sensitivity<'s> {
         for i in 0..start {
             this.rows[i * columns + free + i] = 1.0;
         }
-        for (j, slope) in moved.into_iter().flatten().enumerate() {
+        for (j, slope) in moved.into_iter().flatten().take(moving).enumerate() {
             for i in 0..s.states {
                 this.rows[i * columns + j] = slope[i];
             }
@@ -188,7 +197,7 @@ impl<'s> Sensitivity<'s> {
 
     /// From now on without those with respect to the start state.
     pub(crate) fn drop_start(&mut self) {
-        let (old, new) = (self.columns, padded(self.regimes.free));
+        let (old, new) = (self.columns, padded(self.moving));
         for rows in [&mut self.rows, &mut self.next] {
             *rows = rows.chunks_exact(old.max(1)).flat_map(|row| &row[..new]).copied().collect();
         }
@@ -223,7 +232,13 @@ impl<'s> Sensitivity<'s> {
         forces.copy_within(2 * s.ports * self.columns.., 0);
     }
 
-    /// Slopes of one output now: with respect to the free parameters, then to the start state, each part filled up.
+    /// Has readers hear the motion as it is now, `inputs` as held.
+    pub(crate) fn read(&mut self, walker: &Walker<'_>, inputs: &[f64]) {
+        let motion = walker.state().iter().chain(inputs).chain(walker.forces()).copied();
+        self.regimes.motion(walker.side()).readers.answer(motion, &mut self.read);
+    }
+
+    /// Slopes of one output now, each where [`Sensitivity::place`] has it.
     pub(crate) fn observe(
         &mut self,
         output: usize,
@@ -232,12 +247,12 @@ impl<'s> Sensitivity<'s> {
         slopes: &mut Vec<f64>,
     ) {
         let s = self.sizes;
-        let Motion { constants, listeners, .. } = self.regimes.motion(walker.side());
+        let Motion { constants, listeners, readers, .. } = self.regimes.motion(walker.side());
         self.entries.clear();
         self.entries.extend(walker.state().iter().chain(inputs).chain(walker.forces()));
         let from = slopes.len();
-        slopes.resize(from + self.columns, 0.0);
-        let target = &mut slopes[from..];
+        slopes.resize(from + self.observed(), 0.0);
+        let target = &mut slopes[from..from + self.columns];
         combine::add_rows(
             &constants.outputs[output],
             &self.rows[..(s.states + s.ports) * self.columns],
@@ -247,10 +262,24 @@ impl<'s> Sensitivity<'s> {
         let moved = padded(s.free);
         combine::add_rows(&self.entries, &constants.output_slopes[output], moved, &mut target[..moved]);
         self.heard.iter().for_each(|heard| target[heard.column] += listeners.to_output(output, heard));
+        for heard in &self.read {
+            slopes[from + self.place(heard.column)] += readers.to_output(output, heard);
+        }
     }
 
-    pub(crate) fn columns(&self) -> usize {
-        self.columns
+    /// Numbers of one output's slopes.
+    pub(crate) fn observed(&self) -> usize {
+        self.columns + self.regimes.free - self.moving
+    }
+
+    /// Where among these a free parameter's is.
+    pub(crate) fn place(&self, free: usize) -> usize {
+        if free < self.moving { free } else { self.columns + free - self.moving }
+    }
+
+    /// Where those with respect to the start state are.
+    pub(crate) fn start_places(&self) -> Range<usize> {
+        padded(self.moving)..padded(self.moving) + self.start
     }
 }
 

@@ -9,7 +9,6 @@ use socam_model::Equations;
 use crate::{
     IdentifyError,
     between::{self, Course},
-    exponential::padded,
     feed,
     modal::offset_channels,
     pass::{Point, Rows, Weights},
@@ -64,7 +63,7 @@ impl<'a> Stepper<'a> {
         let mut run: Option<Run<'_>> = None;
         let pieces = between::pieces(problem.intersample);
         let mut raw = vec![0.0; self.equations.input.ncols()];
-        let mut course = Vec::new();
+        let (mut course, mut now) = (Vec::new(), Vec::new());
         let mut finite = true;
         feed::read(
             problem.model,
@@ -82,14 +81,13 @@ impl<'a> Stepper<'a> {
                         raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
                         course.clear();
                         course.extend(chunk.held.iter().map(|held| Course::new(&pieces, &held[k..])));
+                        now.clear();
+                        now.extend(course.iter().map(|course| course.at(1.0)));
                         match &mut run {
-                            None => {
-                                let held: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
-                                run = Some(self.start(problem, index, point, &offsets, &held));
-                            }
+                            None => run = Some(self.start(problem, index, point, &offsets, &now)),
                             Some(run) => run.sample(&course),
                         }
-                        run.iter_mut().for_each(|run| run.observe(&raw));
+                        run.iter_mut().for_each(|run| run.observe(&raw, &now));
                     }
                     let measured: Vec<&[f64]> =
                         chunk.outputs.iter().map(|o| &o[from..from + count]).collect();
@@ -168,7 +166,9 @@ impl Run<'_> {
         self.unresolved += u64::from(walker.unresolved > before);
     }
 
-    fn observe(&mut self, inputs: &[f64]) {
+    /// `inputs` as measured, and as `held`.
+    fn observe(&mut self, inputs: &[f64], held: &[f64]) {
+        self.sensitivity.read(&self.walker, held);
         self.walker.outputs(inputs, &mut self.values);
         for (output, value) in self.values.iter().enumerate() {
             self.predictions[output].push(*value);
@@ -198,17 +198,19 @@ impl Run<'_> {
         let own =
             self.offsets.iter().position(|channel| *channel == output).map(|position| starts + position);
         let offset = own.map_or(0.0, |own| self.locals[own]);
-        let stride = self.sensitivity.columns();
+        let stride = self.sensitivity.observed();
         for (j, column) in target.col_iter_mut().enumerate() {
-            let slopes = |position: usize| self.jacobian[output].iter().skip(position).step_by(stride.max(1));
+            let slopes = |place: usize| self.jacobian[output].iter().skip(place).step_by(stride.max(1));
             let column = column.iter_mut();
             if j == locals + self.free {
                 column.zip(&self.predictions[output]).for_each(|(t, value)| *t = (value + offset) * unit);
             } else if j >= locals {
                 let factor = unit * self.weights.scales[j - locals];
-                column.zip(slopes(j - locals)).for_each(|(t, slope)| *t = slope * factor);
+                let own = slopes(self.sensitivity.place(j - locals));
+                column.zip(own).for_each(|(t, slope)| *t = slope * factor);
             } else if j < starts && self.sensitivity.starting() {
-                column.zip(slopes(padded(self.free) + j)).for_each(|(t, slope)| *t = slope * unit);
+                let own = slopes(self.sensitivity.start_places().start + j);
+                column.zip(own).for_each(|(t, slope)| *t = slope * unit);
             } else {
                 let value = if own == Some(j) { unit } else { 0.0 };
                 column.for_each(|t| *t = value);
@@ -218,10 +220,11 @@ impl Run<'_> {
 
     /// Drops the slopes with respect to the start state once they have decayed.
     fn forget_start(&mut self) {
-        let (stride, from) = (self.sensitivity.columns(), padded(self.free));
+        let (stride, places) = (self.sensitivity.observed(), self.sensitivity.start_places());
         let units = &self.weights.noise_std;
         let blocks = self.jacobian.iter().zip(units).flat_map(|(rows, unit)| {
-            let parts = rows.chunks_exact(stride).flat_map(move |row| &row[from..]);
+            let places = places.clone();
+            let parts = rows.chunks_exact(stride).flat_map(move |row| &row[places.clone()]);
             parts.map(move |slope| slope.abs() / unit)
         });
         let size = blocks.fold(0.0, f64::max);
