@@ -395,9 +395,9 @@ impl Course {
         self.last = fitted;
         self.judge_noise(bench)?;
         if let Some(Unexplained { free, .. }) = self.unexplained.take()
-            && let Some(shape) = shapes::one(bench, &self.last, &self.yardstick, free)?
+            && let Some(shape) = shapes::together(bench, &self.last, &self.yardstick, &[free])?.first()
         {
-            self.unexplained = shapes::confirmed(bench, &self.last, &self.yardstick, &shape)?;
+            self.unexplained = shapes::confirmed(bench, &self.last, &self.yardstick, shape)?;
         }
         Ok(())
     }
@@ -444,7 +444,7 @@ fn unnamed(
     }
     let mut free = shapes::places(bench, &course.last.model, scales);
     free.retain(|free| !is_calm || suspicious || free.is_nameless());
-    let shapes = shapes::all(bench, &course.last, &course.yardstick, free)?;
+    let shapes = shapes::all(bench, &course.last, &course.yardstick, &free)?;
     let Some(first) = shapes.first() else { return Ok(None) };
     let threshold = bench.options.false_alarm_rate / shapes.len() as f64;
     let strongest = gains.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);

@@ -28,6 +28,8 @@ use crate::{
 
 /// Points that a curve is made of.
 const POINTS: usize = 9;
+/// Curves that share a pass: each adds its points to what a step costs.
+const TOGETHER: usize = 3;
 /// Orders of a curve over one turn.
 pub(crate) const ORDERS: usize = 4;
 /// Name of the speed within which what rubs turns its direction: as wide as that of the catalogue's friction.
@@ -216,10 +218,10 @@ pub(crate) fn all(
     bench: &Bench<'_>,
     last: &Fitted,
     yardstick: &Yardstick,
-    free: Vec<Free>,
+    free: &[Free],
 ) -> Result<Vec<Shape>, IdentifyError> {
-    let each = free.into_par_iter().map(|free| one(bench, last, yardstick, free));
-    let found: Result<Vec<Option<Shape>>, IdentifyError> = each.collect();
+    let each = free.par_chunks(TOGETHER).map(|free| together(bench, last, yardstick, free));
+    let found: Result<Vec<Vec<Shape>>, IdentifyError> = each.collect();
     let mut found: Vec<Shape> = found?.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Ok(found)
@@ -362,28 +364,33 @@ fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> 
     Ok((grown, heights))
 }
 
-/// What a shape would carry; `None` where it cannot act.
-pub(crate) fn one(
+/// What each of a few shapes would carry, from one pass; without those that cannot act.
+pub(crate) fn together(
     bench: &Bench<'_>,
     last: &Fitted,
     yardstick: &Yardstick,
-    free: Free,
-) -> Result<Option<Shape>, IdentifyError> {
-    let Ok((grown, heights)) = grown(&last.model, &free) else { return Ok(None) };
-    let values = carried((&last.model, &last.at.values), &grown);
-    let problem = Problem::new(&grown, bench.training, bench.fit.clone())?;
-    let base = estimated(&last.model, &grown);
-    let promises = compare::screen(
-        &problem,
-        yardstick,
-        &values,
-        (&last.model, &last.at),
-        &base,
-        std::slice::from_ref(&heights),
-    )?;
-    let Some(promise) = promises.and_then(|all| all.into_iter().next()) else { return Ok(None) };
-    let (gain, p_value, std) = (promise.gain, promise.p_value, promise.std);
-    Ok(Some(Shape { free, std, gain, p_value }))
+    free: &[Free],
+) -> Result<Vec<Shape>, IdentifyError> {
+    let (mut model, mut heights, mut acting) = (last.model.clone(), Vec::new(), Vec::new());
+    for free in free {
+        if let Ok((grown, own)) = grown(&model, free) {
+            model = grown;
+            heights.push(own);
+            acting.push(free);
+        }
+    }
+    let values = carried((&last.model, &last.at.values), &model);
+    let problem = Problem::new(&model, bench.training, bench.fit.clone())?;
+    let base = estimated(&last.model, &model);
+    let from = (&last.model, &last.at);
+    let promises = compare::screen(&problem, yardstick, &values, from, &base, &heights)?.unwrap_or_default();
+    let each = acting.into_iter().zip(promises).map(|(free, promise)| Shape {
+        free: free.clone(),
+        std: promise.std,
+        gain: promise.gain,
+        p_value: promise.p_value,
+    });
+    Ok(each.collect())
 }
 
 /// Fits a shape and tries it on held-out recordings; `None` where it does not hold there.
