@@ -166,9 +166,11 @@ pub fn outliers(
         let point = Point { values: values.to_vec(), locals: pass::first_locals(&cleaned, values)? };
         let weights = Weights {
             input_std: levels.inputs.clone(),
-            ..Weights::white(levels.outputs.clone(), solver::scales(&cleaned, values))
+            ..Weights::white(levels.outputs.clone(), Vec::new())
         };
-        let Some(at) = solver::with_locals_fitted(&cleaned, point, weights)? else { break };
+        let all: Vec<usize> = (0..cleaned.stretches.len()).collect();
+        let blind = levels::without_slopes(&cleaned, &all, u64::MAX);
+        let Some(at) = solver::with_locals_fitted(&blind, point, weights)? else { break };
         if !leave_out(&mut cleaned, &at.point, &at.weights)? {
             break;
         }

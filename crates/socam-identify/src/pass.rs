@@ -466,19 +466,20 @@ impl Scores {
     fn take(&mut self, rows: MatRef<'_, f64>, samples: usize, present: &[bool], skipped: usize) {
         let last = rows.ncols() - 1;
         let outputs = present.len() / samples.max(1);
-        for k in 0..samples {
-            let block = (self.row + k) / self.block_rows;
+        let mut from = 0;
+        while from < samples {
+            let block = (self.row + from) / self.block_rows;
+            let to = samples.min((block + 1) * self.block_rows - self.row);
             if block >= self.sums.len() {
                 self.sums.push(vec![0.0; self.width]);
             }
-            let sums = &mut self.sums[block];
             for output in 0..outputs {
-                let row = output * samples + k;
-                let residual = rows[(row, last)];
-                for j in 0..last {
-                    sums[skipped + j] += rows[(row, j)] * residual;
-                }
+                let own = rows.subrows(output * samples + from, to - from);
+                let residual = own.col(last);
+                let sums = self.sums[block][skipped..].iter_mut();
+                sums.zip(own.col_iter()).for_each(|(sum, slopes)| *sum += slopes.transpose() * residual);
             }
+            from = to;
         }
         self.row += samples;
     }
