@@ -70,7 +70,7 @@ pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
 pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
-pub use solver::{evaluate, output_error};
+pub use solver::{at_minimum, evaluate, output_error};
 pub use walker::DEFAULT_TOLERANCE;
 pub use watch::{Observer, Progress, Stage, Watch};
 pub use whitener::NoiseLevels;

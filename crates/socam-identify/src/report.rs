@@ -198,9 +198,8 @@ pub(crate) fn identification(
 ) -> Result<Identification, IdentifyError> {
     problem.options.watch.tell(Stage::Intervals, 0, None);
     let weights = pass::Weights { scores: true, ..descent.weights.clone() };
-    if let Some(passed) = pass::run(problem, &descent.point, &weights)? {
-        descent.passed = passed;
-    }
+    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
+    descent.passed = pass::run(problem, &descent.point, &weights)?.ok_or_else(diverged)?;
     let results = &descent.passed;
     let noise = noise_in_slopes::products(problem, &descent.point, &weights, results)?;
     let uncertainty = Uncertainty::new(problem, &descent.point, &weights.scales, results, &noise);

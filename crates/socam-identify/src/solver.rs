@@ -46,6 +46,8 @@ const MOST_ROUNDS: usize = 6;
 const MOST_CLEANINGS: usize = 3;
 /// Steps of the start states when only they are fitted.
 const MOST_START_STEPS: usize = 20;
+/// They have settled when a step gains, or promises to gain, less than this share of the sum of squares.
+const SETTLED_LOCALS: f64 = 1e-9;
 /// Share of such a step that is taken when the whole of it leads up, again and again down to the least.
 const SHORTER: f64 = 0.25;
 const LEAST_SHARE: f64 = 1e-2;
@@ -85,6 +87,35 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
         descent.iterations += before;
     }
     report::identification(&cleaned, descent, &races, clock)
+}
+
+/// What recordings say of parameters that another search came to (`values`: all of them, SI), by noise that is given: an
+/// [`output_error`] that begins there and need not go anywhere. Only what is local to a recording is fitted.
+///
+/// # Errors
+/// As those of [`output_error`].
+pub fn at_minimum(
+    problem: &Problem<'_>,
+    values: &[f64],
+    converged: bool,
+) -> Result<Identification, IdentifyError> {
+    let clock = report::CpuClock::start();
+    let Noise::Given(given) = &problem.options.noise else { return output_error(problem) };
+    let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
+    let inputs = if colour::exists(problem, &point, given) { given.inputs.clone() } else { Vec::new() };
+    let weights =
+        |scales| Weights { input_std: inputs.clone(), ..Weights::white(given.outputs.clone(), scales) };
+    let all: Vec<usize> = (0..problem.stretches.len()).collect();
+    let blind = levels::without_slopes(problem, &all, u64::MAX);
+    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
+    let at = with_locals_fitted(&blind, point, weights(Vec::new()))?.ok_or_else(diverged)?;
+    let mut cleaned = problem.clone();
+    if outliers::leave_out(&mut cleaned, &at.point, &at.weights)? {
+        return output_error(problem);
+    }
+    let weights = weights(scales(problem, values));
+    let end = if converged { End::Converged } else { End::IterationLimit };
+    report::identification(&cleaned, Descent { weights, end, ..at }, &[], clock)
 }
 
 /// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
@@ -146,6 +177,9 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     let still = vec![0.0; problem.free.len()];
     let mut share = 1.0;
     for _ in 0..MOST_START_STEPS {
+        if promised_by_locals(&at.passed) <= SETTLED_LOCALS * at.cost {
+            break;
+        }
         let trial = moved(problem, at, &still, share);
         let passed = pass::run_below(problem, &trial, &at.weights, at.cost)?;
         let passed = passed.filter(|passed| squares(passed) < at.cost);
@@ -157,13 +191,22 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
             continue;
         };
         let cost = squares(&passed);
-        let is_over = cost >= at.cost * (1.0 - 1e-9);
+        let is_over = cost >= at.cost * (1.0 - SETTLED_LOCALS);
         (at.point, at.passed, at.cost) = (trial, passed, cost);
         if is_over {
             break;
         }
     }
     Ok(())
+}
+
+/// What moving local unknowns alone would take from the sum of squares, were the motion linear in them.
+fn promised_by_locals(passed: &[StretchResult]) -> f64 {
+    let own = |result: &StretchResult| {
+        let residual = result.factor.col(result.factor.ncols() - 1);
+        result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum::<f64>()
+    };
+    passed.iter().map(own).sum()
 }
 
 /// A descent and where it ended.

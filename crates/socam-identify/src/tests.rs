@@ -8,7 +8,8 @@ use socam_model::{BUILTIN, Model};
 use socam_recording::{Channel, Dataset, Unit};
 
 use crate::{
-    Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, evaluate, feed, output_error,
+    Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, at_minimum, evaluate, feed,
+    output_error,
     pass::{self, Point, Weights},
 };
 
@@ -220,6 +221,7 @@ fn slopes_of_silent_laws_agree_with_differences() {
             ("gravity_unbalance", "load", &[("torque", 0.0), ("phase", 0.3)]),
             ("sensor_hum", "torque_out", &[("amplitude", 0.0), ("frequency", 50.0), ("phase", 0.2)]),
             ("mesh_loss", "mesh", &[("fraction", 0.0)]),
+            ("sensor_ripple", "output_speed", &[("amplitude", 0.0), ("order", 2.0), ("phase", 0.2)]),
         ] {
             model = model.with_effect(effect, place, values).unwrap();
         }
@@ -306,6 +308,26 @@ fn noise_that_a_model_file_gives_an_input_stays() {
     let model = model(given);
     let result = output_error(&Problem::new(&model, &data, Options::default()).unwrap()).unwrap();
     assert_eq!(result.input_noise_std, [("motor_speed".to_owned(), 0.004)]);
+}
+
+/// Where a search has ended there is nothing more to be found.
+#[test]
+fn at_a_minimum_intervals_are_those_of_a_search() {
+    let data = [bench(TRUTH, 4.0, 1.0, 5)];
+    let model = model(|text| text);
+    let noise = Noise::Given(NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.004] });
+    let options = Options { starts: 1, noise, ..Options::default() };
+    let problem = Problem::new(&model, &data, options).unwrap();
+    let sought = output_error(&problem).unwrap();
+    let there = at_minimum(&problem, &sought.point, true).unwrap();
+    assert!(there.converged && there.point == sought.point);
+    assert!((there.cost / sought.cost - 1.0).abs() < 1e-6, "{} {}", there.cost, sought.cost);
+    for (there, sought) in there.parameters.iter().zip(&sought.parameters) {
+        assert_eq!(there.identifiable, sought.identifiable, "{there:?}");
+        for (there, sought) in there.std.iter().zip(&sought.std) {
+            assert!((there / sought - 1.0).abs() < 1e-2, "{there} {sought}");
+        }
+    }
 }
 
 #[test]
