@@ -1,7 +1,7 @@
 //! Shares with their uncertainty.
 
 use serde::Serialize;
-use statrs::distribution::{Beta, ContinuousCDF, Normal};
+use statrs::distribution::{Beta, ContinuousCDF, DiscreteCDF, Hypergeometric, Normal};
 
 /// How often something holds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -63,6 +63,16 @@ pub(super) fn lower_by_chance(first: &Rate, second: &Rate) -> Option<f64> {
     Some(Normal::standard().cdf((q - p) / spread))
 }
 
+/// The same without the approximation, which takes a few misses for more than they say (Fisher 1935).
+pub(super) fn lower_by_chance_exactly(first: &Rate, second: &Rate) -> Option<f64> {
+    if first.of == 0 || second.of == 0 {
+        return None;
+    }
+    let [all, hits, drawn] = [first.of + second.of, first.hits + second.hits, second.of].map(|n| n as u64);
+    let by_chance = Hypergeometric::new(all, hits, drawn).ok()?;
+    Some(by_chance.cdf(second.hits as u64))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,5 +94,17 @@ mod tests {
         assert!(lower_by_chance(&high, &low).unwrap() < 0.01);
         assert!(lower_by_chance(&low, &high).unwrap() > 0.99);
         assert_eq!(lower_by_chance(&high, &Rate::of([])), None);
+        assert_eq!(lower_by_chance_exactly(&high, &Rate::of([])), None);
+    }
+
+    /// 3 misses of 48 beside none of 55: C(48, 3) / C(103, 3).
+    #[test]
+    fn a_few_misses_are_counted_exactly() {
+        let (all, most) = (Rate::of([true; 55]), Rate::of((0..48).map(|n| n < 45)));
+        let exactly = lower_by_chance_exactly(&all, &most).unwrap();
+        let expected = (48.0 * 47.0 * 46.0) / (103.0 * 102.0 * 101.0);
+        assert!((exactly - expected).abs() < 1e-9, "{exactly} {expected}");
+        assert!(lower_by_chance(&all, &most).unwrap() < 0.05);
+        assert_eq!(lower_by_chance_exactly(&all, &all), Some(1.0));
     }
 }

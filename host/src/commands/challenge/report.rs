@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use socam_sim::challenge::Kind;
 
-use super::rates::{Rate, lower_by_chance};
+use super::rates::{Rate, lower_by_chance, lower_by_chance_exactly};
 use super::score::Score;
 use crate::table;
 
@@ -45,6 +45,8 @@ struct KindReport {
     right_locked: Rate,
     /// Chance that the locked ones score so low by chance; `None` where either half is empty.
     locked_lower_p_value: Option<f64>,
+    /// The same by Fisher's exact test.
+    locked_lower_exact_p_value: Option<f64>,
     /// Of all, for where nothing can be detected a name is wrong all the more.
     wrong_name: Rate,
     failed: usize,
@@ -93,10 +95,12 @@ impl Report {
         rows.extend(self.kinds.iter().zip(KINDS).map(|(kind, (_, name))| kind.row(name)));
         text += &table::align(&rows, &[false, true, true, true, true, true, true]);
         for (kind, (_, name)) in self.kinds.iter().zip(KINDS) {
-            if let Some(p_value) = kind.locked_lower_p_value {
+            if let Some((p_value, exact)) = kind.locked_lower_p_value.zip(kind.locked_lower_exact_p_value) {
                 let lower = if p_value < 0.05 { "lower" } else { "no lower" };
-                let _ =
-                    writeln!(text, "  {name}: locked cases score {lower} than open ones (p = {p_value:.3})");
+                let _ = writeln!(
+                    text,
+                    "  {name}: locked cases score {lower} than open ones (p = {p_value:.3}; exactly {exact:.3})"
+                );
             }
             if kind.failed > 0 {
                 let _ = writeln!(text, "  {name}: {} diagnoses failed", kind.failed);
@@ -165,6 +169,7 @@ impl KindReport {
             detectable: counted().count(),
             right: Rate::of(counted().map(|score| score.right)),
             locked_lower_p_value: lower_by_chance(&right_open, &right_locked),
+            locked_lower_exact_p_value: lower_by_chance_exactly(&right_open, &right_locked),
             right_open,
             right_locked,
             wrong_name: Rate::of(of_kind().map(|score| score.wrong_name)),
