@@ -220,7 +220,10 @@ pub(crate) fn all(
     yardstick: &Yardstick,
     free: &[Free],
 ) -> Result<Vec<Shape>, IdentifyError> {
-    let each = free.par_chunks(TOGETHER).map(|free| together(bench, last, yardstick, free));
+    // A turn may be that of a sensor, and then its gaps are those of all that share its pass.
+    let (turns, others): (Vec<Free>, Vec<Free>) = free.iter().cloned().partition(Free::is_turn);
+    let chunks: Vec<&[Free]> = turns.chunks(TOGETHER).chain(others.chunks(TOGETHER)).collect();
+    let each = chunks.into_par_iter().map(|free| together(bench, last, yardstick, free));
     let found: Result<Vec<Vec<Shape>>, IdentifyError> = each.collect();
     let mut found: Vec<Shape> = found?.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
