@@ -24,7 +24,7 @@ use crate::{
 const BASE: usize = 20;
 /// Standard deviations that noise does not make.
 const NO_NOISE: f64 = 3.0;
-/// Most iterations of the last fit, where outliers showed only beside it: near contact the sum of squares is rough, and has no end.
+/// Most iterations of the last fit, where the one before had not ended or outliers showed only beside it: near contact the sum of squares is rough, and has no end.
 const REFINED: usize = 25;
 
 /// What a diagnosis assumes and how far it goes.
@@ -240,8 +240,7 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     let noise = Noise::Given(course.yardstick.levels().clone());
     let fit = FitOptions { starts: 1, noise, max_iterations: REFINED, ..bench.fit.clone() };
     let last = &course.last;
-    let mut after =
-        at_minimum(&Problem::new(&model, bench.training, fit)?, &model.values(), last.at.converged)?;
+    let mut after = at_minimum(&Problem::new(&model, bench.training, fit)?, &last.at)?;
     let widths =
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);

@@ -147,7 +147,8 @@ impl Regimes {
             return Some(one(touching, laws));
         };
         let loose = motion(&loose, &moved)?;
-        let moving = moving.max(loose.slopes.len());
+        let by_listeners = loose.listeners.columns().map(|column| column + 1);
+        let moving = by_listeners.fold(moving.max(loose.slopes.len()), usize::max);
         let port = live.iter().position(|p| p == port)?;
         let half = 0.5 * values[gap];
         let side = |motion: usize, range: [f64; 2], flank: f64| {

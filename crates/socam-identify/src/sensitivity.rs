@@ -46,11 +46,12 @@ impl Constants {
     }
 }
 
-/// Columns are the free parameters that move anything, then, while it shows, the start state; each part is filled up to whole vectors.
+/// Columns are the free parameters up to the last that moves anything, then, while it shows, the start state; each part is filled up to
+/// whole vectors.
 pub(crate) struct Sensitivity<'s> {
     regimes: &'s Regimes,
     sizes: Sizes,
-    /// Free parameters up to the last one that moves anything: those that only readers know come behind all columns.
+    /// The number of those: what only readers know comes behind all columns.
     moving: usize,
     start: usize,
     columns: usize,

@@ -8,7 +8,9 @@ use rand_chacha::{
 use rayon::prelude::*;
 
 use crate::{
-    IdentifyError, colour, input_noise, levels, outliers,
+    IdentifyError, colour,
+    compare::{self, Measured},
+    input_noise, levels, outliers,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
@@ -46,7 +48,7 @@ const MOST_ROUNDS: usize = 6;
 const MOST_CLEANINGS: usize = 3;
 /// Steps of the start states when only they are fitted.
 const MOST_START_STEPS: usize = 20;
-/// They have settled when a step gains, or promises to gain, less than this share of the sum of squares.
+/// They have settled when a step gains less than this share of the sum of squares, or promises less in each stretch.
 const SETTLED_LOCALS: f64 = 1e-9;
 /// Share of such a step that is taken when the whole of it leads up, again and again down to the least.
 const SHORTER: f64 = 0.25;
@@ -89,33 +91,35 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     report::identification(&cleaned, descent, &races, clock)
 }
 
-/// What recordings say of parameters that another search came to (`values`: all of them, SI), by noise that is given: an
-/// [`output_error`] that begins there and need not go anywhere. Only what is local to a recording is fitted.
+/// What recordings say of the model's own parameter values, where a comparison of models came to them (`at`), by noise that is given:
+/// an [`output_error`] that need not go anywhere. Only what is local to a recording is fitted. Where that search had not come to its end,
+/// or outliers show only now, it is gone on with from the model's values.
 ///
 /// # Errors
 /// As those of [`output_error`].
-pub fn at_minimum(
-    problem: &Problem<'_>,
-    values: &[f64],
-    converged: bool,
-) -> Result<Identification, IdentifyError> {
+pub fn at_minimum(problem: &Problem<'_>, at: &Measured) -> Result<Identification, IdentifyError> {
     let clock = report::CpuClock::start();
+    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
+    let interrupted = problem.options.watch.stops();
     let Noise::Given(given) = &problem.options.noise else { return output_error(problem) };
-    let point = Point { values: values.to_vec(), locals: pass::first_locals(problem, values)? };
+    if !at.converged && !interrupted {
+        return output_error(problem);
+    }
+    let values = problem.model.values();
+    let point = compare::begin(problem, &values, Some((problem.model, at)))?.ok_or_else(diverged)?;
     let inputs = if colour::exists(problem, &point, given) { given.inputs.clone() } else { Vec::new() };
     let weights =
         |scales| Weights { input_std: inputs.clone(), ..Weights::white(given.outputs.clone(), scales) };
     let all: Vec<usize> = (0..problem.stretches.len()).collect();
     let blind = levels::without_slopes(problem, &all, u64::MAX);
-    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
-    let at = with_locals_fitted(&blind, point, weights(Vec::new()))?.ok_or_else(diverged)?;
+    let found = with_locals_fitted(&blind, point, weights(Vec::new()))?.ok_or_else(diverged)?;
     let mut cleaned = problem.clone();
-    if outliers::leave_out(&mut cleaned, &at.point, &at.weights)? {
+    if outliers::leave_out(&mut cleaned, &found.point, &found.weights)? && !interrupted {
         return output_error(problem);
     }
-    let weights = weights(scales(problem, values));
-    let end = if converged { End::Converged } else { End::IterationLimit };
-    report::identification(&cleaned, Descent { weights, end, ..at }, &[], clock)
+    let end = if interrupted { End::Interrupted } else { End::Converged };
+    let weights = weights(scales(problem, &values));
+    report::identification(&cleaned, Descent { weights, end, ..found }, &[], clock)
 }
 
 /// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
@@ -177,7 +181,11 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     let still = vec![0.0; problem.free.len()];
     let mut share = 1.0;
     for _ in 0..MOST_START_STEPS {
-        if promised_by_locals(&at.passed) <= SETTLED_LOCALS * at.cost {
+        if at
+            .passed
+            .iter()
+            .all(|result| promised_by_locals(result) <= SETTLED_LOCALS * result.weighted_squares)
+        {
             break;
         }
         let trial = moved(problem, at, &still, share);
@@ -200,13 +208,10 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
     Ok(())
 }
 
-/// What moving local unknowns alone would take from the sum of squares, were the motion linear in them.
-fn promised_by_locals(passed: &[StretchResult]) -> f64 {
-    let own = |result: &StretchResult| {
-        let residual = result.factor.col(result.factor.ncols() - 1);
-        result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum::<f64>()
-    };
-    passed.iter().map(own).sum()
+/// What moving a stretch's local unknowns alone would take from its sum of squares, were the motion linear in them.
+fn promised_by_locals(result: &StretchResult) -> f64 {
+    let residual = result.factor.col(result.factor.ncols() - 1);
+    result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum()
 }
 
 /// A descent and where it ended.

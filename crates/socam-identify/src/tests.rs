@@ -8,8 +8,9 @@ use socam_model::{BUILTIN, Model};
 use socam_recording::{Channel, Dataset, Unit};
 
 use crate::{
-    Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, at_minimum, evaluate, feed,
-    output_error,
+    Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, at_minimum,
+    compare::{self, Yardstick},
+    evaluate, feed, output_error,
     pass::{self, Point, Weights},
 };
 
@@ -314,12 +315,17 @@ fn noise_that_a_model_file_gives_an_input_stays() {
 #[test]
 fn at_a_minimum_intervals_are_those_of_a_search() {
     let data = [bench(TRUTH, 4.0, 1.0, 5)];
-    let model = model(|text| text);
-    let noise = Noise::Given(NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.004] });
-    let options = Options { starts: 1, noise, ..Options::default() };
+    let mut model = model(|text| text);
+    let levels = NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.004] };
+    let options = Options { starts: 1, noise: Noise::Given(levels.clone()), ..Options::default() };
+    let sought = output_error(&Problem::new(&model, &data, options.clone()).unwrap()).unwrap();
+    for (parameter, value) in model.parameters.iter_mut().zip(&sought.point) {
+        parameter.value = *value;
+    }
     let problem = Problem::new(&model, &data, options).unwrap();
-    let sought = output_error(&problem).unwrap();
-    let there = at_minimum(&problem, &sought.point, true).unwrap();
+    let yardstick = Yardstick::new(&[&problem], &sought.point, levels).unwrap();
+    let at = compare::measure(&problem, &yardstick, &sought.point).unwrap().unwrap();
+    let there = at_minimum(&problem, &at).unwrap();
     assert!(there.converged && there.point == sought.point);
     assert!((there.cost / sought.cost - 1.0).abs() < 1e-6, "{} {}", there.cost, sought.cost);
     for (there, sought) in there.parameters.iter().zip(&sought.parameters) {
