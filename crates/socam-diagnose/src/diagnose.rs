@@ -24,7 +24,8 @@ use crate::{
 const BASE: usize = 20;
 /// Standard deviations that noise does not make.
 const NO_NOISE: f64 = 3.0;
-/// Most iterations of the last fit, where the one before had not ended or outliers showed only beside it: near contact the sum of squares is rough, and has no end.
+/// Most iterations of the last fit, where the one before had not ended or outliers showed only beside it: near contact the sum of
+/// squares is rough, and has no end.
 const REFINED: usize = 25;
 
 /// What a diagnosis assumes and how far it goes.

@@ -160,8 +160,7 @@ pub fn measure(
     yardstick: &Yardstick,
     values: &[f64],
 ) -> Result<Option<Measured>, IdentifyError> {
-    let all: Vec<usize> = (0..problem.stretches.len()).collect();
-    let problem = levels::without_slopes(problem, &all, u64::MAX);
+    let problem = levels::blind(problem);
     let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
     let weights = yardstick.weights(&problem, values);
     let Some(at) = solver::with_locals_fitted(&problem, point, weights)? else { return Ok(None) };
@@ -411,8 +410,7 @@ pub fn innovations(
     yardstick: &Yardstick,
     at: &Measured,
 ) -> Result<Option<Vec<Innovations>>, IdentifyError> {
-    let all: Vec<usize> = (0..problem.stretches.len()).collect();
-    let problem = levels::without_slopes(problem, &all, u64::MAX);
+    let problem = levels::blind(problem);
     let weights = Weights { innovations: true, ..yardstick.weights(&problem, &at.values) };
     let point = Point { values: at.values.clone(), locals: at.locals.clone() };
     let Some(passed) = pass::run(&problem, &point, &weights)? else { return Ok(None) };

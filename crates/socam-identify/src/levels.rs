@@ -47,8 +47,14 @@ pub(crate) fn likeliest(
     climb(&whole, point, levels, most, MOST_STEPS)
 }
 
+/// All of a problem, where no slopes are wanted.
+pub(crate) fn blind<'a>(problem: &Problem<'a>) -> Problem<'a> {
+    let all: Vec<usize> = (0..problem.stretches.len()).collect();
+    without_slopes(problem, &all, u64::MAX)
+}
+
 /// The same problem with nothing to be estimated but start states.
-pub(crate) fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
+fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| {
         let stretch = &problem.stretches[*index];
         Stretch { rows: stretch.rows.min(rows), ..stretch.clone() }

@@ -168,8 +168,7 @@ pub fn outliers(
             input_std: levels.inputs.clone(),
             ..Weights::white(levels.outputs.clone(), Vec::new())
         };
-        let all: Vec<usize> = (0..cleaned.stretches.len()).collect();
-        let blind = levels::without_slopes(&cleaned, &all, u64::MAX);
+        let blind = levels::blind(&cleaned);
         let Some(at) = solver::with_locals_fitted(&blind, point, weights)? else { break };
         if !leave_out(&mut cleaned, &at.point, &at.weights)? {
             break;
@@ -227,8 +226,7 @@ fn look(
     weights: &Weights,
     sizes: Vec<f64>,
 ) -> Result<Option<Vec<Vec<Track>>>, IdentifyError> {
-    let all: Vec<usize> = (0..problem.stretches.len()).collect();
-    let blind = levels::without_slopes(problem, &all, u64::MAX);
+    let blind = levels::blind(problem);
     let weights = Weights { gate: Some(Arc::new(sizes)), scales: Vec::new(), ..weights.clone() };
     let results = pass::run(&blind, point, &weights)?;
     Ok(results.map(|results| results.into_iter().filter_map(|result| result.gate).collect()))

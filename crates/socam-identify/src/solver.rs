@@ -110,8 +110,7 @@ pub fn at_minimum(problem: &Problem<'_>, at: &Measured) -> Result<Identification
     let inputs = if colour::exists(problem, &point, given) { given.inputs.clone() } else { Vec::new() };
     let weights =
         |scales| Weights { input_std: inputs.clone(), ..Weights::white(given.outputs.clone(), scales) };
-    let all: Vec<usize> = (0..problem.stretches.len()).collect();
-    let blind = levels::without_slopes(problem, &all, u64::MAX);
+    let blind = levels::blind(problem);
     let found = with_locals_fitted(&blind, point, weights(Vec::new()))?.ok_or_else(diverged)?;
     let mut cleaned = problem.clone();
     if outliers::leave_out(&mut cleaned, &found.point, &found.weights)? && !interrupted {
