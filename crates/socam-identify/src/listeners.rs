@@ -69,6 +69,11 @@ pub(crate) fn parted(equations: &Equations, quiet: &[usize]) -> [Vec<usize>; 2] 
     [moving, reading]
 }
 
+/// First port of each law that some ports belong to.
+fn leaders(equations: &Equations, ports: &[usize]) -> Vec<usize> {
+    ports.iter().copied().filter(|p| equations.ports[*p].sight == 0).collect()
+}
+
 impl Readers {
     /// Of the ports `reading` of `equations`, of whose others `live` answer.
     pub(crate) fn new(
@@ -79,8 +84,7 @@ impl Readers {
     ) -> Self {
         let own = equations.with_ports(reading);
         let force = equations.port_force.select_rows(reading).select_columns(live);
-        let leaders = reading.iter().copied().filter(|p| equations.ports[*p].sight == 0);
-        let leaders: Vec<usize> = leaders.collect();
+        let leaders = leaders(equations, reading);
         Self {
             laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
             heard: [own.port, own.port_input, force].iter().flat_map(|part| part.iter().copied()).collect(),
@@ -132,7 +136,7 @@ impl Listeners {
         [live, quiet]: [&[usize]; 2],
     ) -> Self {
         let own = equations.with_ports(quiet);
-        let leaders: Vec<usize> = quiet.iter().copied().filter(|p| equations.ports[*p].sight == 0).collect();
+        let leaders = leaders(equations, quiet);
         Self {
             laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
             port: own.port,
