@@ -22,6 +22,12 @@ pub struct Diagnosis {
     pub false_alarm_rate: f64,
     /// How the correction was tried on data that it was not fitted to.
     pub validation: Validation,
+    /// How models were compared among the training recordings: each recording left out in turn, or blocks of them.
+    #[serde(default)]
+    pub selection: Option<Validation>,
+    /// What recordings say that were opened only after the last choice; nothing where none was held out or nothing was found.
+    #[serde(default)]
+    pub held_out: Option<HeldOut>,
     /// What is missing, strongest first; unique in effect and location.
     pub findings: Vec<Finding>,
     /// How well the model fits before and after the correction.
@@ -74,6 +80,25 @@ pub enum Validation {
     Blocks,
 }
 
+/// What held-out recordings say of the corrected model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// In one word.
+    pub outcome: ProofOutcome,
+    /// For people.
+    pub sentence: String,
+}
+
+/// Whether held-out recordings confirm the corrected model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProofOutcome {
+    /// They are predicted better than by the base model, and no channel worse.
+    Holds,
+    /// They are not.
+    Failed,
+}
+
 /// A recording and what it was used for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordingUse {
@@ -103,7 +128,7 @@ pub struct Finding {
     /// Where it lives.
     pub region: Region,
     /// Why it is believed.
-    pub evidence: Proof,
+    pub evidence: FindingEvidence,
     /// What else could be meant, likeliest first, without the finding itself.
     pub rivals: Vec<Rival>,
     /// For a mechanic.
@@ -189,8 +214,8 @@ pub struct Region {
 }
 
 /// Why a finding is believed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Proof {
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindingEvidence {
     /// Chance of as much if nothing were missing, 1.
     pub p_value: Option<f64>,
     /// How much it lowers the whitened chi-square of the training recordings.
@@ -200,6 +225,18 @@ pub struct Proof {
     /// Share of the misfit that it carries, per cent.
     #[serde(default)]
     pub misfit_percent: Option<f64>,
+    /// By how much it raises the predictive log score in cross-validation, and the standard error of that.
+    #[serde(default)]
+    pub log_score_gain: Option<[f64; 2]>,
+    /// By how much it moves the prediction of the channel that it moves most, per cent of that channel's standard deviation.
+    #[serde(default)]
+    pub moves_percent: Option<f64>,
+    /// That channel.
+    #[serde(default)]
+    pub moves_channel: Option<String>,
+    /// Whether that is more than the tolerance.
+    #[serde(default)]
+    pub material: Option<bool>,
 }
 
 /// Another explanation.

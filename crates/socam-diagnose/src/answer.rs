@@ -5,15 +5,18 @@ use socam_model::Model;
 
 use crate::{
     Diagnosis,
-    bench::{Bench, Fitted},
     candidates::{self, Candidate},
-    course::{self, Course, Step},
+    context::Context,
     document::{
-        ChannelFit, CombinationChange, Component, EffectParameter, Finding, Fit, NotFound, ParameterChange,
-        Proof, RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED, Validation, Verdict,
+        ChannelFit, CombinationChange, Component, EffectParameter, Finding, FindingEvidence, Fit, HeldOut, NotFound,
+        ParameterChange, ProofOutcome, RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED,
+        Validation, Verdict,
     },
-    experiment, region,
-    shapes::Unexplained,
+    experiment, materiality,
+    nonparametric::Unexplained,
+    proof::Proof,
+    region,
+    selection::{EXCESS, Path, Term},
     words,
 };
 
@@ -22,91 +25,135 @@ const SEEN: f64 = 25.0;
 /// Weight of a rival that is worth naming, and of one that is worth another recording.
 const LEAST_WEIGHT: f64 = 1e-2;
 const OPEN: f64 = 0.05;
-/// Residuals of recordings that were not fitted, in noise floors, from which on a model does not explain them whatever tests say.
-/// Where nothing is missing it is 0.9 to 1.1.
+/// Residuals, in noise floors, from which on a model does not explain recordings whatever tests say. Where nothing is missing it is 0.9 to 1.1.
 const CONTRADICTION: f64 = 2.0;
-/// Mean square of the same, whitened and in units of noise, from which on a model is not called adequate. Where nothing is missing, a
+/// Mean square of the same, whitened and in units of sensor noise, from which on a model is not called adequate. Where nothing is missing, a
 /// noisy input and coarse converters leave up to 1.09.
-pub(crate) const INADEQUATE: f64 = 1.2;
+const INADEQUATE: f64 = 1.2;
 
-/// `floor` is the noise floor of each output, SI.
-pub(crate) fn document(
-    bench: &Bench<'_>,
-    course: &Course,
-    before: &Identification,
-    after: &Identification,
-    floor: &[f64],
-    cpu_s: f64,
-) -> Result<Diagnosis, IdentifyError> {
-    let mut findings: Vec<Finding> =
-        (0..course.steps.len()).map(|index| finding(bench, course, index, after)).collect();
-    let mut warnings = after.warnings.clone();
-    for ((finding, step), (gain, held_percent)) in
-        findings.iter_mut().zip(&course.steps).zip(course.gains(bench)?)
-    {
-        finding.evidence.chi2_gain = Some(gain);
-        finding.evidence.holdout_gain_percent = match step.proof {
-            course::Proof::HeldOut => Some(held_percent),
-            course::Proof::InTurn(percent) => {
-                warnings.push(format!(
-                    "no held-out recording shows `{}` at {}: it was proven on training recordings, each left out in turn",
-                    finding.effect, finding.location
-                ));
-                Some(percent)
-            }
-        };
-    }
-    for (finding, (before, after)) in findings.iter_mut().zip(course.pairs()) {
-        let own = region::region(bench, before, Some(after), &finding.location, floor)?;
-        finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
-    }
-    if let Some(found) = &course.unexplained {
-        let mut without_name = unexplained(course, found);
-        let own = region::region(bench, &course.last, None, &found.place, floor)?;
-        without_name.region = Region { text: format!("{}; {}", without_name.region.text, own.text), ..own };
-        findings.push(without_name);
-    }
-    if findings.is_empty() {
-        findings.extend(contradiction(course, floor));
-    }
-    findings.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-    let findings = merged(findings);
-    let verdict = if !course.steps.is_empty() {
+/// What the answer is made of.
+pub(crate) struct Made<'a> {
+    pub(crate) context: &'a Context<'a>,
+    pub(crate) path: &'a Path,
+    pub(crate) proof: Option<&'a Proof<'a>>,
+    pub(crate) before: &'a Identification,
+    pub(crate) after: &'a Identification,
+    /// Noise floor of each output, SI.
+    pub(crate) floor: &'a [f64],
+}
+
+pub(crate) fn document(made: &Made<'_>, cpu_s: f64) -> Result<Diagnosis, IdentifyError> {
+    let Made { context, path, before, after, .. } = *made;
+    let findings = findings(made)?;
+    let is_material = |finding: &Finding| finding.evidence.material != Some(false);
+    let verdict = if findings.iter().any(|finding| finding.effect != UNEXPLAINED && is_material(finding)) {
         Verdict::MissingPhysics
-    } else if !findings.is_empty() {
+    } else if findings.iter().any(is_material) {
         Verdict::Unexplained
     } else {
         Verdict::Adequate
     };
-    if bench.folds.kind == Validation::Blocks {
-        warnings.push(
-            "only one recording: it was held out part by part, which proves less than another recording would".into(),
-        );
-    }
-    let left = course.last.scale();
-    if course.steps.len() == bench.options.most_effects && left > course::MISFIT {
-        warnings.push(format!(
-            "stopped after {} effects: what was not fitted is still missed by {left:.2} times the power of noise; allow more of them",
-            course.steps.len()
-        ));
-    }
+    let mut warnings = after.warnings.clone();
+    warnings.extend(cautions(made, &findings));
+    let held_out = held_out(made);
     Ok(Diagnosis {
         schema: SCHEMA.into(),
         verdict,
-        false_alarm_rate: bench.options.false_alarm_rate,
-        validation: bench.folds.kind,
+        false_alarm_rate: context.options.false_alarm_rate,
+        validation: if made.proof.is_some() { Validation::Holdout } else { context.validation() },
+        selection: Some(context.validation()),
+        held_out,
         suggested_experiment: suggestion(&findings),
         findings,
-        fit: fit(course, floor),
+        fit: fit(made),
         parameters: parameters(before, after),
         combinations: combinations(before, after),
-        not_found: not_found(course),
+        not_found: not_found(path),
         cpu_s,
         warnings,
-        model: course.base.model.name.clone(),
-        recordings: recordings(bench),
+        model: path.base.model.name.clone(),
+        recordings: recordings(made),
         version: env!("CARGO_PKG_VERSION").into(),
     })
+}
+
+/// All findings, the strongest first.
+fn findings(made: &Made<'_>) -> Result<Vec<Finding>, IdentifyError> {
+    let Made { context, path, proof, floor, .. } = *made;
+    let mut findings: Vec<Finding> = Vec::new();
+    for (index, term) in path.terms.iter().enumerate() {
+        let mut finding = finding(made, index);
+        let without = term.without.as_ref().unwrap_or(&path.base);
+        let own = region::region(context, without, Some(&path.last), &finding.location, floor)?;
+        finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
+        let moves = materiality::moves(context, path, index)?;
+        finding.evidence = FindingEvidence {
+            chi2_gain: Some((without.deviance() - path.last.deviance()).max(0.0)),
+            holdout_gain_percent: proof.and_then(|proof| proof.gain_percent(index)),
+            material: moves.as_ref().map(|moves| moves.share > context.options.tolerance),
+            moves_percent: moves.as_ref().map(|moves| 100.0 * moves.share),
+            moves_channel: moves.map(|moves| moves.channel),
+            ..finding.evidence
+        };
+        findings.push(finding);
+    }
+    if let Some(found) = &path.unexplained {
+        let mut without_name = unexplained(path, found, proof);
+        let own = region::region(context, &path.last, None, &found.place, floor)?;
+        without_name.region = Region { text: format!("{}; {}", without_name.region.text, own.text), ..own };
+        findings.push(without_name);
+    }
+    if findings.is_empty() {
+        findings.extend(contradiction(path, floor));
+    }
+    let strength = |finding: &Finding| finding.evidence.log_score_gain.map_or(0.0, |[gain, _]| gain);
+    findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    Ok(merged(findings))
+}
+
+/// What a careful reader should know.
+fn cautions(made: &Made<'_>, findings: &[Finding]) -> Vec<String> {
+    let Made { context, path, proof, .. } = *made;
+    let mut all = Vec::new();
+    if proof.is_none() && !findings.is_empty() {
+        let how = match context.validation() {
+            Validation::Blocks => "blocks of the recordings were left out in turn; whole recordings, three or more, would say more",
+            _ => "each recording was left out in turn",
+        };
+        all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); name one with --holdout"));
+    }
+    let left = path.noise.excess();
+    if !path.terms.is_empty() && path.unexplained.is_none() && left > INADEQUATE {
+        all.push(format!(
+            "the corrected model still leaves {left:.1} times the power of sensor noise in the recordings that were fitted; intervals allow for that"
+        ));
+    }
+    if path.terms.len() == context.options.most_effects && left > EXCESS {
+        all.push(format!("stopped after {} effects, the most that --most allows", path.terms.len()));
+    }
+    all
+}
+
+/// What held-out recordings say of the corrected model.
+fn held_out(made: &Made<'_>) -> Option<HeldOut> {
+    let proof = made.proof?;
+    made.path.corrected()?;
+    let worse = proof.contradictions(&made.path.base.model);
+    if worse.is_empty() && proof.is_better() {
+        let sentence = "The corrected model predicts the held-out recordings better than the base model, and no channel worse.";
+        return Some(HeldOut { outcome: ProofOutcome::Holds, sentence: sentence.into() });
+    }
+    let each = worse.iter().map(|(name, before, after)| {
+        format!("{name} from {} to {}", words::short(*before), words::short(*after))
+    });
+    let each: Vec<String> = each.collect();
+    let what = if each.is_empty() {
+        "all channels together are predicted no better than by the base model".into()
+    } else {
+        format!("residuals (rms) rise in {}", each.join(", "))
+    };
+    let sentence = format!("The proof failed: on the held-out recordings {what}. Do not rely on the corrected model.");
+    Some(HeldOut { outcome: ProofOutcome::Failed, sentence })
 }
 
 fn gain(finding: &Finding) -> f64 {
@@ -137,10 +184,9 @@ fn merged(findings: Vec<Finding>) -> Vec<Finding> {
     merged
 }
 
-fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
-    let held_out = bench.folds.folds.iter().filter(|_| bench.folds.kind == Validation::Holdout);
-    let held_out = held_out.flat_map(|fold| &fold.held_out).map(|data| (data, true));
-    let all = bench.training.iter().map(|data| (data, false)).chain(held_out);
+fn recordings(made: &Made<'_>) -> Vec<RecordingUse> {
+    let held_out = made.proof.iter().flat_map(|proof| proof.holdout).map(|data| (data, true));
+    let all = made.context.training.iter().map(|data| (data, false)).chain(held_out);
     all.map(|(data, held_out)| RecordingUse {
         name: data.name().to_owned(),
         held_out,
@@ -150,27 +196,32 @@ fn recordings(bench: &Bench<'_>) -> Vec<RecordingUse> {
     .collect()
 }
 
-fn finding(bench: &Bench<'_>, course: &Course, index: usize, after: &Identification) -> Finding {
-    let step = &course.steps[index];
-    let parameters = effect_parameters(course, index, after);
-    let place = &step.candidate.place;
+fn finding(made: &Made<'_>, index: usize) -> Finding {
+    let Made { context, path, after, .. } = *made;
+    let term = &path.terms[index];
+    let parameters = effect_parameters(path, index, after);
+    let place = &term.candidate.place;
     Finding {
-        effect: step.candidate.effect.id.into(),
+        effect: term.candidate.effect.id.into(),
         location: place.clone(),
-        sentence: words::sentence(step.candidate.effect, place, &parameters),
-        equation: step.candidate.effect.equation.into(),
+        sentence: words::sentence(term.candidate.effect, place, &parameters),
+        equation: term.candidate.effect.equation.into(),
         parameters,
         components: Vec::new(),
         curve: None,
-        region: Region { text: words::region(step.candidate.effect), ..Region::default() },
-        evidence: Proof { p_value: Some(step.p_value), ..Proof::default() },
-        rivals: rivals(course, step, &course.alike(bench, index)),
+        region: Region { text: words::region(term.candidate.effect), ..Region::default() },
+        evidence: FindingEvidence {
+            p_value: Some(term.p_value),
+            log_score_gain: Some([term.gain.log_score, term.gain.std]),
+            ..FindingEvidence::default()
+        },
+        rivals: rivals(path, term, &path.equivalent(context, index)),
     }
 }
 
 /// What has a place and a shape but no name.
-fn unexplained(course: &Course, found: &Unexplained) -> Finding {
-    let is_channel = course.last.model.channels.iter().any(|channel| channel.name == found.place);
+fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof<'_>>) -> Finding {
+    let is_channel = path.last.model.channels.iter().any(|channel| channel.name == found.place);
     Finding {
         effect: UNEXPLAINED.into(),
         location: found.place.clone(),
@@ -180,45 +231,29 @@ fn unexplained(course: &Course, found: &Unexplained) -> Finding {
         components: Vec::new(),
         curve: Some(found.curve.clone()),
         region: Region { text: words::region_of_curve(&found.curve), ..Region::default() },
-        evidence: Proof {
+        evidence: FindingEvidence {
             p_value: Some(found.p_value),
-            chi2_gain: Some(found.gain),
-            holdout_gain_percent: Some(found.held_gain_percent),
+            chi2_gain: Some((path.last.deviance() - found.fitted.deviance()).max(0.0)),
+            holdout_gain_percent: proof.map(Proof::curve_gain_percent),
             misfit_percent: Some(found.misfit_percent),
+            log_score_gain: Some([found.gain.log_score, found.gain.std]),
+            ..FindingEvidence::default()
         },
         rivals: Vec::new(),
     }
 }
 
-/// What is left above noise although nothing that was tried holds on recordings that were not fitted: no model explains it. Held-out
-/// recordings may not show it at all.
-fn contradiction(course: &Course, floor: &[f64]) -> Option<Finding> {
-    let last = &course.last;
-    let fitted = std::slice::from_ref(&last.at);
-    of_no_model(course, floor, (&last.held, "not fitted", last.scale()))
-        .or_else(|| of_no_model(course, floor, (fitted, "fitted", last.training_scale())))
-}
-
-/// The same of recordings that were fitted or not, which leave so many times the power of noise.
-fn of_no_model(
-    course: &Course,
-    floor: &[f64],
-    (measured, which, left): (&[Measured], &str, f64),
-) -> Option<Finding> {
-    let each = course.last.model.outputs().zip(floor).enumerate().filter_map(|(output, (channel, floor))| {
-        let missed = rms(measured, output)?;
-        Some((channel, missed, missed / floor)).filter(|(.., times)| times.is_finite())
+/// What is left above sensor noise although nothing that was tried predicts better: no model explains it.
+fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
+    let (last, left) = (&path.last, path.noise.excess());
+    let each = last.model.outputs().zip(floor).zip(&last.at.rms).map(|((channel, floor), missed)| {
+        (channel, *missed, missed / floor)
     });
-    let (channel, missed, times) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let is_far = times > CONTRADICTION;
-    if !is_far && left < INADEQUATE {
+    let finite = each.filter(|(.., times)| times.is_finite());
+    let (channel, missed, times) = finite.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    if times < CONTRADICTION && left < INADEQUATE {
         return None;
     }
-    let why = if is_far {
-        "these recordings contradict one another, or one of them is not of this bench"
-    } else {
-        "something small is missing that has neither a name nor a place here"
-    };
     let (missed, unit, name) = (words::short(missed), channel.unit, &channel.name);
     Some(Finding {
         effect: UNEXPLAINED.into(),
@@ -226,22 +261,21 @@ fn of_no_model(
         parameters: Vec::new(),
         components: Vec::new(),
         curve: None,
-        region: Region { text: format!("on recordings that were {which}"), ..Region::default() },
-        evidence: Proof::default(),
+        region: Region { text: "on the recordings that were fitted".into(), ..Region::default() },
+        evidence: FindingEvidence::default(),
         rivals: Vec::new(),
         sentence: format!(
-            "What was {which} is missed by {missed} {unit} in {name}, {times:.1} times its noise floor (all channels: {left:.1} times \
-             the power of noise), and nothing that was tried helps there: {why}"
+            "The model misses {name} by {missed} {unit} (rms), {times:.1} times its noise floor (all channels: {left:.1} times the power of \
+             sensor noise), and no effect and no curve that was tried predicts it better"
         ),
         equation: String::new(),
     })
 }
 
 /// Those that a file gives; a phase within a turn.
-fn effect_parameters(course: &Course, step: usize, after: &Identification) -> Vec<EffectParameter> {
-    course
-        .parameters(step)
-        .filter(|(_, index)| !course.last.model.parameters[*index].fixed)
+fn effect_parameters(path: &Path, term: usize, after: &Identification) -> Vec<EffectParameter> {
+    path.parameters(term)
+        .filter(|(_, index)| !path.last.model.parameters[*index].fixed)
         .map(|(name, index)| {
             let estimate = &after.parameters[index];
             let turns = if name == "phase" {
@@ -261,18 +295,22 @@ fn effect_parameters(course: &Course, step: usize, after: &Identification) -> Ve
         .collect()
 }
 
-/// Weights as of a likelihood, the finding's own being one before they are made to sum to one. What was found beside it is none.
-fn rivals(course: &Course, step: &Step, alike: &[Candidate]) -> Vec<Rival> {
-    let weight = |worse: f64| (-0.5 * worse).exp().min(1.0);
-    let is_alike = |rival: &Candidate| alike.iter().any(|twin| twin.is_same(rival));
-    let others = step.rivals.iter().filter(|(rival, _)| !is_alike(rival));
-    let all = alike.iter().map(|twin| (twin, 0.0)).chain(others.map(|(rival, worse)| (rival, *worse)));
-    let all: Vec<(&Candidate, f64)> = all.filter(|(rival, _)| !course.has(rival)).collect();
-    let total: f64 = 1.0 + all.iter().map(|(_, worse)| weight(*worse)).sum::<f64>();
-    let named = all.iter().map(|(candidate, worse)| Rival {
+/// Weights of the models that were fitted, those that are observationally equivalent to the finding sharing its own. What was found beside it is
+/// none.
+fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
+    let is_equivalent = |rival: &Candidate| equivalent.iter().any(|twin| twin.is_same(rival));
+    let others: Vec<&(Candidate, f64)> = term
+        .rivals
+        .iter()
+        .filter(|(rival, _)| !is_equivalent(rival) && !path.has(rival))
+        .collect();
+    let own = 1.0 - others.iter().map(|(_, weight)| weight).sum::<f64>();
+    let share = own / (1 + equivalent.len()) as f64;
+    let all = equivalent.iter().map(|twin| (twin, share)).chain(others.iter().map(|(rival, weight)| (rival, *weight)));
+    let named = all.map(|(candidate, weight)| Rival {
         effect: candidate.effect.id.into(),
         location: candidate.place.clone(),
-        weight: weight(*worse) / total,
+        weight,
     });
     let mut named: Vec<Rival> = named.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
     named.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -287,27 +325,17 @@ fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
     }
 }
 
-/// Root mean square over several measurements, output by output.
-fn rms(all: &[Measured], output: usize) -> Option<f64> {
-    let values = all.iter().map(|measured| {
-        let count = measured.read[output];
-        (count, measured.rms[output].powi(2) * count)
-    });
-    let (count, sum) = values.fold((0.0, 0.0), |(n, s), (count, sum)| (n + count, s + sum));
-    (count > 0.0).then(|| (sum / count).sqrt())
-}
-
-fn fit(course: &Course, floor: &[f64]) -> Fit {
-    let last = course.corrected().unwrap_or(&course.base);
-    let outputs = course.base.model.outputs().enumerate();
-    let of = |fitted: &Fitted, output: usize| rms(std::slice::from_ref(&fitted.at), output);
-    let channels = outputs.map(|(output, channel)| {
+fn fit(made: &Made<'_>) -> Fit {
+    let Made { path, proof, floor, .. } = *made;
+    let last = path.corrected().unwrap_or(&path.base);
+    let rms = |measured: &Measured, output: usize| (measured.read[output] > 0.0).then(|| measured.rms[output]);
+    let channels = path.base.model.outputs().enumerate().map(|(output, channel)| {
         let fit = ChannelFit {
             noise_std: Some(floor[output]),
-            rms_before: of(&course.base, output),
-            rms_after: of(last, output),
-            holdout_rms_before: rms(&course.base.held, output),
-            holdout_rms_after: rms(&last.held, output),
+            rms_before: rms(&path.base.at, output),
+            rms_after: rms(&last.at, output),
+            holdout_rms_before: proof.and_then(|proof| rms(&proof.base, output)),
+            holdout_rms_after: proof.and_then(|proof| rms(&proof.corrected, output)),
             unit: channel.unit.into(),
         };
         (channel.name.clone(), fit)
@@ -346,13 +374,12 @@ fn combinations(before: &Identification, after: &Identification) -> Vec<Combinat
 }
 
 /// By effect and place, at the point of its grid where it shows best.
-fn not_found(course: &Course) -> Vec<NotFound> {
-    let scale = course.whole().scale();
+fn not_found(path: &Path) -> Vec<NotFound> {
     let mut all: Vec<NotFound> = Vec::new();
-    for one in course.screened.iter().filter(|one| !course.has(&one.start)) {
+    for one in path.tests.iter().filter(|one| !path.has(&one.start)) {
         let candidate = &one.start;
         let Some(parameter) = candidate.strength.first() else { continue };
-        let size = one.promise.resolution * (SEEN * scale).sqrt();
+        let size = one.promise.resolution * SEEN.sqrt();
         // What limits is stronger the lower it is; what was looked for and not found is known to be absent up to there.
         let is_stronger_below = candidate.is_full() || candidate.effect.id == "missing_compliance";
         let size = match candidate.effect.id {
@@ -377,7 +404,7 @@ fn not_found(course: &Course) -> Vec<NotFound> {
                 location: candidate.place.clone(),
                 parameter: (*parameter).into(),
                 smallest_detectable: smallest,
-                unit: unit(&course.last.model, candidate, parameter),
+                unit: unit(&path.last.model, candidate, parameter),
             }),
         }
     }
@@ -410,7 +437,7 @@ mod tests {
             components: Vec::new(),
             curve: None,
             region: Region::default(),
-            evidence: Proof { chi2_gain: Some(gain), holdout_gain_percent: Some(50.0), ..Proof::default() },
+            evidence: FindingEvidence { chi2_gain: Some(gain), holdout_gain_percent: Some(50.0), ..FindingEvidence::default() },
             rivals: Vec::new(),
         }
     }

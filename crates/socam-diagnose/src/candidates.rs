@@ -5,7 +5,7 @@ use socam_model::{
     effects::{ActsAt, CATALOGUE, Effect, Form, REFINED, Sight},
 };
 
-use crate::{scales::Scales, screen::A_LITTLE};
+use crate::{scales::Scales, score_test::A_LITTLE, selection::Path};
 
 /// Small enough to be nothing, large enough to be divided by.
 const NEXT_TO_NOTHING_S: f64 = 1e-8;
@@ -274,6 +274,47 @@ pub(crate) fn refined_laws(candidate: &Candidate, motion: Motion) -> Vec<Vec<Can
     let laws = REFINED.iter().filter(is_it);
     let unit = if motion == Motion::Rotation { 1.0 } else { 0.01 };
     laws.map(|effect| PRESLIDING.map(|deflection| start(effect, unit * deflection)).to_vec()).collect()
+}
+
+/// Starts of a law for friction that also sticks harder than it slides, from a term that does not; and of a contact that gives before it
+/// slips, as far as is known already, if it is.
+pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
+    let own = &path.terms[term].candidate;
+    let torque = path.value(term, "torque").filter(|_| own.effect.id == "coulomb_friction");
+    let Some(torque) = torque else { return Vec::new() };
+    let is_it = |seen: &&Candidate| seen.effect.id == "stribeck_friction" && seen.place == own.place;
+    let seen = path.tests.iter().map(|one| &one.start).filter(is_it);
+    let mut starts: Vec<Candidate> =
+        seen.map(|start| start.with("torque", torque).with("static_torque", 1.5 * torque)).collect();
+    let known = path.value(term, "deflection");
+    let refined: Vec<Candidate> = starts
+        .iter()
+        .flat_map(|start| refined_laws(start, path.base.model.motion))
+        .flatten()
+        .filter(|start| start.effect.id == "stribeck_friction")
+        .map(|start| known.map_or(start.clone(), |known| start.with("deflection", known)))
+        .collect();
+    for start in refined {
+        if starts.iter().all(|other| other.values != start.values) {
+            starts.push(start);
+        }
+    }
+    starts
+}
+
+/// Whether a law holds another one of the same place as its special case.
+pub(crate) fn holds(law: &Candidate, other: &Candidate) -> bool {
+    law.place == other.place && law.effect.id == "stribeck_friction" && other.effect.id == "coulomb_friction"
+}
+
+/// Points of its grid from which one effect at one place is fitted.
+pub(crate) fn starts_tried(candidate: &Candidate) -> usize {
+    if candidate.effect.id == "stribeck_friction" { 3 } else { 1 }
+}
+
+/// Whether scores at a null amplitude say so little that it is fitted however many others stand out.
+pub(crate) fn is_always_tried(candidate: &Candidate) -> bool {
+    candidate.effect.id == "backlash"
 }
 
 /// Names of the parameters that a file must give.

@@ -1,8 +1,8 @@
 //! The whole diagnosis, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, LeftOut, Noise, NoiseLevels, Options as FitOptions, ParameterEstimate,
-    Problem, StartState, Watch, at_minimum, influence, output_error,
+    Identification, IdentifyError, LeftOut, NoiseLevels, Options as FitOptions, Problem, StartState, Watch,
+    output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
@@ -10,24 +10,17 @@ use thiserror::Error;
 
 use crate::{
     Diagnosis, Evidence, answer,
-    bench::Bench,
-    candidates::Candidate,
-    cleaned::{self, cleaned, connected},
-    course::{self, Course},
-    noise_floor, obeyed,
+    context::Context,
+    intervals, noise_floor,
     pictures::{self, Pair},
-    validation::Folds,
+    preprocessing::{self, cleaned, connected},
+    proof::Proof,
+    selection::{self, Path},
 };
 
 /// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
 /// on along what the data hardly determine.
 const BASE: usize = 20;
-/// Standard deviations that noise does not make.
-const NO_NOISE: f64 = 3.0;
-/// Most iterations of the last fit, where the one before had not ended or outliers showed only beside it: near contact the sum of
-/// squares is rough, and has no end.
-const REFINED: usize = 25;
-
 /// What a diagnosis assumes and how far it goes.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -35,6 +28,8 @@ pub struct Options {
     pub false_alarm_rate: f64,
     /// Most effects that are added.
     pub most_effects: usize,
+    /// Share of a channel's standard deviation by which a finding must move its prediction to matter, 1.
+    pub tolerance: f64,
     /// Starts of the base model's fit.
     pub starts: usize,
     /// Seed of their spread.
@@ -50,6 +45,7 @@ impl Default for Options {
         Self {
             false_alarm_rate: 0.01,
             most_effects: 3,
+            tolerance: 1e-3,
             starts: 2,
             seed: 1,
             start_state: StartState::Free,
@@ -123,7 +119,7 @@ pub fn diagnose(
 ) -> Result<Answer, DiagnoseError> {
     let clock = cpu_time::ProcessTime::now();
     apart(training, holdout)?;
-    if let Some(channel) = cleaned::disconnected(model, training)? {
+    if let Some(channel) = preprocessing::disconnected(model, training)? {
         return Err(DiagnoseError::Disconnected { channel });
     }
     let (training, mut notes) = connected(model, training)?;
@@ -142,35 +138,59 @@ pub fn diagnose(
     let clean = |all: &[Dataset]| cleaned(model, all, &before.point, &levels, &fit);
     let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
     outliers.extend(more);
-    let folds = Folds::new(model, &training, &holdout)?;
-    let bench = Bench { training: &training, folds: &folds, fit, options };
+    let context = Context::new(model, &training, fit, options)?;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
-    let mut course = course::run(&bench, model, &before.point, levels)?.ok_or_else(diverged)?;
-    let after = loop {
-        if course.steps.is_empty() && before.converged {
-            break before.clone();
-        }
-        let after = refined(&bench, &course)?;
-        let steps = (0..course.steps.len()).rev();
-        let doubtful = steps.filter(|step| !is_determined(&course, *step, &after)).collect();
-        if !undo_one(&mut course, &bench, doubtful)? {
-            break after;
-        }
-    };
-    course.look_last(&bench)?;
-    let corrected = &course.last.model;
+    let mut path = selection::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    let after = determined(&context, &mut path, &before)?;
+    path.test_last(&context)?;
+    // The last choice is made: only now are held-out recordings predicted.
+    let proof = Proof::open(&context, &path, &holdout)?;
+    let corrected = &path.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
-    let step_s = bench.training.first().map_or(1e-3, Dataset::sample_time_s);
-    let pairs = Pair::all(&bench, &course)?;
-    let (levels, whole) = (course.levels(&bench)?, course.whole());
-    let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::proof(&pairs), step_s);
+    let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
+    let pairs = Pair::all(&context, &path, proof.as_ref())?;
+    let (levels, whole) = (path.levels(&context)?, path.whole());
+    let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::shown(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
-    let mut diagnosis = answer::document(&bench, &course, &before, &after, &floor, cpu_s)?;
+    let made = answer::Made { context: &context, path: &path, proof: proof.as_ref(), before: &before, after: &after, floor: &floor };
+    let mut diagnosis = answer::document(&made, cpu_s)?;
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);
     Ok(Answer { diagnosis, evidence, model_toml })
+}
+
+/// Takes out terms whose amplitude the recordings do not determine, the latest first, until all are; estimates of what is left. Each term is
+/// told what it gains beside the others.
+fn determined(
+    context: &Context<'_>,
+    path: &mut Path,
+    before: &Identification,
+) -> Result<Identification, IdentifyError> {
+    let found = 'determined: loop {
+        if path.terms.is_empty() {
+            break before.clone();
+        }
+        let found = intervals::estimates(context, path)?;
+        for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found)) {
+            if let Some(without) = path.fitted_without(context, term)? {
+                path.remove(context, term, without)?;
+                continue 'determined;
+            }
+        }
+        break found;
+    };
+    for term in 0..path.terms.len() {
+        // Where no fit without it comes near, it is shown as it is.
+        let near = path.fitted_without(context, term)?;
+        let without = near.map_or_else(|| path.without(context, term), |near| Ok(Some(near)))?;
+        if let Some(without) = &without {
+            path.terms[term].gain = selection::gain(&path.last, without);
+        }
+        path.terms[term].without = without;
+    }
+    Ok(found)
 }
 
 /// No recording proves what was fitted to it, under whatever name.
@@ -196,85 +216,6 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     let own =
         |name: &str| fit.input_noise_std.iter().find(|(known, _)| known == name).map_or(0.0, |(_, std)| *std);
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
-}
-
-/// Takes back the first of these steps that can be.
-fn undo_one(course: &mut Course, bench: &Bench<'_>, steps: Vec<usize>) -> Result<bool, IdentifyError> {
-    for step in steps {
-        if course.undo(bench, step)? {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
-/// Whether the recordings say that the effect that a step added is of some strength. Beside other effects, whose laws leave something
-/// too, all recordings have to say so; alone, what held-out recordings confirm is there as soon as noise could not have made it, though
-/// recordings may differ widely in how much of it they show.
-fn is_determined(course: &Course, step: usize, after: &Identification) -> bool {
-    let nothing = course.steps[step].candidate.nothing();
-    let is_alone = course.steps.len() == 1;
-    let is_some = |index: &usize| {
-        let ParameterEstimate { value, std, ci95: [low, high], .. } = &after.parameters[*index];
-        let may_be_nothing =
-            low.is_some_and(|low| low <= nothing) && high.is_some_and(|high| nothing <= high);
-        let is_no_noise =
-            value.zip(*std).is_some_and(|(value, std)| (value - nothing).abs() > NO_NOISE * std);
-        value.is_some() && (!may_be_nothing || (is_alone && is_no_noise))
-    };
-    let strengths = strengths(course, step);
-    strengths.is_empty() || strengths.iter().any(is_some)
-}
-
-/// Parameters of the last model that say how strong the effect is that a step added.
-fn strengths(course: &Course, step: usize) -> Vec<usize> {
-    let strength = course.steps[step].candidate.strength;
-    course.parameters(step).filter(|(name, _)| strength.contains(name)).map(|(_, index)| index).collect()
-}
-
-/// The corrected model's fit with intervals.
-fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, IdentifyError> {
-    let mut model = course.last.model.clone();
-    for (parameter, value) in model.parameters.iter_mut().zip(&course.last.at.values) {
-        parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
-    }
-    let noise = Noise::Given(course.yardstick.levels().clone());
-    let fit = FitOptions { starts: 1, noise, max_iterations: REFINED, ..bench.fit.clone() };
-    let last = &course.last;
-    let mut after = at_minimum(&Problem::new(&model, bench.training, fit)?, &last.at)?;
-    let widths =
-        influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
-    let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
-    for (number, step) in course.steps.iter().enumerate() {
-        let Candidate { effect, strength, .. } = &step.candidate;
-        for (name, index) in course.parameters(number) {
-            let (value, nothing) = (last.at.values[index], step.candidate.nothing());
-            let least = obeyed::half_width(effect.id, name, value, nothing, strength.contains(&name));
-            widths[index] = widths[index].max(least);
-        }
-    }
-    let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
-    for ((estimate, width), bounds) in after.parameters.iter_mut().zip(widths).zip(bounds) {
-        widen(estimate, width, bounds);
-    }
-    let whole = course.whole();
-    if whole.scale().max(whole.training_scale()) > answer::INADEQUATE {
-        let all = (0..course.steps.len()).flat_map(|step| course.parameters(step));
-        for (_, index) in all.filter(|(name, _)| *name == "gap") {
-            let ParameterEstimate { value, ci95: [_, high], .. } = &mut after.parameters[index];
-            *high = high.zip(*value).map(|(high, value)| high.max(obeyed::REBOUND * value));
-        }
-    }
-    Ok(after)
-}
-
-/// No interval is narrower than recordings differ: noise is not all that is wrong where a law is only nearly obeyed. None goes beyond what
-/// the parameter can be.
-fn widen(estimate: &mut ParameterEstimate, half_width: f64, (least, most): (f64, f64)) {
-    let Some(value) = estimate.value else { return };
-    let [low, high] = &mut estimate.ci95;
-    *low = low.map(|low| low.min(value - half_width).max(least));
-    *high = high.map(|high| high.max(value + half_width).min(most));
 }
 
 fn updates(model: &Model, fit: &Identification) -> Vec<Update> {

@@ -1,8 +1,8 @@
 //! Diagnosis: where simulation and recordings part, what physics was left out, and the proof.
 //!
-//! [`diagnose`](fn@diagnose) fits the base model, asks whether anything is missing, screens every effect of the catalogue at every
-//! place by one pass of slopes (`screen`), fits the few that promise most, and keeps the one that predicts held-out recordings
-//! best, until nothing is left that is worth it (`course`); what then remains has its place and shape measured (`shapes`).
+//! [`diagnose`](fn@diagnose) runs these stages, each in a file of its name: `preprocessing`, the base fit, noise model and discrepancy
+//! (`context`), `score_test` (is anything missing, and what would it gain), `selection` with `halving`, `choice` and `criterion` (which effect to
+//! add), `nonparametric` (what has no name), `elimination`, `intervals`, `proof` (held-out recordings, opened last), `report`.
 //! [`document`] is the answer as other people's scripts read it, [`evidence`] what its pictures are drawn from, and [`report`] the
 //! page that explains both to people.
 //!
@@ -10,24 +10,30 @@
 
 mod alike;
 mod answer;
-mod bench;
 mod candidates;
-mod cleaned;
-mod course;
+mod choice;
+mod context;
+mod criterion;
 mod diagnose;
+mod elimination;
 mod experiment;
+mod halving;
+mod intervals;
+mod materiality;
 mod noise_floor;
+mod nonparametric;
 mod obeyed;
 mod pictures;
-mod race;
+mod preprocessing;
+mod proof;
 mod region;
 pub mod report;
 mod scales;
-mod screen;
-mod shapes;
+mod score_test;
+mod selection;
+mod sensor_left_out;
 mod spectrum;
 pub mod steady;
-mod validation;
 mod words;
 
 pub use diagnose::{Answer, DiagnoseError, Options, diagnose};

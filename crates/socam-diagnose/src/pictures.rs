@@ -7,10 +7,10 @@ use socam_identify::{
 use socam_model::{Model, Quantity};
 
 use crate::{
-    bench::Bench,
-    course::Course,
-    document::Validation,
+    context::Context,
     evidence::{Binned, ChannelEvidence, Evidence, RecordingTraces, Spectrum, Trace},
+    proof::Proof,
+    selection::Path,
     spectrum::{self, residual, step_s},
 };
 
@@ -29,25 +29,28 @@ pub(crate) struct Pair {
 
 impl Pair {
     /// Of all recordings that were fitted, then of those that were held out.
-    pub(crate) fn all(bench: &Bench<'_>, course: &Course) -> Result<Vec<Self>, IdentifyError> {
+    pub(crate) fn all(
+        context: &Context<'_>,
+        path: &Path,
+        proof: Option<&Proof<'_>>,
+    ) -> Result<Vec<Self>, IdentifyError> {
         let mut pairs = Vec::new();
-        let training: Vec<String> = bench.training.iter().map(|data| data.name().to_owned()).collect();
-        let (base, corrected) = (&course.base, course.corrected());
-        let before = compare::traces(&bench.problem(&base.model)?, &base.at, None)?;
+        let training: Vec<String> = context.training.iter().map(|data| data.name().to_owned()).collect();
+        let (base, corrected) = (&path.base, path.corrected());
+        let before = compare::traces(&context.problem(&base.model)?, &base.at, None)?;
         let after = match corrected {
-            Some(after) => compare::traces(&bench.problem(&after.model)?, &after.at, None)?,
+            Some(after) => compare::traces(&context.problem(&after.model)?, &after.at, None)?,
             None => Vec::new(),
         };
         pairs.extend(paired(&training, false, before, after));
-        if bench.folds.kind == Validation::Holdout {
-            let fold = &bench.folds.folds[0];
-            let names: Vec<String> = fold.held_out.iter().map(|data| data.name().to_owned()).collect();
+        if let Some(proof) = proof {
+            let names: Vec<String> = proof.holdout.iter().map(|data| data.name().to_owned()).collect();
             let of = |model: &Model, at: &Measured| {
-                compare::traces(&Problem::new(model, &fold.held_out, bench.fit.clone())?, at, None)
+                compare::traces(&Problem::new(model, proof.holdout, context.fit.clone())?, at, None)
             };
-            let before = of(&base.model, &base.held[0])?;
+            let before = of(&base.model, &proof.base)?;
             let after = match corrected {
-                Some(after) => of(&after.model, &after.held[0])?,
+                Some(after) => of(&after.model, &proof.corrected)?,
                 None => Vec::new(),
             };
             pairs.extend(paired(&names, true, before, after));
@@ -55,8 +58,8 @@ impl Pair {
         Ok(pairs)
     }
 
-    /// Those that prove something: that were held out, or else all.
-    pub(crate) fn proof(pairs: &[Self]) -> Vec<&Traces> {
+    /// Those that were held out, or else all.
+    pub(crate) fn shown(pairs: &[Self]) -> Vec<&Traces> {
         let held_out = pairs.iter().any(|pair| pair.held_out);
         pairs.iter().filter(|pair| pair.held_out == held_out).map(|pair| &pair.before).collect()
     }

@@ -7,7 +7,7 @@ use socam_identify::{
 use socam_model::{Model, Motion, Quantity};
 
 use crate::{
-    bench::{Bench, Fitted},
+    context::{Context, Fitted},
     document::Region,
     scales::with_sensor,
     spectrum,
@@ -40,17 +40,17 @@ struct Sample {
 /// Where `after` explains what `before` does not, at the place of what was added; without `after`, where `before` misses most.
 /// `levels` are the outputs' noise, SI.
 pub(crate) fn region(
-    bench: &Bench<'_>,
+    context: &Context<'_>,
     before: &Fitted,
     after: Option<&Fitted>,
     place: &str,
     levels: &[f64],
 ) -> Result<Region, IdentifyError> {
-    let of = |fitted: &Fitted| compare::traces(&bench.problem(&fitted.model)?, &fitted.at, None);
+    let of = |fitted: &Fitted| compare::traces(&context.problem(&fitted.model)?, &fitted.at, None);
     let (old, new) = (of(before)?, after.map(of).transpose()?);
     let mover = after.unwrap_or(before);
     let probe = probe(&mover.model, &mover.at.values, place);
-    let motion = compare::traces(&bench.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
+    let motion = compare::traces(&context.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
     let mut samples = Vec::new();
     let mut spectra = vec![(0.0, 0.0); spectrum_bins(&old)];
     let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);

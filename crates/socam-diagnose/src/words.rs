@@ -4,7 +4,7 @@ use socam_model::effects::Effect;
 
 use crate::{
     document::{Curve, EffectParameter, Over},
-    shapes::{Manner, Unexplained},
+    nonparametric::{Manner, Unexplained},
 };
 
 /// For a mechanic: what it is, where, and how much.

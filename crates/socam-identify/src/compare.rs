@@ -9,11 +9,11 @@ use std::sync::Arc;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use socam_model::Model;
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use crate::{
     IdentifyError, colour,
     colour::Colour,
+    discrepancy::Discrepancy,
     feed, input_noise, levels, modal,
     pass::{self, Point, StretchResult, Weights},
     predict::{Predictor, Start},
@@ -29,8 +29,6 @@ use crate::{
 pub const COARSE: f64 = 2.0;
 /// See [`COARSE`].
 pub const FINE: f64 = 0.05;
-/// How much stronger than the yardstick has it noise may be in the band where an effect acts, in power: coloured noise is.
-pub const INFLATION: f64 = 8.0;
 /// Parameters that stand for one effect; more are points of a curve, which may be next to dependent on one another and are kept
 /// small by a pull of [`RIDGE`] of what the data say of each.
 const FEW: usize = 4;
@@ -43,6 +41,8 @@ const LEAST_OWN: f64 = 1e-7;
 pub struct Yardstick {
     levels: NoiseLevels,
     colours: Arc<Vec<Colour>>,
+    discrepancy: Arc<Vec<Discrepancy>>,
+    excess: f64,
 }
 
 impl Yardstick {
@@ -68,10 +68,33 @@ impl Yardstick {
                 for colour in &mut colours {
                     colour.reduce();
                 }
-                Self { levels, colours: Arc::new(colours) }
+                Self { levels, colours: Arc::new(colours), discrepancy: Arc::default(), excess: 1.0 }
             }
-            None => Self { levels: exact, colours: Arc::default() },
+            None => Self { levels: exact, colours: Arc::default(), discrepancy: Arc::default(), excess: 1.0 },
         })
+    }
+
+    /// The same sensor noise with the model discrepancy that the residuals of an evaluation (`at`, of `problem`'s model) show: one
+    /// autoregressive process per output. `None` where the prediction overflows.
+    ///
+    /// # Errors
+    /// When a recording cannot be read.
+    pub fn with_discrepancy(
+        &self,
+        problem: &Problem<'_>,
+        at: &Measured,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let sensor = Self { discrepancy: Arc::default(), ..self.clone() };
+        let Some(white) = innovations(problem, &sensor, at)? else { return Ok(None) };
+        let segments: Vec<_> = white.iter().map(|one| (one.sample_time_s, &*one.outputs)).collect();
+        let present = || segments.iter().flat_map(|(_, outputs)| outputs.iter().flatten()).filter(|v| **v != 0.0);
+        let excess = present().map(|v| v * v).sum::<f64>() / present().count().max(1) as f64;
+        Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
+    }
+
+    /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where nothing is missing.
+    pub fn excess(&self) -> f64 {
+        self.excess
     }
 
     /// The noise levels.
@@ -82,6 +105,7 @@ impl Yardstick {
     pub(crate) fn weights(&self, problem: &Problem<'_>, values: &[f64]) -> Weights {
         Weights {
             frozen: Some(Arc::clone(&self.colours)),
+            discrepancy: Arc::clone(&self.discrepancy),
             ..Weights::white(self.levels.outputs.clone(), solver::scales(problem, values))
         }
     }
@@ -174,23 +198,15 @@ pub struct Promise {
     pub gain: f64,
     /// Sum of squares at the values.
     pub total: f64,
-    /// Chance of as much if nothing were needed: of a step so consistent from block to block, whatever the size and colour of
-    /// residuals, or of such a gain from noise [`INFLATION`] times as strong as the yardstick has it, whichever is less. (What
-    /// is missing may act in a few blocks only, and is then anything but consistent.)
-    pub p_value: f64,
     /// Step of each parameter, SI; none for one that moves nothing.
     pub step: Vec<f64>,
     /// Standard error of each, SI, as far as noise goes; infinite for one that moves nothing.
     pub std: Vec<f64>,
     /// Change of the first parameter alone that moves the sum of squares by one, SI; infinite where nothing does.
     pub resolution: f64,
-}
-
-impl Promise {
-    /// Chance of the gain from white noise just as strong as the yardstick has it.
-    pub fn white_p_value(&self) -> f64 {
-        chance(self.gain.max(0.0), self.step.len())
-    }
+    /// Efficient scores (those of the group with what the base can do taken out), block by block of 0.2 s in the order of the recordings,
+    /// by parameter of the group; none where the group moves nothing.
+    pub scores: Vec<Vec<f64>>,
 }
 
 /// For each of `groups` (indices of free parameters that belong together) what freeing it along with `base` would do; `at` was
@@ -275,10 +291,10 @@ impl<'f> Picture<'f> {
         let nothing = Promise {
             gain: 0.0,
             total: self.total,
-            p_value: 1.0,
             step: vec![0.0; group.len()],
             std: vec![f64::INFINITY; group.len()],
             resolution: f64::INFINITY,
+            scores: Vec::new(),
         };
         let (residual, _) = self.own(self.factor.ncols() - 1);
         let own: Vec<(Vec<f64>, Vec<f64>)> = group.iter().map(|column| self.own(*column)).collect();
@@ -314,8 +330,8 @@ impl<'f> Picture<'f> {
             .collect();
         let mut promise = Promise {
             gain,
-            p_value: consistency(&scores).min(chance(gain / INFLATION, n)),
             resolution: 1.0 / lengths[kept[0]],
+            scores,
             ..nothing
         };
         for (index, k) in kept.iter().enumerate() {
@@ -338,30 +354,6 @@ fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
     let llt = matrix.llt(faer::Side::Lower).ok()?;
     let solution = llt.solve(right);
     (0..matrix.nrows()).map(|k| Some(solution[(k, 0)]).filter(|value| value.is_finite())).collect()
-}
-
-/// Chance of a gain by that many parameters from noise as strong as the yardstick has it.
-fn chance(gain: f64, parameters: usize) -> f64 {
-    ChiSquared::new(parameters as f64).map_or(1.0, |noise| noise.sf(gain))
-}
-
-/// Chance that block sums of mean zero come out so alike (Hotelling 1931).
-fn consistency(scores: &[Vec<f64>]) -> f64 {
-    let (blocks, n) = (scores.len(), scores.first().map_or(0, Vec::len));
-    if blocks <= n + 1 || n == 0 {
-        return 1.0;
-    }
-    let count = blocks as f64;
-    let mean: Vec<f64> = (0..n).map(|k| scores.iter().map(|s| s[k]).sum::<f64>() / count).collect();
-    let spread = Mat::from_fn(n, n, |i, j| {
-        let products = scores.iter().map(|s| (s[i] - mean[i]) * (s[j] - mean[j]));
-        products.sum::<f64>() / (count - 1.0)
-    });
-    let right = Mat::from_fn(n, 1, |k, _| mean[k]);
-    let Some(solution) = solved(&spread, &right) else { return 1.0 };
-    let square: f64 = count * mean.iter().zip(&solution).map(|(m, s)| m * s).sum::<f64>();
-    let ratio = square * (count - n as f64) / (n as f64 * (count - 1.0));
-    FisherSnedecor::new(n as f64, count - n as f64).map_or(1.0, |f| f.sf(ratio.max(0.0)))
 }
 
 /// Noise levels that a model's residuals speak for: none more than its channel's highest frequencies can hold, see

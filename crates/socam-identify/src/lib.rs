@@ -20,6 +20,8 @@ mod colour;
 mod combinations;
 mod combine;
 pub mod compare;
+pub mod cross_validation;
+mod discrepancy;
 mod error;
 mod exponential;
 mod feed;

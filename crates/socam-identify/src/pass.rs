@@ -9,6 +9,7 @@ use socam_model::{Equations, effects::Sight};
 use crate::{
     IdentifyError,
     colour::{self, Colour},
+    discrepancy::{self, Discrepancy},
     feed,
     levels::{self, Probe, Score},
     modal::Modal,
@@ -44,9 +45,11 @@ pub(crate) struct StretchResult {
     pub(crate) samples: f64,
     /// Of these, samples in which a law was too steep for the shortest step.
     pub(crate) unresolved: u64,
-    /// Transposed slopes times residuals, summed over consecutive blocks of [`SCORE_BLOCK_S`]; over
+    /// Transposed slopes times residuals, summed over consecutive blocks of [`BLOCK_S`] or [`WHITENED_BLOCK_S`]; over
     /// [local | free]. Only when asked for.
     pub(crate) scores: Vec<Vec<f64>>,
+    /// Squared whitened residuals, summed over the same blocks.
+    pub(crate) block_squares: Vec<f64>,
     /// Whitened residuals by output, nothing where one is missing. Only when asked for.
     pub(crate) innovations: Vec<Vec<f64>>,
     /// What the residuals say of the noise levels; only when asked for.
@@ -86,8 +89,10 @@ fn shows(remainder: f64, length: f64) -> bool {
     remainder > 0.1 && remainder > 1e-8 * length
 }
 
-/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated.
-pub(crate) const SCORE_BLOCK_S: f64 = 0.5;
+/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated, those that a discrepancy's filter has
+/// whitened or others.
+const WHITENED_BLOCK_S: f64 = 0.2;
+const BLOCK_S: f64 = 0.5;
 
 /// Sums of slopes times residuals over blocks of that length, by free parameter.
 pub(crate) fn blocks(passed: &[StretchResult], free: usize) -> Vec<Vec<f64>> {
@@ -142,6 +147,8 @@ pub(crate) struct Weights {
     pub(crate) gate: Option<Arc<Vec<f64>>>,
     /// Filters to be used instead of those that follow the parameters.
     pub(crate) frozen: Option<Arc<Vec<Colour>>>,
+    /// Filters of the model discrepancy, after those of sensor noise; empty where residuals are taken for sensor noise only.
+    pub(crate) discrepancy: Arc<Vec<Discrepancy>>,
 }
 
 impl Weights {
@@ -156,6 +163,7 @@ impl Weights {
             probes: Arc::default(),
             gate: None,
             frozen: None,
+            discrepancy: Arc::default(),
         }
     }
 
@@ -289,6 +297,7 @@ pub(crate) struct Rows<'w> {
     samples: f64,
     pub(crate) unresolved: u64,
     colour: Option<colour::Course<'w>>,
+    discrepancy: Option<discrepancy::Filter<'w>>,
     course: Option<levels::Course<'w>>,
     gate: Option<Gate<'w>>,
     scores: Option<Scores>,
@@ -311,6 +320,7 @@ impl<'w> Rows<'w> {
         let globals = problem.free.len();
         let outputs = problem.outputs();
         let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
+        let block_s = if weights.discrepancy.is_empty() { BLOCK_S } else { WHITENED_BLOCK_S };
         Self {
             locals,
             globals,
@@ -321,15 +331,18 @@ impl<'w> Rows<'w> {
             samples: 0.0,
             unresolved: 0,
             colour: colour.map(|colour| colour.start(locals, globals)),
+            discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s)
+                .map(|discrepancy| discrepancy.start(locals + globals + 1)),
             course: probe.map(|(_, probe)| probe.start()),
             gate: weights
                 .gate
                 .as_ref()
                 .map(|sizes| Gate::new(colour.map(|c| &c.whitener), Arc::clone(sizes))),
             scores: weights.scores.then(|| Scores {
-                block_rows: (SCORE_BLOCK_S / sample_time_s).ceil().max(1.0) as usize,
+                block_rows: (block_s / sample_time_s).ceil().max(1.0) as usize,
                 row: 0,
                 sums: Vec::new(),
+                squares: Vec::new(),
                 width: locals + globals,
             }),
             innovations: weights.innovations.then(|| vec![Vec::new(); outputs]),
@@ -394,6 +407,9 @@ impl<'w> Rows<'w> {
         if let Some(colour) = &mut self.colour {
             colour.apply(target.rb_mut(), rows, &self.present);
         }
+        if let Some(discrepancy) = &mut self.discrepancy {
+            discrepancy.apply(target.rb_mut(), rows, &self.present, skipped);
+        }
         self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
         self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;
         for (output, all) in self.innovations.iter_mut().flatten().enumerate() {
@@ -418,7 +434,7 @@ impl<'w> Rows<'w> {
         let pivots = triangle::eliminate(&mut factor, self.locals, |column, remainder, length| {
             moves(column) && shows(remainder, length)
         });
-        let scores = self.scores.map(|scores| scores.sums).unwrap_or_default();
+        let (scores, block_squares) = self.scores.map(|scores| (scores.sums, scores.squares)).unwrap_or_default();
         let finite = factor.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
         let finite = finite && self.weighted_squares.is_finite();
         finite.then_some(StretchResult {
@@ -429,6 +445,7 @@ impl<'w> Rows<'w> {
             samples: self.samples,
             unresolved: self.unresolved,
             scores,
+            block_squares,
             innovations: self.innovations.unwrap_or_default(),
             levels: self.course.map(|course| course.score),
             gate: self.gate.map(Gate::finish),
@@ -459,6 +476,7 @@ struct Scores {
     block_rows: usize,
     row: usize,
     sums: Vec<Vec<f64>>,
+    squares: Vec<f64>,
     width: usize,
 }
 
@@ -472,10 +490,12 @@ impl Scores {
             let to = samples.min((block + 1) * self.block_rows - self.row);
             if block >= self.sums.len() {
                 self.sums.push(vec![0.0; self.width]);
+                self.squares.push(0.0);
             }
             for output in 0..outputs {
                 let own = rows.subrows(output * samples + from, to - from);
                 let residual = own.col(last);
+                self.squares[block] += residual.squared_norm_l2();
                 let sums = self.sums[block][skipped..].iter_mut();
                 sums.zip(own.col_iter()).for_each(|(sum, slopes)| *sum += slopes.transpose() * residual);
             }

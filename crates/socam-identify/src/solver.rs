@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::{
     IdentifyError, colour,
-    compare::{self, Measured},
+    compare::{self, Measured, Yardstick},
     input_noise, levels, outliers,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
@@ -91,34 +91,26 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     report::identification(&cleaned, descent, &races, clock)
 }
 
-/// What recordings say of the model's own parameter values, where a comparison of models came to them (`at`), by noise that is given:
-/// an [`output_error`] that need not go anywhere. Only what is local to a recording is fitted. Where that search had not come to its end,
-/// or outliers show only now, it is gone on with from the model's values.
+/// Estimates and intervals at a fit that a comparison of models came to (`at`, of the problem's model), under its noise model: covariance at an
+/// existing optimum, without refitting. Only start states are fitted.
 ///
 /// # Errors
-/// As those of [`output_error`].
-pub fn at_minimum(problem: &Problem<'_>, at: &Measured) -> Result<Identification, IdentifyError> {
+/// When a recording cannot be read, or the prediction overflows.
+pub fn at_minimum(
+    problem: &Problem<'_>,
+    noise: &Yardstick,
+    at: &Measured,
+) -> Result<Identification, IdentifyError> {
     let clock = report::CpuClock::start();
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
-    let interrupted = problem.options.watch.stops();
-    let Noise::Given(given) = &problem.options.noise else { return output_error(problem) };
-    if !at.converged && !interrupted {
-        return output_error(problem);
-    }
-    let values = problem.model.values();
-    let point = compare::begin(problem, &values, Some((problem.model, at)))?.ok_or_else(diverged)?;
-    let inputs = if colour::exists(problem, &point, given) { given.inputs.clone() } else { Vec::new() };
-    let weights =
-        |scales| Weights { input_std: inputs.clone(), ..Weights::white(given.outputs.clone(), scales) };
+    let point = compare::begin(problem, &at.values, Some((problem.model, at)))?.ok_or_else(diverged)?;
     let blind = levels::blind(problem);
-    let found = with_locals_fitted(&blind, point, weights(Vec::new()))?.ok_or_else(diverged)?;
-    let mut cleaned = problem.clone();
-    if outliers::leave_out(&mut cleaned, &found.point, &found.weights)? && !interrupted {
-        return output_error(problem);
-    }
-    let end = if interrupted { End::Interrupted } else { End::Converged };
-    let weights = weights(scales(problem, &values));
-    report::identification(&cleaned, Descent { weights, end, ..found }, &[], clock)
+    let found = with_locals_fitted(&blind, point, noise.weights(&blind, &at.values))?.ok_or_else(diverged)?;
+    let end = if problem.options.watch.stops() { End::Interrupted } else { End::Converged };
+    // Sensitivities hold input noise, whatever else the residuals hold: it counts by its share of them.
+    let inputs = noise.levels().inputs.iter().map(|std| std / noise.excess().max(1.0).sqrt());
+    let weights = Weights { input_std: inputs.collect(), ..noise.weights(problem, &at.values) };
+    report::identification(problem, Descent { weights, end, ..found }, &[], clock)
 }
 
 /// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
@@ -445,7 +437,7 @@ fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec
 }
 
 /// [`information_factor`] and what anchors add: what steps are made of.
-fn global_factor(
+pub(crate) fn global_factor(
     problem: &Problem<'_>,
     point: &Point,
     weights: &Weights,

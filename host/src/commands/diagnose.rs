@@ -46,6 +46,10 @@ pub(crate) struct Args {
     /// Where each recording starts from
     #[arg(long, value_enum, default_value = "free")]
     start: Start,
+    /// Share of a channel's standard deviation by which a finding must move its prediction to matter; smaller ones are listed and do not count
+    /// as missing physics
+    #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
+    tolerance: f64,
     /// Most effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: u8,
@@ -90,6 +94,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let options = socam_diagnose::Options {
             false_alarm_rate: args.false_alarm_rate,
             most_effects: args.most.into(),
+            tolerance: args.tolerance,
             seed: args.seed,
             start_state: args.start.state(),
             watch: fit.watch.clone(),
@@ -141,23 +146,29 @@ fn apart(args: &Args) -> anyhow::Result<()> {
 
 /// The answer as text.
 pub(crate) fn text(diagnosis: &Diagnosis) -> String {
-    let proof = match diagnosis.validation {
-        Validation::Holdout => "recordings that were held out",
-        Validation::LeaveOneOut => "each recording in turn, fitted to the others",
-        Validation::Blocks => "each part of the recording in turn, fitted to the others",
+    let compared = match diagnosis.selection.unwrap_or(diagnosis.validation) {
+        Validation::Blocks => "blocks of the recordings left out in turn",
+        _ => "each recording left out in turn",
     };
     let verdict = match diagnosis.verdict {
-        Verdict::Adequate => format!(
+        Verdict::Adequate if diagnosis.findings.is_empty() => format!(
             "{} explains these recordings: nothing is missing that they could show (false alarms: {} %)",
             diagnosis.model,
             table::number(100.0 * diagnosis.false_alarm_rate)
         ),
-        Verdict::MissingPhysics => format!("{} leaves physics out, as proven on {proof}", diagnosis.model),
+        Verdict::Adequate => format!(
+            "{} explains these recordings: what it leaves out can be measured and moves no channel by more than the tolerance",
+            diagnosis.model
+        ),
+        Verdict::MissingPhysics => format!("{} leaves physics out, by cross-validation ({compared})", diagnosis.model),
         Verdict::Unexplained => {
             format!("{} leaves something out that has no name in the catalogue", diagnosis.model)
         }
     };
     let mut text = format!("{verdict}. {:.1} CPU s\n", diagnosis.cpu_s);
+    if let Some(held_out) = &diagnosis.held_out {
+        text.push_str(&format!("{}\n", held_out.sentence));
+    }
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         text.push_str(&one(index + 1, finding));
     }
@@ -190,11 +201,19 @@ fn one(number: usize, finding: &Finding) -> String {
     if !finding.region.text.is_empty() {
         text.push_str(&format!("   where: {}\n", finding.region.text));
     }
+    if let Some([gain, std]) = proof.log_score_gain {
+        let (gain, std) = (table::number(gain), table::number(std));
+        text.push_str(&format!("   cross-validation: log score {gain} higher, standard error {std}\n"));
+    }
     if let Some(gain) = proof.holdout_gain_percent {
         text.push_str(&format!(
             "   held-out recordings: {} % of what the model missed there\n",
             table::number(gain)
         ));
+    }
+    if let (Some(share), Some(channel)) = (proof.moves_percent, &proof.moves_channel) {
+        let note = if proof.material == Some(false) { ": less than the tolerance, so not material" } else { "" };
+        text.push_str(&format!("   it moves {channel} by {} % of its standard deviation{note}\n", table::number(share)));
     }
     for rival in &finding.rivals {
         text.push_str(&format!(

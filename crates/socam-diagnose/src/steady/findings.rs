@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     document::{
-        ChannelFit, Curve, EffectParameter, Finding, NotFound, Over, ParameterChange, Proof, Region, Rival,
+        ChannelFit, Curve, EffectParameter, Finding, NotFound, Over, ParameterChange, FindingEvidence, Region, Rival,
         UNEXPLAINED,
     },
     words,
@@ -37,11 +37,12 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
     };
     let seen = observation(model, outcome);
     let named = outcome.named();
-    let mut proof = Proof {
+    let mut proof = FindingEvidence {
         p_value: Some(base.p_value),
         chi2_gain: Some(base.chi2 - named.map_or(0.0, |(_, fitted)| fitted.chi2)),
         holdout_gain_percent: None,
         misfit_percent: None,
+        ..FindingEvidence::default()
     };
     let Some((own, fitted)) = named else {
         return Finding {

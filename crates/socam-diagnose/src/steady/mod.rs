@@ -171,6 +171,8 @@ pub fn diagnose_steady(
         words::short(100.0 * options.repeatability)
     )];
     let diagnosis = Diagnosis {
+        selection: None,
+        held_out: None,
         schema: SCHEMA.into(),
         verdict,
         false_alarm_rate: options.false_alarm_rate,

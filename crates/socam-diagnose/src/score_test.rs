@@ -1,5 +1,14 @@
-//! Every candidate at once: what each promises, from one pass over the recordings for a handful of them.
+//! The score test: whether anything is missing, over all candidates at once, and what each would gain, without fitting one.
+//!
+//! One evaluation with sensitivities gives each candidate's efficient scores by block. A candidate's statistic is the quadratic form of their
+//! sum by their own scatter, so that it holds whatever the size, colour and local variance of the residuals. The largest of all is judged by
+//! a wild bootstrap: signs of whole blocks are drawn anew, for all candidates together, and the share of draws whose largest statistic
+//! exceeds a candidate's is its family-wise p-value (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013; P. Westfall and S. Young,
+//! Resampling-Based Multiple Testing, 1993). Unknown orders, frequencies and time constants are candidates of a grid, and are covered too.
+//! A candidate that acts in a few blocks only cannot stand out that way; it may by the noise model's own scale, if its
+//! gain is [`INFLATION`] times what that noise would make.
 
+use rand_chacha::{ChaCha8Rng, rand_core::{Rng, SeedableRng}};
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, Options, Problem,
@@ -7,6 +16,7 @@ use socam_identify::{
 };
 use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{
     candidates::{self, Candidate},
@@ -16,6 +26,10 @@ use crate::{
 /// Candidates that share a pass: each adds to what a step costs; those less that only a sensor shows.
 const TOGETHER: usize = 10;
 const TOGETHER_ON_SENSORS: usize = 18;
+/// Draws of the bootstrap: the least p-value is one over these.
+const DRAWS: usize = 1999;
+/// How much stronger than the noise model has it noise may be in the direction in which a candidate acts, in power.
+const INFLATION: f64 = 8.0;
 
 /// A candidate and what it promises, as a start for a fit.
 #[derive(Debug, Clone)]
@@ -23,13 +37,15 @@ pub(crate) struct Promising {
     /// With the strength that the slopes foretell.
     pub(crate) start: Candidate,
     pub(crate) promise: Promise,
+    /// Chance that anything among all candidates stands out as much where nothing is missing.
+    pub(crate) p_value: f64,
     /// Whether the foretold strength is one that can be.
     pub(crate) possible: bool,
 }
 
 /// What all candidates promise to a model at a fit (`at`). What is of full strength is tried on the recording with the largest torques
 /// first, for it costs much: what makes that one no better does nothing for the others.
-pub(crate) fn screen(
+pub(crate) fn run(
     model: &Model,
     datasets: &[Dataset],
     options: &Options,
@@ -66,7 +82,84 @@ pub(crate) fn screen(
         Ok(first.into_iter().map(|promising| Promising { possible: false, ..promising }).collect())
     });
     let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
-    Ok(found?.into_iter().flatten().collect())
+    let mut found: Vec<Promising> = found?.into_iter().flatten().collect();
+    judge(&mut found);
+    found.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
+    Ok(found)
+}
+
+/// Gives each candidate its family-wise p-value.
+fn judge(all: &mut [Promising]) {
+    let p_values = family_wise(&all.iter().map(|one| &one.promise).collect::<Vec<_>>());
+    all.iter_mut().zip(p_values).for_each(|(one, p_value)| one.p_value = p_value);
+}
+
+/// For each of several tests on the same blocks: the chance that any of them stands out as much where nothing is missing.
+pub(crate) fn family_wise(all: &[&Promise]) -> Vec<f64> {
+    let statistics: Vec<Option<Statistic>> = all.iter().map(|one| Statistic::new(&one.scores)).collect();
+    let largest = largest_by_chance(&statistics);
+    let count = all.len().max(1) as f64;
+    let each = all.iter().zip(&statistics).map(|(one, statistic)| {
+        let robust = statistic.as_ref().map_or(1.0, |statistic| {
+            let own = statistic.surprise(&statistic.sum);
+            let exceed = largest.iter().filter(|chance| **chance >= own).count();
+            (1 + exceed) as f64 / (1 + largest.len()) as f64
+        });
+        let by_scale = chi_squared_tail(one.gain / INFLATION, one.step.len()) * count;
+        // Either may speak for it.
+        (2.0 * robust.min(by_scale)).min(1.0)
+    });
+    each.collect()
+}
+
+/// A candidate's scores by block, made orthonormal: their squares sum to one in each direction.
+struct Statistic {
+    scores: Vec<Vec<f64>>,
+    sum: Vec<f64>,
+}
+
+impl Statistic {
+    /// `None` where the scores have no scatter.
+    fn new(scores: &[Vec<f64>]) -> Option<Self> {
+        let n = scores.first()?.len();
+        let scatter = nalgebra::DMatrix::from_fn(n, n, |i, j| scores.iter().map(|s| s[i] * s[j]).sum::<f64>());
+        let root = nalgebra::Cholesky::new(scatter)?;
+        let each = scores.iter().map(|score| {
+            let whitened = root.l().solve_lower_triangular(&nalgebra::DVector::from_column_slice(score))?;
+            Some(whitened.as_slice().to_vec())
+        });
+        let scores: Vec<Vec<f64>> = each.collect::<Option<_>>()?;
+        let sum = (0..n).map(|k| scores.iter().map(|s| s[k]).sum()).collect();
+        Some(Self { scores, sum })
+    }
+
+    /// How unlikely a sum of scores is, comparable between candidates of different numbers of parameters.
+    fn surprise(&self, sum: &[f64]) -> f64 {
+        -chi_squared_tail(sum.iter().map(|s| s * s).sum(), sum.len()).max(f64::MIN_POSITIVE).ln()
+    }
+}
+
+/// The largest surprise of all candidates in each draw of the blocks' signs.
+fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
+    let blocks = statistics.iter().flatten().map(|s| s.scores.len()).max().unwrap_or(0);
+    let draw = |number: usize| {
+        let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+        let signs: Vec<f64> = (0..blocks).map(|_| if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
+        let each = statistics.iter().flatten().filter(|s| s.scores.len() == blocks).map(|statistic| {
+            let width = statistic.sum.len();
+            let mut sum = vec![0.0; width];
+            for (score, sign) in statistic.scores.iter().zip(&signs) {
+                sum.iter_mut().zip(score).for_each(|(sum, score)| *sum += sign * score);
+            }
+            statistic.surprise(&sum)
+        });
+        each.fold(0.0, f64::max)
+    };
+    (0..DRAWS).into_par_iter().map(draw).collect()
+}
+
+fn chi_squared_tail(value: f64, parameters: usize) -> f64 {
+    ChiSquared::new(parameters.max(1) as f64).map_or(1.0, |noise| noise.sf(value.max(0.0)))
 }
 
 /// Effects that change the network, each kind for itself, no two at one place.
@@ -106,7 +199,6 @@ fn together(
     let each = batch.iter().zip(promises).map(|(candidate, mut promise)| {
         if candidate.is_full() {
             promise.gain += at.total() - promise.total;
-            promise.p_value = promise.white_p_value();
         }
         foretold(model, candidate, promise)
     });
@@ -190,7 +282,7 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
             start = start.with(name, moved);
         }
     }
-    Promising { start, promise, possible }
+    Promising { start, promise, p_value: 1.0, possible }
 }
 
 /// A stiffness is moved by what it gives: from one that is as good as rigid.

@@ -1,4 +1,5 @@
-//! A sensor that is far off bends a fit until nothing says what is wrong: where the bench is without that sensor, its own fault shows.
+//! Leave-one-sensor-out fits: a sensor that is far off displaces every parameter until nothing says what is wrong. Fitted without that
+//! sensor, the context is where the others put it, and the sensor's own fault shows.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -8,18 +9,21 @@ use socam_identify::{
 use socam_model::Channel;
 use socam_recording::{Dataset, RecordingError};
 
-use super::{Course, LEAST_GAIN, Tried};
 use crate::{
-    bench::Bench,
     candidates::{self, Candidate},
-    cleaned::blanked,
-    race,
+    context::{Context, Fitted},
+    halving::{self, Finalist},
+    preprocessing::blanked,
     scales::Scales,
-    screen::{self, Promising},
+    score_test::{self, Promising},
+    selection::Path,
     spectrum,
 };
 
-/// Mean square of what is left in training, in units of noise, from which on one sensor after another is left out.
+/// A candidate with its p-value, and its fit.
+pub(crate) type Tried = ((Candidate, f64), Finalist);
+
+/// Mean square of what is left in training, in units of sensor noise, from which on one sensor after another is left out.
 const GROSS: f64 = 3.0;
 /// Iterations of a fit to the other sensors, begun at the file's values.
 const ITERATIONS: usize = 20;
@@ -29,49 +33,45 @@ const TRIED: usize = 3;
 const LATE_S: (f64, f64) = (1e-3, 5e-2);
 const LATE_POINTS: i32 = 24;
 
-impl Course {
-    /// Fits of what may be wrong with each sensor, begun where all others put the bench; nothing where `left`, the least that anything
+impl Path {
+    /// Fits of what may be wrong with each sensor, begun where all others put the context; nothing where `left`, the least that anything
     /// tried so far leaves in training (in units of noise), is not gross.
-    pub(super) fn blindly(
+    pub(crate) fn without_each_sensor(
         &self,
-        bench: &Bench<'_>,
+        context: &Context<'_>,
         scales: &Scales,
         left: f64,
     ) -> Result<Vec<Tried>, IdentifyError> {
-        if left.min(self.last.training_scale()) < GROSS || !self.steps.is_empty() {
+        if left < GROSS || !self.terms.is_empty() {
             return Ok(Vec::new());
         }
         let outputs = self.last.model.outputs().enumerate();
         let sensors: Vec<(usize, &Channel)> =
             outputs.filter(|(_, channel)| !channel.quantity.is_clock()).collect();
-        let each = sensors.par_iter().map(|sensor| self.blind_to(bench, scales, *sensor));
+        let each = sensors.par_iter().map(|sensor| self.without_sensor(context, scales, *sensor));
         let all: Result<Vec<Vec<Tried>>, IdentifyError> = each.collect();
         Ok(all?.into_iter().flatten().collect())
     }
 
-    fn blind_to(
+    fn without_sensor(
         &self,
-        bench: &Bench<'_>,
+        context: &Context<'_>,
         scales: &Scales,
         (output, sensor): (usize, &Channel),
     ) -> Result<Vec<Tried>, IdentifyError> {
         let model = &self.last.model;
-        let Some(at) = self.fitted_without(bench, sensor)? else { return Ok(Vec::new()) };
-        let problem = bench.problem(model)?;
-        let Some(at) = compare::measure(&problem, &self.yardstick, &at.values)? else {
-            return Ok(Vec::new());
-        };
-        let Some(begun) = bench.held(model, at, &self.yardstick)? else { return Ok(Vec::new()) };
+        let Some(at) = self.fitted_without_sensor(context, sensor)? else { return Ok(Vec::new()) };
+        let problem = context.problem(model)?;
+        let Some(at) = compare::measure(&problem, &self.noise, &at.values)? else { return Ok(Vec::new()) };
+        let begun = Fitted { at, ..self.last.clone() };
         let mut all = candidates::all(model, scales);
         all.retain(|candidate| candidate.place == sensor.name);
-        let mut seen =
-            screen::screen(model, bench.training, &bench.fit, &self.yardstick, &begun.at, (scales, &all))?;
-        seen.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
+        let seen = score_test::run(model, context.training, &context.fit, &self.noise, &begun.at, (scales, &all))?;
         let mut tried: Vec<(Candidate, f64)> = Vec::new();
-        for one in seen.iter().filter(|one| one.possible && one.promise.gain > LEAST_GAIN) {
+        for one in seen.iter().filter(|one| one.possible && one.p_value < context.options.false_alarm_rate) {
             let is_new = tried.iter().all(|(known, _)| !known.is_same(&one.start));
             if is_new && tried.len() < TRIED {
-                tried.push((one.start.clone(), one.promise.p_value));
+                tried.push((one.start.clone(), one.p_value));
             }
         }
         let traces = compare::traces(&problem, &begun.at, None)?;
@@ -80,23 +80,24 @@ impl Course {
         for (effect, name, answer) in answers {
             let own = seen.iter().find(|one| one.start.effect.id == effect);
             let start = |own: &Promising| own.start.with(name, nearest(&traces, output, answer));
-            tried.extend(own.map(|own| (start(own), own.promise.p_value)));
+            tried.extend(own.map(|own| (start(own), own.p_value)));
         }
-        let fits = race::race(bench, &begun, &tried, &self.yardstick)?;
-        Ok(fits.into_iter().map(|(index, fitted)| (tried[index].clone(), fitted)).collect())
+        let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
+        let fits = halving::run(context, &begun, &starts, &self.noise)?;
+        Ok(fits.into_iter().map(|fit| (tried[fit.index].clone(), fit)).collect())
     }
 
     /// The model fitted to training recordings in which a sensor says nothing.
-    fn fitted_without(&self, bench: &Bench<'_>, sensor: &Channel) -> Result<Option<Measured>, IdentifyError> {
+    fn fitted_without_sensor(&self, context: &Context<'_>, sensor: &Channel) -> Result<Option<Measured>, IdentifyError> {
         let model = &self.last.model;
         let blind = |dataset: &Dataset| {
             let all = std::iter::once(0..dataset.rows()).collect();
             blanked(dataset, std::iter::once((&*sensor.column, all)))
         };
-        let blind: Result<Vec<Dataset>, RecordingError> = bench.training.iter().map(blind).collect();
+        let blind: Result<Vec<Dataset>, RecordingError> = context.training.iter().map(blind).collect();
         let blind = blind?;
-        let problem = Problem::new(model, &blind, bench.fit.clone())?;
-        compare::descend(&problem, &self.yardstick, &model.values(), None, (compare::COARSE, ITERATIONS))
+        let problem = Problem::new(model, &blind, context.fit.clone())?;
+        compare::descend(&problem, &self.noise, &model.values(), None, (compare::COARSE, ITERATIONS))
     }
 }
 

@@ -2,12 +2,12 @@
 //!
 //! At every place a torque is let free that is any smooth function of one thing: the place's speed, its angle within a turn, a
 //! coupling's twist, or time; or a drag against the motion is one of time or of the angle, or a coupling's stiffness one of time.
-//! One pass of slopes says how much of the misfit each would carry and what it would look like.
+//! One evaluation with sensitivities says what each would gain and what it would look like.
 
 use rayon::prelude::*;
 use socam_identify::{
-    IdentifyError, Problem,
-    compare::{self, Yardstick},
+    IdentifyError,
+    compare::{self, Promise, Yardstick},
 };
 use socam_model::{
     Model, ModelError, Motion,
@@ -19,11 +19,14 @@ use socam_model::{
 use socam_recording::Dataset;
 
 use crate::{
-    bench::{Bench, Fitted},
-    candidates::is_part,
+    candidates::{Candidate, is_part},
+    choice::Choice,
+    context::{Context, Fitted},
+    criterion::{Difference, LAW_DISCREPANCY},
     document::{Curve, Over},
     scales::Scales,
-    screen::{carried, estimated},
+    score_test::{self, carried, estimated},
+    selection::{EXCESS, Path, gain},
 };
 
 /// Points that a curve is made of.
@@ -31,7 +34,7 @@ const POINTS: usize = 9;
 /// Curves that share a pass: each adds its points to what a step costs.
 const TOGETHER: usize = 3;
 /// Orders of a curve over one turn.
-pub(crate) const ORDERS: usize = 4;
+const ORDERS: usize = 4;
 /// Name of the speed within which what rubs turns its direction: as wide as that of the catalogue's friction.
 const TRANSITION: &str = "transition_speed";
 /// Iterations of a shape's fit.
@@ -153,7 +156,7 @@ static CHANNEL_GAIN: Effect =
 
 /// A place, what its unknown torque may depend on, and from where to where that goes.
 #[derive(Debug, Clone)]
-pub(crate) struct Free {
+struct Free {
     effect: &'static Effect,
     place: String,
     over: Over,
@@ -166,24 +169,10 @@ pub(crate) struct Free {
 }
 
 /// What remains, as a shape at a place that would carry it.
-pub(crate) struct Shape {
+struct Shape {
     free: Free,
-    /// Standard errors of its points.
-    std: Vec<f64>,
-    pub(crate) gain: f64,
-    pub(crate) p_value: f64,
-}
-
-impl Shape {
-    /// Where it is.
-    pub(crate) fn place(&self) -> &str {
-        &self.free.place
-    }
-
-    /// Whether it comes back with every turn, whichever way that goes.
-    pub(crate) fn is_turn(&self) -> bool {
-        self.free.is_turn() && self.free.acts() == Manner::Added
-    }
+    promise: Promise,
+    p_value: f64,
 }
 
 /// How a shape acts.
@@ -197,41 +186,75 @@ pub(crate) enum Manner {
     Rubs,
 }
 
-/// A shape that was fitted and tried on held-out recordings.
+/// A shape that was fitted and predicts what it was not fitted to.
 #[derive(Debug, Clone)]
 pub(crate) struct Unexplained {
     pub(crate) place: String,
-    pub(crate) free: Free,
+    free: Free,
     std: Vec<f64>,
     /// The model with it.
     pub(crate) fitted: Fitted,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
-    pub(crate) gain: f64,
-    pub(crate) held_gain_percent: f64,
-    /// Share of what exceeds noise in the training recordings, per cent.
+    /// What it gains over the last model without it.
+    pub(crate) gain: Difference,
+    /// Share of the excess of the training residuals over sensor noise that it carries, per cent.
     pub(crate) misfit_percent: f64,
 }
 
+/// A curve that competes with what has a name, if one predicts better: looked for where what has a name leaves more than sensor noise, or
+/// where something stands out (`is_suspicious`) and nothing was named.
+pub(crate) fn competing(
+    context: &Context<'_>,
+    path: &Path,
+    scales: &Scales,
+    named: Option<&Choice>,
+    is_suspicious: bool,
+) -> Result<Option<Unexplained>, IdentifyError> {
+    let excess = named.map_or(path.noise.excess(), |named| named.noise.excess());
+    let is_calm = excess < EXCESS;
+    if is_calm && named.is_some() {
+        return Ok(None);
+    }
+    let mut free = places(context, &path.last.model, scales);
+    free.retain(|free| !is_calm || is_suspicious || free.is_nameless());
+    let shapes = all(context, path, &free)?;
+    let Some(first) = shapes.first().filter(|first| first.p_value < context.options.false_alarm_rate) else {
+        return Ok(None);
+    };
+    // A curve over a turn is made of several waves, of which a name has one; the others follow.
+    let is_wave_of_it = named.is_some_and(|named| {
+        let Candidate { place, .. } = &named.term.candidate;
+        named.term.candidate.value("order").is_finite() && first.free.is_turn() && *place == first.free.place
+    });
+    let Some(curve) = fitted(context, path, first)? else { return Ok(None) };
+    if is_wave_of_it || curve.gain.log_score <= curve.gain.std {
+        return Ok(None);
+    }
+    match named {
+        Some(named) if !curve.beats(context, path, named)? => Ok(None),
+        _ => Ok(Some(curve)),
+    }
+}
+
 /// What each of some places would carry, the one that would carry most first.
-pub(crate) fn all(
-    bench: &Bench<'_>,
-    last: &Fitted,
-    yardstick: &Yardstick,
-    free: &[Free],
-) -> Result<Vec<Shape>, IdentifyError> {
+fn all(context: &Context<'_>, path: &Path, free: &[Free]) -> Result<Vec<Shape>, IdentifyError> {
     // A turn may be that of a sensor, and then its gaps are those of all that share its pass.
     let (turns, others): (Vec<Free>, Vec<Free>) = free.iter().cloned().partition(Free::is_turn);
     let chunks: Vec<&[Free]> = turns.chunks(TOGETHER).chain(others.chunks(TOGETHER)).collect();
-    let each = chunks.into_par_iter().map(|free| together(bench, last, yardstick, free));
-    let found: Result<Vec<Vec<Shape>>, IdentifyError> = each.collect();
-    let mut found: Vec<Shape> = found?.into_iter().flatten().collect();
-    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let each = chunks.into_par_iter().map(|free| together(context, path, free));
+    let found: Result<Vec<Vec<(Free, Promise)>>, IdentifyError> = each.collect();
+    let found: Vec<(Free, Promise)> = found?.into_iter().flatten().collect();
+    let promises: Vec<&Promise> = found.iter().map(|(_, promise)| promise).collect();
+    let p_values = score_test::family_wise(&promises);
+    let each = found.into_iter().zip(p_values).map(|((free, promise), p_value)| Shape { free, promise, p_value });
+    let mut found: Vec<Shape> = each.collect();
+    found.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
     Ok(found)
 }
 
 /// All places, with each thing that a torque or an error there may depend on.
-pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
+fn places(context: &Context<'_>, model: &Model, scales: &Scales) -> Vec<Free> {
     let rotates = model.motion == Motion::Rotation;
     let [by_speed, by_torque] = if rotates { ["rad/s", "N m"] } else { ["m/s", "N"] };
     let mut all = Vec::new();
@@ -241,7 +264,7 @@ pub(crate) fn places(bench: &Bench<'_>, model: &Model, scales: &Scales) -> Vec<F
         }
     };
     let (starts, ends) =
-        (bench.training.iter().map(Dataset::start_s), bench.training.iter().map(Dataset::end_s));
+        (context.training.iter().map(Dataset::start_s), context.training.iter().map(Dataset::end_s));
     let time_s = (starts.fold(f64::INFINITY, f64::min), ends.fold(f64::NEG_INFINITY, f64::max));
     for bearing in &model.bearings {
         let speed = scales.speed(bearing.node);
@@ -291,7 +314,7 @@ impl Free {
     }
 
     /// Whether nothing in the catalogue resembles it, so that no name would point to it: a stiffness that changes.
-    pub(crate) fn is_nameless(&self) -> bool {
+    fn is_nameless(&self) -> bool {
         self.is_any_of(&[&SPRING_TIME])
     }
 
@@ -367,61 +390,48 @@ fn grown(model: &Model, free: &Free) -> Result<(Model, Vec<usize>), ModelError> 
     Ok((grown, heights))
 }
 
-/// What each of a few shapes would carry, from one pass; without those that cannot act.
-pub(crate) fn together(
-    bench: &Bench<'_>,
-    last: &Fitted,
-    yardstick: &Yardstick,
+/// What each of a few shapes would gain, from one evaluation; without those that cannot act.
+fn together(
+    context: &Context<'_>,
+    path: &Path,
     free: &[Free],
-) -> Result<Vec<Shape>, IdentifyError> {
+) -> Result<Vec<(Free, Promise)>, IdentifyError> {
+    let last = &path.last;
     let (mut model, mut heights, mut acting) = (last.model.clone(), Vec::new(), Vec::new());
     for free in free {
         if let Ok((grown, own)) = grown(&model, free) {
             model = grown;
             heights.push(own);
-            acting.push(free);
+            acting.push(free.clone());
         }
     }
     let values = carried((&last.model, &last.at.values), &model);
-    let problem = Problem::new(&model, bench.training, bench.fit.clone())?;
+    let problem = context.problem(&model)?;
     let base = estimated(&last.model, &model);
     let from = (&last.model, &last.at);
-    let promises = compare::screen(&problem, yardstick, &values, from, &base, &heights)?.unwrap_or_default();
-    let each = acting.into_iter().zip(promises).map(|(free, promise)| Shape {
-        free: free.clone(),
-        std: promise.std,
-        gain: promise.gain,
-        p_value: promise.p_value,
-    });
-    Ok(each.collect())
+    let promises = compare::screen(&problem, &path.noise, &values, from, &base, &heights)?;
+    Ok(acting.into_iter().zip(promises.unwrap_or_default()).collect())
 }
 
-/// Fits a shape and tries it on held-out recordings; `None` where it does not hold there.
-pub(crate) fn confirmed(
-    bench: &Bench<'_>,
-    last: &Fitted,
-    yardstick: &Yardstick,
-    shape: &Shape,
-) -> Result<Option<Unexplained>, IdentifyError> {
+/// The last model with a shape, at its fit.
+fn fitted(context: &Context<'_>, path: &Path, shape: &Shape) -> Result<Option<Unexplained>, IdentifyError> {
+    let (last, std) = (&path.last, &shape.promise.std);
     let begun = (&last.model, &*last.at.values);
-    let Some((fitted, heights)) = fitted(bench, begun, yardstick, (&shape.free, &shape.std))? else {
+    let Some((fitted, heights)) = with_shape(context, begun, &path.noise, (&shape.free, std))? else {
         return Ok(None);
     };
-    let excess = (last.at.total() - last.at.count.iter().sum::<f64>()).max(1.0);
-    let gain = last.at.total() - fitted.at.total();
-    let held_gain_percent = last.held_gain_percent(&fitted);
-    let found = Unexplained {
+    let excess = (last.deviance() * path.noise.excess()).max(1.0);
+    Ok(Some(Unexplained {
         place: shape.free.place.clone(),
-        curve: shape.free.curve(&last.model, &heights, &shape.std),
+        curve: shape.free.curve(&last.model, &heights, std),
         p_value: shape.p_value,
-        gain,
-        held_gain_percent,
-        misfit_percent: (100.0 * gain / excess).min(100.0),
+        gain: gain(&fitted, last),
+        misfit_percent: (100.0 * (last.deviance() - fitted.deviance()) * path.noise.excess() / excess)
+            .clamp(0.0, 100.0),
         free: shape.free.clone(),
-        std: shape.std.clone(),
+        std: std.clone(),
         fitted,
-    };
-    Ok((held_gain_percent > 0.0).then_some(found))
+    }))
 }
 
 impl Unexplained {
@@ -429,23 +439,44 @@ impl Unexplained {
         self.free.acts()
     }
 
+    /// Whether it predicts better than what has a name, by more than a standard error and by more than a law's discrepancy makes. Both are
+    /// compared under the noise model of the one that leaves less.
+    pub(crate) fn beats(&self, context: &Context<'_>, path: &Path, named: &Choice) -> Result<bool, IdentifyError> {
+        let Fitted { model, at, .. } = &self.fitted;
+        let own = context.noise_at(model, at, path.noise.levels())?;
+        let noise = own.filter(|own| own.excess() < named.noise.excess()).unwrap_or_else(|| named.noise.clone());
+        let again = |fitted: &Fitted| context.compared(&fitted.model, &fitted.at, &noise);
+        let all = [again(&self.fitted)?, again(&named.fitted)?, again(&named.before)?];
+        let [Some(curve), Some(named), Some(before)] = all else { return Ok(false) };
+        let (worse, gained) = (gain(&curve, &named), gain(&curve, &before));
+        Ok(worse.log_score > worse.std.max(LAW_DISCREPANCY * gained.log_score))
+    }
+
     /// Another model with the same shape, fitted from there.
     pub(crate) fn beside(
         &self,
-        bench: &Bench<'_>,
+        context: &Context<'_>,
         (model, values): (&Model, &[f64]),
-        yardstick: &Yardstick,
+        noise: &Yardstick,
     ) -> Result<Option<Fitted>, IdentifyError> {
-        let fitted = fitted(bench, (model, values), yardstick, (&self.free, &self.std))?;
+        let fitted = with_shape(context, (model, values), noise, (&self.free, &self.std))?;
         Ok(fitted.map(|(fitted, _)| fitted))
+    }
+
+    /// The same curve beside a path that has changed, if it is still worth it there.
+    pub(crate) fn again(&self, context: &Context<'_>, path: &Path) -> Result<Option<Self>, IdentifyError> {
+        let found = together(context, path, std::slice::from_ref(&self.free))?;
+        let Some((free, promise)) = found.into_iter().next() else { return Ok(None) };
+        let shape = Shape { free, promise, p_value: self.p_value };
+        Ok(fitted(context, path, &shape)?.filter(|curve| curve.gain.log_score > curve.gain.std))
     }
 }
 
 /// A model with a shape at its fit, and the heights of its points.
-fn fitted(
-    bench: &Bench<'_>,
+fn with_shape(
+    context: &Context<'_>,
     (model, values): (&Model, &[f64]),
-    yardstick: &Yardstick,
+    noise: &Yardstick,
     (free, std): (&Free, &[f64]),
 ) -> Result<Option<(Fitted, Vec<f64>)>, IdentifyError> {
     let Ok((mut grown, heights)) = grown(model, free) else { return Ok(None) };
@@ -454,11 +485,11 @@ fn fitted(
         grown.parameters[*height].fixed = !std.is_finite();
     }
     let values = carried((model, values), &grown);
-    let problem = bench.problem(&grown)?;
-    let at = compare::descend(&problem, yardstick, &values, None, (compare::COARSE, ITERATIONS))?;
+    let problem = context.problem(&grown)?;
+    let at = compare::descend(&problem, noise, &values, None, (compare::COARSE, ITERATIONS))?;
     let Some(at) = at else { return Ok(None) };
     let found = heights.iter().map(|height| at.values[*height]).collect();
-    Ok(bench.held(&grown, at, yardstick)?.map(|fitted| (fitted, found)))
+    Ok(context.validated(&grown, at, noise)?.map(|fitted| (fitted, found)))
 }
 
 #[cfg(test)]

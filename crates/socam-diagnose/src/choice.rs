@@ -1,0 +1,117 @@
+//! What is chosen of the candidates: the simplest within one standard error of the best.
+
+use rayon::prelude::*;
+use socam_identify::{IdentifyError, compare::Yardstick};
+
+use crate::{
+    candidates::{self, Candidate},
+    context::{Context, Fitted},
+    criterion::{self, LAW_DISCREPANCY, Scored},
+    halving::{self, Finalist},
+    scales::Scales,
+    selection::{Path, Term, gain},
+};
+
+/// A term to add.
+pub(crate) struct Choice {
+    pub(crate) term: Term,
+    /// The model with it, at its fit.
+    pub(crate) fitted: Fitted,
+    /// The model without it, under the same noise.
+    pub(crate) before: Fitted,
+    /// Sensor noise and discrepancy as the best candidate shows them.
+    pub(crate) noise: Yardstick,
+}
+
+/// Fits all that are `tried` (with their p-values), with `scales` also faults of single sensors where much is left. `None` where nothing predicts
+/// better than the last model by more than a standard error.
+pub(crate) fn best(
+    context: &Context<'_>,
+    path: &Path,
+    tried: &[(Candidate, f64)],
+    scales: Option<&Scales>,
+) -> Result<Option<Choice>, IdentifyError> {
+    let mut tried = tried.to_vec();
+    let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
+    let mut finalists = halving::run(context, &path.last, &starts, &path.noise)?;
+    if let Some(scales) = scales {
+        let left = finalists.iter().map(|one| reduced(&one.at)).fold(path.noise.excess(), f64::min);
+        for (one, finalist) in path.without_each_sensor(context, scales, left)? {
+            finalists.push(Finalist { index: tried.len(), ..finalist });
+            tried.push(one);
+        }
+    }
+    let least = |a: &&Finalist, b: &&Finalist| a.at.total().total_cmp(&b.at.total());
+    let Some(leader) = finalists.iter().min_by(least) else { return Ok(None) };
+    let noise = context.noise_at(&leader.model, &leader.at, path.noise.levels())?;
+    let noise = noise.unwrap_or_else(|| path.noise.clone());
+    let Some(before) = context.compared(&path.last.model, &path.last.at, &noise)? else { return Ok(None) };
+    let refitted = finalists.par_iter().map(|one| {
+        Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted)))
+    });
+    let refitted: Result<Vec<Option<(usize, Fitted)>>, IdentifyError> = refitted.collect();
+    let fits: Vec<(usize, Fitted)> = refitted?.into_iter().flatten().collect();
+    eprintln!("TRACE fits before {:.1} excess {:.2}: {:?}", before.deviance(), noise.excess(), fits.iter().map(|(i, f)| (tried[*i].0.effect.id, tried[*i].0.place.clone(), f.deviance(), f.validation.log_score(), f.log_prior())).collect::<Vec<_>>());
+    let Some(chosen) = simplest(&before, &fits) else { return Ok(None) };
+    let (index, fitted) = &fits[chosen];
+    let gained = gain(fitted, &before);
+    if gained.log_score <= gained.std {
+        return Ok(None);
+    }
+    let (candidate, p_value) = tried[*index].clone();
+    let rivals = rivals(context, &tried, &fits, chosen, gained.log_score);
+    let term = Term { candidate, p_value, rivals, gain: gained, without: None };
+    Ok(Some(Choice { term, fitted: fitted.clone(), before, noise }))
+}
+
+fn reduced(at: &socam_identify::compare::Measured) -> f64 {
+    at.total() / at.count.iter().sum::<f64>().max(1.0)
+}
+
+/// The simplest of those that predict as well as the best to within a standard error, or to within what its law's discrepancy makes.
+fn simplest(before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
+    let score = |fitted: &Fitted| fitted.validation.log_score() + fitted.log_prior();
+    let best = (0..fits.len()).max_by(|a, b| score(&fits[*a].1).total_cmp(&score(&fits[*b].1)))?;
+    let gained = gain(&fits[best].1, before).log_score.max(0.0);
+    let is_near = |other: &usize| {
+        let worse = gain(&fits[best].1, &fits[*other].1);
+        worse.log_score <= worse.std.max(LAW_DISCREPANCY * gained)
+    };
+    let free = |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
+    let order = |a: &usize, b: &usize| {
+        free(*a).cmp(&free(*b)).then(score(&fits[*b].1).total_cmp(&score(&fits[*a].1)))
+    };
+    (0..fits.len()).filter(is_near).min_by(order)
+}
+
+/// Weights of all that were fitted but the chosen one.
+fn rivals(
+    context: &Context<'_>,
+    tried: &[(Candidate, f64)],
+    fits: &[(usize, Fitted)],
+    chosen: usize,
+    gained: f64,
+) -> Vec<(Candidate, f64)> {
+    let scored: Vec<Scored<'_>> = fits
+        .iter()
+        .map(|(_, fitted)| Scored { validation: &fitted.validation, log_prior: fitted.log_prior() })
+        .collect();
+    let weights = criterion::weights(&scored, gained, context.options.seed);
+    let own = &tried[fits[chosen].0].0;
+    // A law that holds the chosen one and gains nothing is no evidence of more, and no competitor.
+    let is_vain = |index: usize, fitted: &Fitted| {
+        let more = gain(fitted, &fits[chosen].1);
+        candidates::holds(&tried[index].0, own) && more.log_score <= more.std
+    };
+    let others = fits.iter().zip(weights).filter(|((index, fitted), _)| !is_vain(*index, fitted));
+    let others = others.map(|((index, _), weight)| (tried[*index].0.clone(), weight));
+    let mut rivals: Vec<(Candidate, f64)> = Vec::new();
+    for (candidate, weight) in others.filter(|(candidate, _)| !candidate.is_same(own)) {
+        match rivals.iter_mut().find(|(known, _)| known.is_same(&candidate)) {
+            Some((_, known)) => *known += weight,
+            None => rivals.push((candidate, weight)),
+        }
+    }
+    rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+    rivals
+}

@@ -1,0 +1,198 @@
+//! What all fits of a diagnosis share, and a model at its fit with its cross-validation.
+//!
+//! Data have three roles. Training recordings are fitted. Selection is cross-validation among them: each whole recording left out in turn,
+//! or long blocks where there are fewer than [`FEW`] recordings. Held-out recordings are no part of this file: see `proof`.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError, NoiseLevels, Options as FitOptions, Problem,
+    compare::{self, Measured, Yardstick},
+    cross_validation::{self, CrossValidation},
+};
+use socam_model::Model;
+use socam_recording::{Dataset, RecordingError};
+
+use crate::{Options, candidates::Candidate, document::Validation, preprocessing::blanked};
+
+/// Recordings from which on whole ones are left out.
+const FEW: usize = 3;
+/// Blocks that each of fewer recordings is cut into.
+const BLOCKS: usize = 4;
+/// Most iterations of a fit, and of one without a block, which begins at the fit with it.
+const ITERATIONS: usize = 25;
+const REFIT_ITERATIONS: usize = 6;
+
+/// A model at its fit to the training recordings.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    pub(crate) model: Model,
+    pub(crate) at: Measured,
+    pub(crate) validation: CrossValidation,
+}
+
+impl Fitted {
+    /// Sum of squared whitened residuals.
+    pub(crate) fn deviance(&self) -> f64 {
+        self.at.total()
+    }
+
+    /// Its model with effects added, at their candidates' values.
+    pub(crate) fn with<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
+        added.try_fold(self.model.clone(), |model, candidate| {
+            model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()
+        })
+    }
+
+    /// Log density of the base parameters' prior at the fit, up to a constant: a parameter is known from the model file to within a factor
+    /// of e (one standard deviation of its logarithm).
+    pub(crate) fn log_prior(&self) -> f64 {
+        let moved = |parameter: &socam_model::Parameter, value: f64| {
+            let known = !parameter.fixed && parameter.bounds.0 >= 0.0 && parameter.value > 0.0 && value > 0.0;
+            if known { (value / parameter.value).ln() } else { 0.0 }
+        };
+        let each = self.model.parameters.iter().zip(&self.at.values);
+        -0.5 * each.map(|(parameter, value)| moved(parameter, *value).powi(2)).sum::<f64>()
+    }
+}
+
+/// One way to part blocks of recordings into fitted and left-out ones.
+struct Fold {
+    fitted: Vec<Dataset>,
+    left_out: Dataset,
+}
+
+/// Training recordings and assumptions that all fits share.
+pub(crate) struct Context<'a> {
+    pub(crate) training: &'a [Dataset],
+    pub(crate) fit: FitOptions,
+    pub(crate) options: &'a Options,
+    /// Empty where whole recordings are left out.
+    folds: Vec<Fold>,
+}
+
+impl<'a> Context<'a> {
+    pub(crate) fn new(
+        model: &Model,
+        training: &'a [Dataset],
+        fit: FitOptions,
+        options: &'a Options,
+    ) -> Result<Self, RecordingError> {
+        let folds = if training.len() < FEW { block_folds(model, training)? } else { Vec::new() };
+        Ok(Self { training, fit, options, folds })
+    }
+
+    /// What is left out in turn.
+    pub(crate) fn validation(&self) -> Validation {
+        if self.folds.is_empty() { Validation::LeaveOneOut } else { Validation::Blocks }
+    }
+
+    pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
+        Problem::new(model, self.training, self.fit.clone())
+    }
+
+    /// Filters of sensor noise alone, from a reference model.
+    pub(crate) fn sensor_noise(
+        &self,
+        model: &Model,
+        values: &[f64],
+        levels: NoiseLevels,
+    ) -> Result<Yardstick, IdentifyError> {
+        Yardstick::new(&[&self.problem(model)?], values, levels)
+    }
+
+    /// Sensor noise and model discrepancy as the residuals of a model at a fit show them; `before` has the noise levels to begin with.
+    pub(crate) fn noise_at(
+        &self,
+        model: &Model,
+        at: &Measured,
+        before: &NoiseLevels,
+    ) -> Result<Option<Yardstick>, IdentifyError> {
+        let problem = self.problem(model)?;
+        let levels = compare::noise(&problem, at, before)?;
+        self.sensor_noise(model, &at.values, levels)?.with_discrepancy(&problem, at)
+    }
+
+    /// Fits a model, beginning at `values`, and cross-validates it.
+    pub(crate) fn fitted(
+        &self,
+        model: &Model,
+        values: &[f64],
+        from: Option<(&Model, &Measured)>,
+        noise: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let at = compare::descend(&self.problem(model)?, noise, values, from, (compare::FINE, ITERATIONS))?;
+        at.map_or(Ok(None), |at| self.validated(model, at, noise))
+    }
+
+    /// The same under another noise model: it is fitted on from where it is.
+    pub(crate) fn refitted(&self, fitted: &Fitted, noise: &Yardstick) -> Result<Option<Fitted>, IdentifyError> {
+        self.fitted(&fitted.model, &fitted.at.values, Some((&fitted.model, &fitted.at)), noise)
+    }
+
+    /// The same, but only as near as a comparison of models needs it.
+    pub(crate) fn compared(&self, model: &Model, at: &Measured, noise: &Yardstick) -> Result<Option<Fitted>, IdentifyError> {
+        let leg = (compare::COARSE, REFIT_ITERATIONS);
+        let at = compare::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), leg)?;
+        at.map_or(Ok(None), |at| self.validated(model, at, noise))
+    }
+
+    /// Cross-validates a model at a fit.
+    pub(crate) fn validated(
+        &self,
+        model: &Model,
+        at: Measured,
+        noise: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let validation = cross_validation::leave_one_out(&self.problem(model)?, noise, model, &at)?;
+        let Some(mut validation) = validation else { return Ok(None) };
+        if !self.folds.is_empty() {
+            let each = self.folds.par_iter().map(|fold| self.left_out(fold, model, &at, noise));
+            let held_out: Result<Option<Vec<f64>>, IdentifyError> = each.collect();
+            let Some(held_out) = held_out? else { return Ok(None) };
+            validation.held_out = held_out;
+        }
+        Ok(Some(Fitted { model: model.clone(), at, validation }))
+    }
+
+    /// Sum of squares of a block at parameters that are fitted to the others.
+    fn left_out(
+        &self,
+        fold: &Fold,
+        model: &Model,
+        at: &Measured,
+        noise: &Yardstick,
+    ) -> Result<Option<f64>, IdentifyError> {
+        let others = Problem::new(model, &fold.fitted, self.fit.clone())?;
+        let leg = (compare::COARSE, REFIT_ITERATIONS);
+        let Some(refit) = compare::descend(&others, noise, &at.values, None, leg)? else { return Ok(None) };
+        let block = Problem::new(model, std::slice::from_ref(&fold.left_out), self.fit.clone())?;
+        Ok(compare::measure(&block, noise, &refit.values)?.map(|measured| measured.total()))
+    }
+}
+
+fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, RecordingError> {
+    let mut folds = Vec::new();
+    for (index, dataset) in training.iter().enumerate() {
+        for block in 0..BLOCKS {
+            let (without, left_out) = without_block(model, dataset, block)?;
+            let others = training.iter().enumerate().filter(|(other, _)| *other != index);
+            let fitted = std::iter::once(without).chain(others.map(|(_, other)| other.clone())).collect();
+            folds.push(Fold { fitted, left_out });
+        }
+    }
+    Ok(folds)
+}
+
+/// A recording without the outputs of a block, and one with those only. Inputs stay: angles, time and the start are those of the whole.
+fn without_block(model: &Model, dataset: &Dataset, block: usize) -> Result<(Dataset, Dataset), RecordingError> {
+    let edge = |block: usize| dataset.rows() * block as u64 / BLOCKS as u64;
+    let (from, to) = (edge(block), edge(block + 1));
+    let missing = |rows: &[Range<u64>]| {
+        let outputs = model.outputs().filter(|channel| !channel.quantity.is_clock());
+        blanked(dataset, outputs.map(|channel| (channel.column.as_str(), rows.to_vec())))
+    };
+    let block = from..to;
+    Ok((missing(std::slice::from_ref(&block))?, missing(&[0..from, to..dataset.rows()])?))
+}

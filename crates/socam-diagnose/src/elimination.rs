@@ -1,0 +1,159 @@
+//! Backward elimination, and nested laws that take the place of simpler ones: by the criterion of selection.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError,
+    compare::{self, Measured},
+};
+
+use crate::{
+    candidates::{self, Candidate},
+    context::{Context, Fitted},
+    selection::{EXCESS, Path, gain},
+    score_test::carried,
+};
+
+/// Legs of a fit without a term: iterations, and how near it must come to the fit with it to be gone on with.
+const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
+/// Iterations of each start of a nested law.
+const UPGRADING: usize = 6;
+/// Share of what a law leaves beyond sensor noise that another law has to explain to change the effect's name.
+const MOST_OF_THE_REST: f64 = 0.6;
+
+impl Path {
+    /// Takes out terms, of the first so many the latest first, without which the model predicts as well to within a standard error.
+    pub(crate) fn eliminate(&mut self, context: &Context<'_>, first: usize) -> Result<(), IdentifyError> {
+        for index in (0..first).rev() {
+            let Some(without) = self.fitted_without(context, index)? else { continue };
+            let gained = gain(&self.last, &without);
+            if gained.log_score <= gained.std {
+                self.remove(context, index, without)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The last model without a term, at its fit; `None` where that stays far from the fit with it.
+    pub(crate) fn fitted_without(
+        &self,
+        context: &Context<'_>,
+        index: usize,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
+        let mut at: Option<Measured> = None;
+        for (iterations, hopeful) in WITHOUT {
+            let (begin, from) = at.as_ref().map_or((&values, None), |at| (&at.values, Some((&model, at))));
+            at = compare::descend(&context.problem(&model)?, &self.noise, begin, from, (compare::COARSE, iterations))?;
+            if at.as_ref().is_none_or(|at| at.total() > hopeful * self.last.deviance()) {
+                return Ok(None);
+            }
+        }
+        let Some(at) = at else { return Ok(None) };
+        context.fitted(&model, &at.values, Some((&model, &at)), &self.noise)
+    }
+
+    /// The last model with a term's amplitude at its null value, everything else as it is.
+    pub(crate) fn without(&self, context: &Context<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
+        let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
+        let at = compare::measure(&context.problem(&model)?, &self.noise, &values)?;
+        at.map_or(Ok(None), |at| context.validated(&model, at, &self.noise))
+    }
+
+    /// Goes on without a term.
+    pub(crate) fn remove(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        without: Fitted,
+    ) -> Result<(), IdentifyError> {
+        self.terms.remove(index);
+        self.last = without;
+        self.tests.clear();
+        self.renew_noise(context)
+    }
+
+    /// Takes out terms whose place a curve takes: beside it they are not worth it.
+    pub(crate) fn leave_to_curve(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        for index in (0..self.terms.len()).rev() {
+            let Some(curve) = &self.unexplained else { return Ok(()) };
+            let Some((model, values)) = self.begun_without(index) else { continue };
+            let Some(beside) = curve.beside(context, (&model, &values), &self.noise)? else { continue };
+            let Some(all) = context.refitted(&curve.fitted, &self.noise)? else { continue };
+            let gained = gain(&all, &beside);
+            if gained.log_score > gained.std {
+                continue;
+            }
+            let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
+            let named = self.clone();
+            let curve = curve.clone();
+            self.remove(context, index, fitted)?;
+            self.unexplained = curve.again(context, self)?;
+            if self.unexplained.is_none() {
+                *self = named;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts nested laws in the place of simpler ones where they predict better: noise is known only once most of what was missing is there.
+    pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        for index in 0..self.terms.len() {
+            let first = self.terms[index].candidate.clone();
+            for starts in candidates::refined_laws(&first, self.base.model.motion) {
+                self.replace(context, index, starts)?;
+            }
+            let richer = candidates::richer_laws(self, index);
+            self.replace(context, index, richer)?;
+        }
+        Ok(())
+    }
+
+    /// Puts the best of several laws in the place of a term's.
+    fn replace(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        starts: Vec<Candidate>,
+    ) -> Result<(), IdentifyError> {
+        if self.noise.excess() < EXCESS {
+            return Ok(());
+        }
+        let Some((candidate, model, at)) = self.best_of(context, index, starts)? else { return Ok(()) };
+        let noise = context.noise_at(&model, &at, self.noise.levels())?;
+        let noise = noise.unwrap_or_else(|| self.noise.clone());
+        let after = context.fitted(&model, &at.values, Some((&model, &at)), &noise)?;
+        let before = context.compared(&self.last.model, &self.last.at, &noise)?;
+        let Some((after, before)) = after.zip(before) else { return Ok(()) };
+        let gained = gain(&after, &before);
+        let is_other_name = candidate.effect.id != self.terms[index].candidate.effect.id;
+        let left = 0.5 * (before.deviance() - before.at.count.iter().sum::<f64>());
+        if gained.log_score <= gained.std || (is_other_name && gained.log_score < MOST_OF_THE_REST * left) {
+            return Ok(());
+        }
+        (self.last, self.noise) = (after, noise);
+        let term = &mut self.terms[index];
+        term.rivals.retain(|(rival, _)| !rival.is_same(&candidate));
+        term.candidate = candidate;
+        Ok(())
+    }
+
+    /// The last model with another law in the place of a term's, from the best of several starts.
+    fn best_of(
+        &self,
+        context: &Context<'_>,
+        index: usize,
+        starts: Vec<Candidate>,
+    ) -> Result<Option<(Candidate, socam_model::Model, Measured)>, IdentifyError> {
+        let begun = starts.into_par_iter().map(|start| {
+            let each = self.terms.iter().enumerate();
+            let each = each.map(|(other, term)| if other == index { &start } else { &term.candidate });
+            let Some(model) = self.base.with(each) else { return Ok(None) };
+            let values = carried((&self.last.model, &self.last.at.values), &model);
+            let leg = (compare::COARSE, UPGRADING);
+            let at = compare::descend(&context.problem(&model)?, &self.noise, &values, None, leg)?;
+            Ok(at.map(|at| (start, model, at)))
+        });
+        let begun: Result<Vec<_>, IdentifyError> = begun.collect();
+        Ok(begun?.into_iter().flatten().min_by(|a, b| a.2.total().total_cmp(&b.2.total())))
+    }
+}

@@ -1,0 +1,112 @@
+//! Candidates fitted side by side by successive halving: all for a few iterations, then those that keep up (K. Jamieson and A. Talwalkar,
+//! AISTATS 2016). Only the training deviance decides who goes on.
+
+use rayon::prelude::*;
+use socam_identify::{
+    IdentifyError,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::Model;
+
+use crate::{
+    candidates::Candidate,
+    context::{Context, Fitted},
+    score_test::carried,
+};
+
+/// Iterations: so many to begin with, then so often so many more, unless these gained next to nothing.
+const FIRST_LEG: usize = 4;
+/// Iterations to begin with for what does not begin weak.
+const FAR_LEG: usize = 10;
+const LEGS: usize = 4;
+const LEG: usize = 5;
+const NEXT_TO_NOTHING: f64 = 5.0;
+/// Share of what the best gained that the others must have gained to go on, after the first leg and later; or how near they must be to it.
+const KEEPING_UP: [f64; 2] = [0.2, 0.5];
+const NEAR: f64 = 25.0;
+
+/// A candidate's fit on its way.
+struct Runner {
+    /// Among those that are tried.
+    index: usize,
+    model: Model,
+    at: Measured,
+    done: bool,
+}
+
+/// A candidate, by its number among those tried, with the model that has it and its fit.
+pub(crate) struct Finalist {
+    pub(crate) index: usize,
+    pub(crate) model: Model,
+    pub(crate) at: Measured,
+}
+
+/// Fits `tried` in addition to the model of `before`, the best last fit of each effect and place.
+pub(crate) fn run(
+    context: &Context<'_>,
+    before: &Fitted,
+    tried: &[Candidate],
+    noise: &Yardstick,
+) -> Result<Vec<Finalist>, IdentifyError> {
+    let begun = tried.par_iter().enumerate().map(|(index, candidate)| begin(context, before, noise, index, candidate));
+    let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
+    let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
+    for leg in 0..LEGS {
+        runners.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
+        let least = runners.first().map_or(f64::INFINITY, |runner| runner.at.total()).min(before.deviance());
+        let share = KEEPING_UP[leg.min(1)];
+        let line = (before.deviance() - share * (before.deviance() - least)).max(least + NEAR);
+        runners.retain(|runner| runner.at.total() < line);
+        one_each(&mut runners, tried);
+        let next = runners.into_par_iter().map(|runner| further(context, runner, noise));
+        runners = next.collect::<Result<_, IdentifyError>>()?;
+    }
+    Ok(runners.into_iter().map(|Runner { index, model, at, .. }| Finalist { index, model, at }).collect())
+}
+
+fn begin(
+    context: &Context<'_>,
+    before: &Fitted,
+    noise: &Yardstick,
+    index: usize,
+    candidate: &Candidate,
+) -> Result<Option<Runner>, IdentifyError> {
+    let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
+    let Ok(grown) = grown else { return Ok(None) };
+    // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
+    let is_far = candidate.effect.id == "missing_compliance";
+    let mut begun = grown.clone();
+    if let Some(used) = grown.effects.last().filter(|_| !is_far) {
+        let own = used.effect.parameters.iter().zip(&used.parameters);
+        let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
+        others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
+    }
+    let values = carried((&before.model, &before.at.values), &grown);
+    // From start states of its own: where physics is missing, those of the fit before make up for it.
+    let leg = (compare::COARSE, if is_far { FAR_LEG } else { FIRST_LEG });
+    let at = compare::descend(&context.problem(&begun)?, noise, &values, None, leg)?;
+    Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
+}
+
+/// Where an effect was begun in several ways, the one that came furthest, the first of sorted ones, goes on.
+fn one_each(runners: &mut Vec<Runner>, tried: &[Candidate]) {
+    let mut known: Vec<usize> = Vec::new();
+    runners.retain(|runner| {
+        let is_new = known.iter().all(|other| !tried[*other].is_same(&tried[runner.index]));
+        known.push(runner.index);
+        is_new
+    });
+}
+
+fn further(context: &Context<'_>, runner: Runner, noise: &Yardstick) -> Result<Runner, IdentifyError> {
+    let Runner { index, model, at, done } = runner;
+    if done {
+        return Ok(Runner { index, model, at, done });
+    }
+    let leg = (compare::COARSE, LEG);
+    let next = compare::descend(&context.problem(&model)?, noise, &at.values, Some((&model, &at)), leg)?;
+    let next = next.unwrap_or_else(|| at.clone());
+    let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
+    let done = next.converged || at.total() - next.total() < NEXT_TO_NOTHING * unit;
+    Ok(Runner { index, model, at: next, done })
+}

@@ -1,0 +1,63 @@
+//! Estimates of the corrected model with their intervals.
+
+use socam_identify::{Identification, IdentifyError, ParameterEstimate, at_minimum, influence};
+
+use crate::{candidates::Candidate, context::Context, obeyed, selection::Path};
+
+/// Mean square of the residuals in units of sensor noise from which on a gap's interval reaches to where a knock may rebound.
+const POOR: f64 = 1.2;
+
+/// The last model's parameters under its noise model. No interval is narrower than the recordings differ (jackknife over recordings), or
+/// than a law's own discrepancy allows.
+pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identification, IdentifyError> {
+    let last = &path.last;
+    let mut model = last.model.clone();
+    for (parameter, value) in model.parameters.iter_mut().zip(&last.at.values) {
+        parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
+    }
+    let mut found = at_minimum(&context.problem(&model)?, &path.noise, &last.at)?;
+    let widths = influence::half_widths(&context.problem(&last.model)?, &path.noise, &last.model, &last.at)?;
+    let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
+    for (number, term) in path.terms.iter().enumerate() {
+        let Candidate { effect, strength, .. } = &term.candidate;
+        for (name, index) in path.parameters(number) {
+            let (value, nothing) = (last.at.values[index], term.candidate.nothing());
+            let least = obeyed::half_width(effect.id, name, value, nothing, strength.contains(&name));
+            widths[index] = widths[index].max(least);
+        }
+    }
+    let bounds = model.parameters.iter().map(|parameter| parameter.bounds);
+    for ((estimate, width), bounds) in found.parameters.iter_mut().zip(widths).zip(bounds) {
+        widen(estimate, width, bounds);
+    }
+    if path.noise.excess() > POOR {
+        let all = (0..path.terms.len()).flat_map(|term| path.parameters(term));
+        for (_, index) in all.filter(|(name, _)| *name == "gap") {
+            let ParameterEstimate { value, ci95: [_, high], .. } = &mut found.parameters[index];
+            *high = high.zip(*value).map(|(high, value)| high.max(obeyed::REBOUND * value));
+        }
+    }
+    Ok(found)
+}
+
+/// None goes beyond what the parameter can be.
+fn widen(estimate: &mut ParameterEstimate, half_width: f64, (least, most): (f64, f64)) {
+    let Some(value) = estimate.value else { return };
+    let [low, high] = &mut estimate.ci95;
+    *low = low.map(|low| low.min(value - half_width).max(least));
+    *high = high.map(|high| high.max(value + half_width).min(most));
+}
+
+/// Whether the recordings determine the amplitude of a term: its interval does not hold the null value.
+pub(crate) fn is_determined(path: &Path, term: usize, found: &Identification) -> bool {
+    let Candidate { strength, .. } = path.terms[term].candidate;
+    let nothing = path.terms[term].candidate.nothing();
+    let mut amplitudes = path.parameters(term).filter(|(name, _)| strength.contains(name)).peekable();
+    let is_some = |index: usize| {
+        let ParameterEstimate { value, ci95: [low, high], .. } = &found.parameters[index];
+        let may_be_nothing =
+            low.is_none_or(|low| low <= nothing) && high.is_none_or(|high| nothing <= high);
+        value.is_some() && !may_be_nothing
+    };
+    amplitudes.peek().is_none() || amplitudes.any(|(_, index)| is_some(index))
+}

@@ -1,0 +1,89 @@
+//! Proof: how the chosen model predicts recordings that were opened only after the last choice. Nothing flows back from here.
+
+use socam_identify::{
+    IdentifyError, Problem,
+    compare::{self, Measured, Yardstick},
+};
+use socam_model::Model;
+use socam_recording::Dataset;
+
+use crate::{
+    context::{Context, Fitted},
+    selection::Path,
+};
+
+/// Rise of a channel's residual on held-out recordings, as a share of what the base model leaves there, that contradicts the chosen model.
+const CONTRADICTION: f64 = 0.05;
+
+/// Evaluations on held-out recordings, start states fitted to each.
+pub(crate) struct Proof<'a> {
+    pub(crate) holdout: &'a [Dataset],
+    pub(crate) base: Measured,
+    /// Of the model with all that was found.
+    pub(crate) corrected: Measured,
+    /// Of the last model, and of that without each of its terms, in their order.
+    last: Measured,
+    without: Vec<Option<Measured>>,
+}
+
+impl<'a> Proof<'a> {
+    /// `None` where no recording is held out, or the base model overflows on one.
+    pub(crate) fn open(
+        context: &Context<'_>,
+        path: &Path,
+        holdout: &'a [Dataset],
+    ) -> Result<Option<Self>, IdentifyError> {
+        if holdout.is_empty() {
+            return Ok(None);
+        }
+        let noise = noise(context, path, holdout)?;
+        let of = |fitted: &Fitted| {
+            let problem = Problem::new(&fitted.model, holdout, context.fit.clone())?;
+            compare::measure(&problem, &noise, &fitted.at.values)
+        };
+        let all = of(&path.base)?.zip(of(path.whole())?).zip(of(&path.last)?);
+        let Some(((base, corrected), last)) = all else { return Ok(None) };
+        let without = path.terms.iter().map(|term| term.without.as_ref().map_or(Ok(None), of));
+        let without: Result<Vec<Option<Measured>>, IdentifyError> = without.collect();
+        Ok(Some(Self { holdout, base, corrected, last, without: without? }))
+    }
+
+    /// How much of what the model without a term leaves beyond noise the term takes away, per cent.
+    pub(crate) fn gain_percent(&self, term: usize) -> Option<f64> {
+        let without = self.without.get(term)?.as_ref()?;
+        Some(percent(without, &self.last))
+    }
+
+    /// The same of a curve over the last model.
+    pub(crate) fn curve_gain_percent(&self) -> f64 {
+        percent(&self.last, &self.corrected)
+    }
+
+    /// Channels whose residual on held-out recordings rises: name, rms before and after, SI.
+    pub(crate) fn contradictions<'m>(&self, model: &'m Model) -> Vec<(&'m str, f64, f64)> {
+        let each = model.outputs().enumerate().map(|(output, channel)| {
+            (channel.name.as_str(), self.base.rms[output], self.corrected.rms[output])
+        });
+        each.filter(|(_, before, after)| *after > (1.0 + CONTRADICTION) * before).collect()
+    }
+
+    /// Whether all channels together are predicted better than by the base model.
+    pub(crate) fn is_better(&self) -> bool {
+        self.corrected.total() < self.base.total()
+    }
+}
+
+fn percent(before: &Measured, after: &Measured) -> f64 {
+    let gain = before.total() - after.total();
+    let excess = (before.total() - before.count.iter().sum::<f64>()).max(0.0);
+    100.0 * gain / excess.max(gain).max(1.0)
+}
+
+/// The noise model of the training recordings, with filters for the held-out recordings' sample times too.
+fn noise(context: &Context<'_>, path: &Path, holdout: &[Dataset]) -> Result<Yardstick, IdentifyError> {
+    let Fitted { model, at, .. } = &path.last;
+    let training = context.problem(model)?;
+    let held_out = Problem::new(model, holdout, context.fit.clone())?;
+    let sensor = Yardstick::new(&[&training, &held_out], &at.values, path.noise.levels().clone())?;
+    Ok(sensor.with_discrepancy(&training, at)?.unwrap_or(sensor))
+}

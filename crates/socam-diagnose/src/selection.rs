@@ -1,0 +1,305 @@
+//! Forward stepwise selection: which effect to add, and whether it is worth it.
+
+use socam_identify::{
+    IdentifyError, NoiseLevels,
+    compare::{self, Yardstick},
+};
+use socam_model::Model;
+use socam_recording::Dataset;
+
+use crate::{
+    alike::alike,
+    candidates::{self, Candidate},
+    choice::{self, Choice},
+    context::{Context, Fitted},
+    criterion::{self, Difference, LAW_DISCREPANCY},
+    nonparametric::{self, Unexplained},
+    scales::Scales,
+    score_test::{self, Promising, carried},
+};
+
+/// Candidates that are fitted, and places of any one effect among them: in a long chain neighbours promise the same.
+const TRIED: usize = 8;
+const PLACES: usize = 4;
+/// Mean square of the residuals in units of sensor noise from which on something is left.
+pub(crate) const EXCESS: f64 = 1.05;
+/// From where on base parameters may have been displaced so far that a fit does not find back from there.
+const DISPLACED: f64 = 2.0;
+/// Iterations of a restart from the file's values, and how near it must come to the other fit to be gone on with.
+const RESTART: usize = 10;
+const HOPEFUL: f64 = 2.0;
+
+/// One effect that was added.
+#[derive(Debug, Clone)]
+pub(crate) struct Term {
+    pub(crate) candidate: Candidate,
+    /// Of the score test, over all candidates.
+    pub(crate) p_value: f64,
+    /// Competing models and their weights, of which the term's own is what is missing to one.
+    pub(crate) rivals: Vec<(Candidate, f64)>,
+    /// What it gains now, beside all others.
+    pub(crate) gain: Difference,
+    /// The last model without it, at its fit.
+    pub(crate) without: Option<Fitted>,
+}
+
+/// From the base model to the corrected one.
+#[derive(Clone)]
+pub(crate) struct Path {
+    pub(crate) base: Fitted,
+    pub(crate) last: Fitted,
+    pub(crate) terms: Vec<Term>,
+    /// Sensor noise and model discrepancy as the last model shows them.
+    pub(crate) noise: Yardstick,
+    /// The last score test, the largest gain first; empty where the model changed since.
+    pub(crate) tests: Vec<Promising>,
+    /// What remains without a name.
+    pub(crate) unexplained: Option<Unexplained>,
+}
+
+/// From a base model at its fit (`values`, SI) and noise levels to what is missing; `None` where its prediction overflows.
+pub(crate) fn run(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Option<Path>, IdentifyError> {
+    let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
+    let mut path =
+        Path { last: base.clone(), base, terms: Vec::new(), noise, tests: Vec::new(), unexplained: None };
+    for _ in 0..context.options.most_effects {
+        if !path.extend(context)? {
+            break;
+        }
+    }
+    Ok(Some(path))
+}
+
+/// The base model at its fit under its own noise model.
+fn base(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Option<(Fitted, Yardstick)>, IdentifyError> {
+    let sensor = context.sensor_noise(model, values, levels.clone())?;
+    let problem = context.problem(model)?;
+    let Some(first) = compare::measure(&problem, &sensor, values)? else { return Ok(None) };
+    let Some(noise) = context.noise_at(model, &first, levels)? else { return Ok(None) };
+    let Some(base) = context.fitted(model, values, Some((model, &first)), &noise)? else { return Ok(None) };
+    let noise = context.noise_at(model, &base.at, noise.levels())?.unwrap_or(noise);
+    Ok(context.refitted(&base, &noise)?.map(|base| (base, noise)))
+}
+
+impl Path {
+    /// Adds what predicts best, if anything does; says whether it did.
+    fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
+        let clock = std::time::Instant::now();
+        let cpu = || cpu_time::ProcessTime::now().as_duration().as_secs_f64();
+        eprintln!("TRACE start cpu {:.1} excess {:.2}", cpu(), self.noise.excess());
+        let scales = self.test(context)?;
+        eprintln!("TRACE tested cpu {:.1}", cpu());
+        for one in self.tests.iter().take(12) { eprintln!("TRACE   {} {} gain {:.1} p {:.4} possible {}", one.start.effect.id, one.start.place, one.promise.gain, one.p_value, one.possible); }
+        let tried = self.worth_trying(context.options.false_alarm_rate);
+        let mut named = choice::best(context, self, &tried, Some(&scales))?;
+        let is_suspicious = !tried.is_empty();
+        eprintln!("TRACE chosen cpu {:.1} {:?} wall {:?}", cpu(), named.as_ref().map(|n| (n.term.candidate.effect.id, n.term.candidate.place.clone(), n.term.gain, n.noise.excess())), clock.elapsed());
+        self.unexplained = nonparametric::competing(context, self, &scales, named.as_ref(), is_suspicious)?;
+        eprintln!("TRACE curve cpu {:.1} {:?}", cpu(), self.unexplained.as_ref().map(|n| (n.place.clone(), n.gain, n.misfit_percent)));
+        if let Some(curve) = &self.unexplained {
+            let overlooked = self.overlooked(curve, &tried);
+            let late = choice::best(context, self, &overlooked, None)?;
+            named = match late {
+                Some(late) if !curve.beats(context, self, &late)? => Some(late),
+                _ => None,
+            };
+            if named.is_none() {
+                self.leave_to_curve(context)?;
+                return Ok(false);
+            }
+            self.unexplained = None;
+        }
+        let Some(choice) = named else { return Ok(false) };
+        if self.is_remainder(context, &choice)? {
+            return Ok(false);
+        }
+        self.add(context, choice)?;
+        eprintln!("TRACE added cpu {:.1} excess {:.2} terms {:?}", cpu(), self.noise.excess(), self.terms.iter().map(|t| t.candidate.effect.id).collect::<Vec<_>>());
+        Ok(true)
+    }
+
+    /// The score test of all that was not added yet; returns how large motions and torques are.
+    fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
+        let Fitted { model, at, .. } = &self.last;
+        let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
+        let mut all = candidates::all(model, &scales);
+        // Nor what is observationally equivalent to something that was added.
+        let known: Vec<Candidate> =
+            (0..self.terms.len()).flat_map(|index| self.equivalent(context, index)).collect();
+        let is_known = |candidate: &Candidate| {
+            known.iter().any(|known| known.is_same(candidate))
+                || self.terms.iter().any(|term| term.candidate.repeats(candidate))
+        };
+        all.retain(|candidate| !is_known(candidate));
+        self.tests =
+            score_test::run(model, context.training, &context.fit, &self.noise, at, (&scales, &all))?;
+        Ok(scales)
+    }
+
+    /// The same of the last model, unless that was done.
+    pub(crate) fn test_last(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        if self.tests.is_empty() {
+            self.test(context)?;
+        }
+        Ok(())
+    }
+
+    /// The candidates that would gain most of those that stand out, each effect and place once, with their starts.
+    fn worth_trying(&self, false_alarm_rate: f64) -> Vec<(Candidate, f64)> {
+        let mut tried: Vec<(Candidate, f64)> = Vec::new();
+        let able = self.tests.iter().filter(|one| one.possible && one.p_value < false_alarm_rate);
+        for one in able {
+            let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
+            let elsewhere = tried.iter().filter(|(candidate, _)| candidate.effect.id == one.start.effect.id);
+            let elsewhere = elsewhere.filter(|(candidate, _)| !candidate.is_same(&one.start)).count();
+            let has_room = tried.len() < TRIED && elsewhere < PLACES;
+            if starts < candidates::starts_tried(&one.start) && (has_room || candidates::is_always_tried(&one.start)) {
+                tried.push((one.start.clone(), one.p_value));
+            }
+        }
+        let (model, values) = (&self.last.model, &self.last.at.values);
+        let begun = tried.into_iter().flat_map(|(candidate, p_value)| {
+            let starts = candidates::starts(candidate, model, values);
+            starts.into_iter().map(move |start| (start, p_value))
+        });
+        begun.collect()
+    }
+
+    /// What acts where a curve was found and was not tried: scores at a null amplitude may say little of what a large one does.
+    fn overlooked(&self, curve: &Unexplained, tried: &[(Candidate, f64)]) -> Vec<(Candidate, f64)> {
+        let mut all: Vec<(Candidate, f64)> = Vec::new();
+        for one in self.tests.iter().filter(|one| one.possible && one.start.place == curve.place) {
+            if !tried.iter().chain(&all).any(|(known, _)| known.is_same(&one.start)) {
+                all.push((one.start.clone(), curve.p_value));
+            }
+        }
+        all
+    }
+
+    /// Whether a choice is what the law of a term at the same place leaves: a real effect differs from its law by a share of itself.
+    fn is_remainder(&self, context: &Context<'_>, choice: &Choice) -> Result<bool, IdentifyError> {
+        for index in 0..self.terms.len() {
+            if self.terms[index].candidate.place != choice.term.candidate.place {
+                continue;
+            }
+            let Some((model, values)) = self.begun_without(index) else { continue };
+            let without = compare::measure(&context.problem(&model)?, &choice.noise, &values)?;
+            let Some(without) = without else { continue };
+            let earlier = 0.5 * (without.total() - choice.before.deviance());
+            if choice.term.gain.log_score < LAW_DISCREPANCY.powi(2) * earlier {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Adds what was chosen, and makes of it what the recordings now say.
+    fn add(&mut self, context: &Context<'_>, choice: Choice) -> Result<(), IdentifyError> {
+        let was = self.noise.excess();
+        self.terms.push(choice.term);
+        self.noise = choice.noise;
+        self.last = if was < DISPLACED { choice.fitted } else { restarted(context, self, choice.fitted)? };
+        self.tests.clear();
+        self.renew_noise(context)?;
+        self.upgrade(context)?;
+        self.eliminate(context, self.terms.len() - 1)
+    }
+
+    /// Estimates sensor noise and discrepancy by the last model, and fits it under these.
+    pub(crate) fn renew_noise(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        let noise = context.noise_at(&self.last.model, &self.last.at, self.noise.levels())?;
+        let Some(noise) = noise else { return Ok(()) };
+        if let Some(again) = context.refitted(&self.last, &noise)? {
+            (self.last, self.noise) = (again, noise);
+        }
+        Ok(())
+    }
+
+    /// The last model but for one of its terms, and its values as they are.
+    pub(crate) fn begun_without(&self, index: usize) -> Option<(Model, Vec<f64>)> {
+        let others = self.terms.iter().enumerate().filter(|(other, _)| *other != index);
+        let model = self.base.with(others.map(|(_, term)| &term.candidate))?;
+        let values = carried((&self.last.model, &self.last.at.values), &model);
+        Some((model, values))
+    }
+
+    /// With all that was found, the curve of what has no name among it; `None` where nothing was.
+    pub(crate) fn corrected(&self) -> Option<&Fitted> {
+        let named = (!self.terms.is_empty()).then_some(&self.last);
+        self.unexplained.as_ref().map(|found| &found.fitted).or(named)
+    }
+
+    /// The same, or the last fit where nothing was found.
+    pub(crate) fn whole(&self) -> &Fitted {
+        self.corrected().unwrap_or(&self.last)
+    }
+
+    /// Sensor noise beside all that was found; what a curve carries is none.
+    pub(crate) fn levels(&self, context: &Context<'_>) -> Result<NoiseLevels, IdentifyError> {
+        match &self.unexplained {
+            Some(Unexplained { fitted, .. }) => {
+                compare::noise(&context.problem(&fitted.model)?, &fitted.at, self.noise.levels())
+            }
+            None => Ok(self.noise.levels().clone()),
+        }
+    }
+
+    /// Parameters of a term: their names, and where the last model has them.
+    pub(crate) fn parameters(&self, term: usize) -> impl Iterator<Item = (&'static str, usize)> + '_ {
+        let model = &self.last.model;
+        let used = &model.effects[model.effects.len() - self.terms.len() + term];
+        used.effect.parameters.iter().zip(&used.parameters).map(|(own, index)| (own.name, *index))
+    }
+
+    /// What is observationally equivalent to a term.
+    pub(crate) fn equivalent(&self, context: &Context<'_>, term: usize) -> Vec<Candidate> {
+        let candidate = &self.terms[term].candidate;
+        let amplitude = candidate.strength.first().and_then(|name| self.value(term, name));
+        let step_s = context.training.first().map_or(0.0, Dataset::sample_time_s);
+        alike(&self.last.model, candidate, amplitude, step_s)
+    }
+
+    /// Value of one of a term's parameters at the last fit.
+    pub(crate) fn value(&self, term: usize, name: &str) -> Option<f64> {
+        let index = self.parameters(term).find(|(own, _)| *own == name)?.1;
+        Some(self.last.at.values[index])
+    }
+
+    /// Whether an effect at a place was added.
+    pub(crate) fn has(&self, candidate: &Candidate) -> bool {
+        self.terms.iter().any(|term| term.candidate.is_same(candidate))
+    }
+}
+
+/// What is missing displaces all other parameters, and a fit may not find back from there: base parameters begin again at the file's values.
+fn restarted(context: &Context<'_>, path: &Path, fitted: Fitted) -> Result<Fitted, IdentifyError> {
+    let mut values = fitted.at.values.clone();
+    for parameter in &path.base.model.parameters {
+        if let Some(index) = fitted.model.parameter(&parameter.name) {
+            values[index] = parameter.value;
+        }
+    }
+    let problem = context.problem(&fitted.model)?;
+    let trial = compare::descend(&problem, &path.noise, &values, None, (compare::COARSE, RESTART))?;
+    let Some(trial) = trial.filter(|trial| trial.total() < HOPEFUL * fitted.deviance()) else {
+        return Ok(fitted);
+    };
+    let other = context.fitted(&fitted.model, &trial.values, Some((&fitted.model, &trial)), &path.noise)?;
+    Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))
+}
+
+/// What a model gains over another one; of both a prior counts.
+pub(crate) fn gain(after: &Fitted, before: &Fitted) -> Difference {
+    let own = criterion::difference(&after.validation, &before.validation);
+    Difference { log_score: own.log_score + after.log_prior() - before.log_prior(), ..own }
+}
