@@ -6,7 +6,7 @@ use socam_model::Model;
 use crate::{
     Diagnosis,
     bench::{Bench, Fitted},
-    candidates::{self, Candidate},
+    candidates::Candidate,
     course::{self, Course, Step},
     document::{
         ChannelFit, CombinationChange, Component, EffectParameter, Finding, Fit, NotFound, ParameterChange,
@@ -162,7 +162,7 @@ fn finding(bench: &Bench<'_>, course: &Course, index: usize, after: &Identificat
         parameters,
         components: Vec::new(),
         curve: None,
-        region: Region { text: words::region(step.candidate.effect), ..Region::default() },
+        region: Region { text: step.candidate.effect.shows.into(), ..Region::default() },
         evidence: Proof { p_value: Some(step.p_value), ..Proof::default() },
         rivals: rivals(course, step, &course.alike(bench, index)),
     }
@@ -354,12 +354,8 @@ fn not_found(course: &Course) -> Vec<NotFound> {
         let Some(parameter) = candidate.strength.first() else { continue };
         let size = one.promise.resolution * (SEEN * scale).sqrt();
         // What limits is stronger the lower it is; what was looked for and not found is known to be absent up to there.
-        let is_stronger_below = candidate.is_full() || candidate.effect.id == "missing_compliance";
-        let size = match candidate.effect.id {
-            "missing_compliance" => candidates::stiffness_of(size),
-            _ if candidate.is_full() => candidate.value(parameter),
-            _ => size,
-        };
+        let is_stronger_below = candidate.nothing().is_infinite();
+        let size = candidate.size_of(size);
         let smallest = Some(size).filter(|size| size.is_finite());
         let known = all
             .iter_mut()

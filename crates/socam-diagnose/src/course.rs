@@ -489,11 +489,11 @@ fn worth_trying(course: &Course, threshold: f64) -> Vec<(Candidate, f64)> {
         let significant = p_value < threshold && one.promise.gain > least;
         // Where a fit may end depends on where it starts in what the effect is not linear in.
         let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
-        let most = if one.start.effect.id == "stribeck_friction" { 3 } else { 1 };
+        let most = one.start.most_starts();
         let elsewhere = tried.iter().filter(|(candidate, _)| candidate.effect.id == one.start.effect.id);
         let elsewhere = elsewhere.filter(|(candidate, _)| !candidate.is_same(&one.start)).count();
         // The first bit of play says little of what much of it does.
-        let has_room = (tried.len() < TRIED && elsewhere < PLACES) || one.start.effect.id == "backlash";
+        let has_room = (tried.len() < TRIED && elsewhere < PLACES) || one.start.is_always_tried();
         if one.possible && significant && starts < most && has_room {
             tried.push((one.start.clone(), one.promise.p_value));
         }

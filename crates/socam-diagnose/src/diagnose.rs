@@ -11,10 +11,9 @@ use thiserror::Error;
 use crate::{
     Diagnosis, Evidence, answer,
     bench::Bench,
-    candidates::Candidate,
     cleaned::{self, cleaned, connected},
     course::{self, Course},
-    noise_floor, obeyed,
+    noise_floor,
     pictures::{self, Pair},
     validation::Folds,
 };
@@ -246,10 +245,9 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
         influence::half_widths(&bench.problem(&last.model)?, &course.yardstick, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
     for (number, step) in course.steps.iter().enumerate() {
-        let Candidate { effect, strength, .. } = &step.candidate;
+        let effect = step.candidate.effect;
         for (name, index) in course.parameters(number) {
-            let (value, nothing) = (last.at.values[index], step.candidate.nothing());
-            let least = obeyed::half_width(effect.id, name, value, nothing, strength.contains(&name));
+            let least = effect.least_half_width(name, last.at.values[index]);
             widths[index] = widths[index].max(least);
         }
     }
@@ -259,10 +257,12 @@ fn refined(bench: &Bench<'_>, course: &Course) -> Result<Identification, Identif
     }
     let whole = course.whole();
     if whole.scale().max(whole.training_scale()) > answer::INADEQUATE {
-        let all = (0..course.steps.len()).flat_map(|step| course.parameters(step));
-        for (_, index) in all.filter(|(name, _)| *name == "gap") {
-            let ParameterEstimate { value, ci95: [_, high], .. } = &mut after.parameters[index];
-            *high = high.zip(*value).map(|(high, value)| high.max(obeyed::REBOUND * value));
+        for (number, step) in course.steps.iter().enumerate() {
+            for (name, index) in course.parameters(number) {
+                let factor = step.candidate.effect.upper_factor(name);
+                let ParameterEstimate { value, ci95: [_, high], .. } = &mut after.parameters[index];
+                *high = high.zip(*value).map(|(high, value)| high.max(factor * value));
+            }
         }
     }
     Ok(after)

@@ -17,7 +17,6 @@ mod course;
 mod diagnose;
 mod experiment;
 mod noise_floor;
-mod obeyed;
 mod pictures;
 mod race;
 mod region;

@@ -12,8 +12,8 @@ use socam_identify::{
 use socam_model::{
     Model, ModelError, Motion,
     effects::{
-        self, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response,
-        Sight,
+        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
+        TRANSITION_SPEED,
     },
 };
 use socam_recording::Dataset;
@@ -117,15 +117,7 @@ fn turned(response: Response) -> Response {
 }
 
 const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
-    Effect {
-        id: "shape",
-        acts_at,
-        parameters: HUMP,
-        borrows: None,
-        form: Form::Laws(laws),
-        equation: "",
-        sentence: "",
-    }
+    Effect::bare("shape", acts_at, HUMP, None, Form::Laws(laws), "")
 }
 
 const fn rub(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
@@ -343,9 +335,7 @@ impl Free {
 
 /// Speed within which friction turns its direction, rad/s (m/s), unless a file says otherwise.
 fn transition(motion: Motion) -> f64 {
-    let own = effects::find("coulomb_friction").map_or(&[][..], |effect| effect.parameters);
-    let usual = own.iter().find(|parameter| parameter.name == TRANSITION).and_then(|own| own.default);
-    let (rotation, translation) = usual.unwrap_or_default();
+    let (rotation, translation) = TRANSITION_SPEED;
     if motion == Motion::Rotation { rotation } else { translation }
 }
 

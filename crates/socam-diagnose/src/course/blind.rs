@@ -5,7 +5,7 @@ use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Measured, Traces},
 };
-use socam_model::Channel;
+use socam_model::{Channel, effects::Form};
 use socam_recording::{Dataset, RecordingError};
 
 use super::{Course, LEAST_GAIN, Tried};
@@ -15,8 +15,7 @@ use crate::{
     cleaned::blanked,
     race,
     scales::Scales,
-    screen::{self, Promising},
-    spectrum,
+    screen, spectrum,
 };
 
 /// Mean square of what is left in training, in units of noise, from which on one sensor after another is left out.
@@ -75,13 +74,15 @@ impl Course {
             }
         }
         let traces = compare::traces(&problem, &begun.at, None)?;
-        let answers: [(&str, &str, Answer); 2] =
-            [("sensor_delay", "delay", late), ("sensor_lag", "time_constant", slow)];
-        for (effect, name, answer) in answers {
-            let own = seen.iter().find(|one| one.start.effect.id == effect);
-            let start = |own: &Promising| own.start.with(name, nearest(&traces, output, answer));
-            tried.extend(own.map(|own| (start(own), own.promise.p_value)));
-        }
+        tried.extend(seen.iter().filter_map(|own| {
+            let answer: Answer = match own.start.effect.form {
+                Form::Delay => late,
+                Form::Lag => slow,
+                _ => return None,
+            };
+            let late_s = nearest(&traces, output, answer);
+            Some((own.start.with(own.start.strength[0], late_s), own.promise.p_value))
+        }));
         let fits = race::race(bench, &begun, &tried, &self.yardstick)?;
         Ok(fits.into_iter().map(|(index, fitted)| (tried[index].clone(), fitted)).collect())
     }

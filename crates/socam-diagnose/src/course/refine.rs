@@ -39,7 +39,7 @@ impl Course {
     pub(super) fn refine(&mut self, bench: &Bench<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.steps.len() {
             let first = self.steps[index].candidate.clone();
-            for starts in candidates::refined_laws(&first, self.base.model.motion) {
+            for starts in candidates::refined_laws(&first, &self.base.model) {
                 self.replace(bench, index, starts)?;
             }
             let starts = self.sticking_and_giving(index);
@@ -51,21 +51,20 @@ impl Course {
     /// Starts of a law for friction that also sticks harder than it slides, from one that does not.
     fn sticking(&self, index: usize) -> Vec<Candidate> {
         let own = &self.steps[index].candidate;
-        let torque = self.fitted(index, "torque").filter(|_| own.effect.id == "coulomb_friction");
-        let Some(torque) = torque else { return Vec::new() };
-        let is_it = |seen: &&Candidate| seen.effect.id == "stribeck_friction" && seen.place == own.place;
-        let seen = self.screened.iter().map(|one| &one.start).filter(is_it);
-        seen.map(|start| start.with("torque", torque).with("static_torque", 1.5 * torque)).collect()
+        let fitted: Vec<(&str, f64)> =
+            self.parameters(index).map(|(name, at)| (name, self.last.at.values[at])).collect();
+        let seen = self.screened.iter().map(|one| &one.start);
+        seen.flat_map(|start| start.in_place_of(own, &fitted, &self.last.model)).collect()
     }
 
     /// The same, of a contact that gives before it slips: as far as is known already, if it is.
     fn sticking_and_giving(&self, index: usize) -> Vec<Candidate> {
         let known = self.fitted(index, "deflection");
         let sticking = self.sticking(index);
-        let refined =
-            sticking.iter().flat_map(|start| candidates::refined_laws(start, self.base.model.motion));
+        let refined = sticking.iter().flat_map(|start| candidates::refined_laws(start, &self.base.model));
         let mut starts: Vec<Candidate> = Vec::new();
-        for start in refined.flatten().filter(|start| start.effect.id == "stribeck_friction") {
+        let is_as_before = |start: &Candidate| sticking.iter().any(|before| before.is_same(start));
+        for start in refined.flatten().filter(is_as_before) {
             let start = known.map_or(start.clone(), |known| start.with("deflection", known));
             if starts.iter().all(|other| other.values != start.values) {
                 starts.push(start);
