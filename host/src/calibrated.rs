@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use socam_efficiency::{SensorStd, Sensors};
-use socam_model::{Model, Prior, effects};
+use socam_model::{
+    EffectUse, Model, Prior,
+    effects::{CATALOGUE, Form},
+};
 use socam_recording::{Calibration, Format, Selection};
 
 use crate::output;
@@ -67,13 +70,14 @@ pub(crate) fn sensors(calibration: Option<&Calibration>, section: &socam_efficie
 pub(crate) fn with_sensor_gains(model: &Model, calibration: &Calibration) -> anyhow::Result<Model> {
     let mut grown = model.clone();
     for channel in model.inputs().chain(model.outputs()) {
-        let effect =
-            effects::find("sensor_gain").filter(|effect| model.places(effect).contains(&&*channel.name));
-        let taken =
-            model.effects.iter().any(|used| used.effect.id == "sensor_gain" && used.place == channel.name);
+        let mut gains = CATALOGUE.iter().filter(|effect| matches!(effect.form, Form::Gain));
+        let effect = gains.find(|effect| model.places(effect).contains(&&*channel.name));
+        let is_gain = |used: &EffectUse| matches!(used.effect.form, Form::Gain);
+        let taken = model.effects.iter().any(|used| is_gain(used) && used.place == channel.name);
         let std = std_of(Some(calibration), &channel.column).gain.filter(|std| *std > 0.0);
-        if let Some(std) = std.filter(|_| effect.is_some() && !taken && channel.gain.is_none()) {
-            grown = grown.with_effect("sensor_gain", &channel.name, &[("gain", 1.0)])?;
+        let wanted = effect.filter(|_| !taken && channel.gain.is_none());
+        if let Some((std, effect)) = std.zip(wanted) {
+            grown = grown.with_effect(effect.id, &channel.name, &[(effect.parameters[0].name, 1.0)])?;
             if let Some(gain) = grown.parameters.last_mut() {
                 gain.prior = Some(Prior { value: 1.0, std });
                 gain.source = "calibration".into();

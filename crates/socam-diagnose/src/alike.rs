@@ -1,12 +1,12 @@
 //! Effects that no recording of a bench tells from a candidate, by what they are: whether both were fitted to the end or not.
 
 use socam_identify::springs_in_a_row;
-use socam_model::{Model, Parameter, Quantity, Site, Spring, effects};
+use socam_model::{
+    Model, Parameter, Quantity, Site, Spring,
+    effects::{self, Condition},
+};
 
 use crate::candidates::Candidate;
-
-/// Of a sample time: by so short a time a signal that is late and one that is slow look alike, to a hundredth of what is fastest in it.
-const SHORT: f64 = 0.05;
 
 /// Those like one that was found in `model`, at its fitted strength.
 pub(crate) fn alike(
@@ -15,17 +15,19 @@ pub(crate) fn alike(
     strength: Option<f64>,
     sample_time_s: f64,
 ) -> Vec<Candidate> {
-    let other = match own.effect.id {
-        "sensor_lag" => "sensor_delay",
-        "sensor_delay" => "sensor_lag",
-        "coupling_slip" => return in_a_row(model, own, |_, _| true),
+    let each = own.effect.equivalents.iter().flat_map(|other| match other.holds {
+        Condition::InARow => in_a_row(model, own, |_, _| true),
         // The springs' own stiffness has to change places with it.
-        "hysteresis" | "stiffness_hardening" => return in_a_row(model, own, |a, b| can_swap(model, a, b)),
-        _ => return Vec::new(),
-    };
-    let is_short = strength.is_some_and(|time_s| time_s < SHORT * sample_time_s);
-    let other = effects::find(other).filter(|_| is_short);
-    other.map(|effect| Candidate { effect, ..own.clone() }).into_iter().collect()
+        Condition::InARowOfFreeStiffness => in_a_row(model, own, |a, b| can_swap(model, a, b)),
+        Condition::ShorterThanSamples(share) => {
+            let is_short = strength.is_some_and(|time_s| time_s < share * sample_time_s);
+            let effect = effects::find(other.effect).filter(|_| is_short);
+            effect.map(|effect| Candidate { effect, ..own.clone() }).into_iter().collect()
+        }
+        // What recordings have to tell.
+        Condition::OneDirection | Condition::Stated(_) => Vec::new(),
+    });
+    each.collect()
 }
 
 /// The same in the other of two springs that act as one: both carry one torque, and only their twists' sum is seen.
@@ -67,7 +69,8 @@ mod tests {
     fn of(id: &str, place: &str, strength: f64) -> Vec<(&'static str, String)> {
         let model = Model::builtin("speed-o-cam").unwrap();
         let effect = effects::find(id).unwrap();
-        let own = Candidate { effect, place: place.into(), values: Vec::new(), strength: &[] };
+        let own =
+            Candidate { effect, place: place.into(), values: Vec::new(), strength: &[], linearised_at: 0.0 };
         let all = alike(&model, &own, Some(strength), 1e-3);
         all.into_iter().map(|other| (other.effect.id, other.place)).collect()
     }

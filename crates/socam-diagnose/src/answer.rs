@@ -5,7 +5,7 @@ use socam_model::Model;
 
 use crate::{
     Diagnosis,
-    candidates::{self, Candidate},
+    candidates::Candidate,
     context::Context,
     document::{
         ChannelFit, CombinationChange, Component, EffectParameter, Finding, FindingEvidence, Fit, HeldOut, NotFound,
@@ -209,7 +209,7 @@ fn finding(made: &Made<'_>, index: usize) -> Finding {
         parameters,
         components: Vec::new(),
         curve: None,
-        region: Region { text: words::region(term.candidate.effect), ..Region::default() },
+        region: Region { text: term.candidate.effect.shows.into(), ..Region::default() },
         evidence: FindingEvidence {
             p_value: Some(term.p_value),
             log_score_gain: Some([term.gain.log_score, term.gain.std]),
@@ -381,12 +381,8 @@ fn not_found(path: &Path) -> Vec<NotFound> {
         let Some(parameter) = candidate.strength.first() else { continue };
         let size = one.promise.resolution * SEEN.sqrt();
         // What limits is stronger the lower it is; what was looked for and not found is known to be absent up to there.
-        let is_stronger_below = candidate.is_full() || candidate.effect.id == "missing_compliance";
-        let size = match candidate.effect.id {
-            "missing_compliance" => candidates::stiffness_of(size),
-            _ if candidate.is_full() => candidate.value(parameter),
-            _ => size,
-        };
+        let is_stronger_below = candidate.nothing().is_infinite();
+        let size = candidate.size_of(size);
         let smallest = Some(size).filter(|size| size.is_finite());
         let known = all
             .iter_mut()

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use socam_identify::{IdentifyError, compare::Yardstick};
 
 use crate::{
-    candidates::{self, Candidate},
+    candidates::Candidate,
     context::{Context, Fitted},
     criterion::{self, LAW_DISCREPANCY, Scored},
     halving::{self, Finalist},
     scales::Scales,
-    selection::{Path, Term, gain},
+    selection::{Path, Term},
 };
 
 /// A term to add.
@@ -50,16 +50,18 @@ pub(crate) fn best(
         Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted)))
     });
     let refitted: Result<Vec<Option<(usize, Fitted)>>, IdentifyError> = refitted.collect();
-    let fits: Vec<(usize, Fitted)> = refitted?.into_iter().flatten().collect();
-    eprintln!("TRACE fits before {:.1} excess {:.2}: {:?}", before.deviance(), noise.excess(), fits.iter().map(|(i, f)| (tried[*i].0.effect.id, tried[*i].0.place.clone(), f.deviance(), f.validation.log_score(), f.log_prior())).collect::<Vec<_>>());
-    let Some(chosen) = simplest(&before, &fits) else { return Ok(None) };
+    let fits = refitted?.into_iter().flatten();
+    // What cannot be is no candidate.
+    let fits: Vec<(usize, Fitted)> = fits.filter(|(_, fitted)| path.known.log_prior(fitted).is_finite()).collect();
+    eprintln!("TRACE fits before {:.1} excess {:.2}: {:?}", before.deviance(), noise.excess(), fits.iter().map(|(i, f)| (tried[*i].0.effect.id, tried[*i].0.place.clone(), f.deviance(), f.validation.log_score(), path.known.log_prior(f))).collect::<Vec<_>>());
+    let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
-    let gained = gain(fitted, &before);
+    let gained = path.gain(fitted, &before);
     if gained.log_score <= gained.std {
         return Ok(None);
     }
     let (candidate, p_value) = tried[*index].clone();
-    let rivals = rivals(context, &tried, &fits, chosen, gained.log_score);
+    let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
     let term = Term { candidate, p_value, rivals, gain: gained, without: None };
     Ok(Some(Choice { term, fitted: fitted.clone(), before, noise }))
 }
@@ -69,12 +71,12 @@ fn reduced(at: &socam_identify::compare::Measured) -> f64 {
 }
 
 /// The simplest of those that predict as well as the best to within a standard error, or to within what its law's discrepancy makes.
-fn simplest(before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
-    let score = |fitted: &Fitted| fitted.validation.log_score() + fitted.log_prior();
+fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
+    let score = |fitted: &Fitted| fitted.validation.log_score() + path.known.log_prior(fitted);
     let best = (0..fits.len()).max_by(|a, b| score(&fits[*a].1).total_cmp(&score(&fits[*b].1)))?;
-    let gained = gain(&fits[best].1, before).log_score.max(0.0);
+    let gained = path.gain(&fits[best].1, before).log_score.max(0.0);
     let is_near = |other: &usize| {
-        let worse = gain(&fits[best].1, &fits[*other].1);
+        let worse = path.gain(&fits[best].1, &fits[*other].1);
         worse.log_score <= worse.std.max(LAW_DISCREPANCY * gained)
     };
     let free = |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
@@ -86,7 +88,7 @@ fn simplest(before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
 
 /// Weights of all that were fitted but the chosen one.
 fn rivals(
-    context: &Context<'_>,
+    (context, path): (&Context<'_>, &Path),
     tried: &[(Candidate, f64)],
     fits: &[(usize, Fitted)],
     chosen: usize,
@@ -94,14 +96,14 @@ fn rivals(
 ) -> Vec<(Candidate, f64)> {
     let scored: Vec<Scored<'_>> = fits
         .iter()
-        .map(|(_, fitted)| Scored { validation: &fitted.validation, log_prior: fitted.log_prior() })
+        .map(|(_, fitted)| Scored { validation: &fitted.validation, log_prior: path.known.log_prior(fitted) })
         .collect();
     let weights = criterion::weights(&scored, gained, context.options.seed);
     let own = &tried[fits[chosen].0].0;
     // A law that holds the chosen one and gains nothing is no evidence of more, and no competitor.
     let is_vain = |index: usize, fitted: &Fitted| {
-        let more = gain(fitted, &fits[chosen].1);
-        candidates::holds(&tried[index].0, own) && more.log_score <= more.std
+        let more = path.gain(fitted, &fits[chosen].1);
+        tried[index].0.holds(own) && more.log_score <= more.std
     };
     let others = fits.iter().zip(weights).filter(|((index, fitted), _)| !is_vain(*index, fitted));
     let others = others.map(|((index, _), weight)| (tried[*index].0.clone(), weight));

@@ -44,17 +44,6 @@ impl Fitted {
             model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()
         })
     }
-
-    /// Log density of the base parameters' prior at the fit, up to a constant: a parameter is known from the model file to within a factor
-    /// of e (one standard deviation of its logarithm).
-    pub(crate) fn log_prior(&self) -> f64 {
-        let moved = |parameter: &socam_model::Parameter, value: f64| {
-            let known = !parameter.fixed && parameter.bounds.0 >= 0.0 && parameter.value > 0.0 && value > 0.0;
-            if known { (value / parameter.value).ln() } else { 0.0 }
-        };
-        let each = self.model.parameters.iter().zip(&self.at.values);
-        -0.5 * each.map(|(parameter, value)| moved(parameter, *value).powi(2)).sum::<f64>()
-    }
 }
 
 /// One way to part blocks of recordings into fitted and left-out ones.

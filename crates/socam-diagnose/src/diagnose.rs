@@ -186,7 +186,7 @@ fn determined(
         let near = path.fitted_without(context, term)?;
         let without = near.map_or_else(|| path.without(context, term), |near| Ok(Some(near)))?;
         if let Some(without) = &without {
-            path.terms[term].gain = selection::gain(&path.last, without);
+            path.terms[term].gain = path.gain(&path.last, without);
         }
         path.terms[term].without = without;
     }

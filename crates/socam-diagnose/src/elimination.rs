@@ -9,7 +9,7 @@ use socam_identify::{
 use crate::{
     candidates::{self, Candidate},
     context::{Context, Fitted},
-    selection::{EXCESS, Path, gain},
+    selection::{EXCESS, Path},
     score_test::carried,
 };
 
@@ -25,7 +25,7 @@ impl Path {
     pub(crate) fn eliminate(&mut self, context: &Context<'_>, first: usize) -> Result<(), IdentifyError> {
         for index in (0..first).rev() {
             let Some(without) = self.fitted_without(context, index)? else { continue };
-            let gained = gain(&self.last, &without);
+            let gained = self.gain(&self.last, &without);
             if gained.log_score <= gained.std {
                 self.remove(context, index, without)?;
             }
@@ -79,7 +79,7 @@ impl Path {
             let Some((model, values)) = self.begun_without(index) else { continue };
             let Some(beside) = curve.beside(context, (&model, &values), &self.noise)? else { continue };
             let Some(all) = context.refitted(&curve.fitted, &self.noise)? else { continue };
-            let gained = gain(&all, &beside);
+            let gained = self.gain(&all, &beside);
             if gained.log_score > gained.std {
                 continue;
             }
@@ -99,7 +99,7 @@ impl Path {
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let first = self.terms[index].candidate.clone();
-            for starts in candidates::refined_laws(&first, self.base.model.motion) {
+            for starts in candidates::refined_laws(&first, &self.base.model) {
                 self.replace(context, index, starts)?;
             }
             let richer = candidates::richer_laws(self, index);
@@ -124,7 +124,7 @@ impl Path {
         let after = context.fitted(&model, &at.values, Some((&model, &at)), &noise)?;
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
         let Some((after, before)) = after.zip(before) else { return Ok(()) };
-        let gained = gain(&after, &before);
+        let gained = self.gain(&after, &before);
         let is_other_name = candidate.effect.id != self.terms[index].candidate.effect.id;
         let left = 0.5 * (before.deviance() - before.at.count.iter().sum::<f64>());
         if gained.log_score <= gained.std || (is_other_name && gained.log_score < MOST_OF_THE_REST * left) {

@@ -1,5 +1,9 @@
 //! What to record next, so that rivals part.
 
+use socam_model::effects::{
+    self, ActsAt,
+    experiment::{Experiment, LARGE_TORQUE},
+};
 use socam_recording::ProfileFile;
 
 use crate::document::{Finding, Over, SuggestedExperiment};
@@ -37,38 +41,19 @@ pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// A profile that treats the finding and its first rival differently.
+/// A profile that treats the finding and its first rival differently: the more particular of their two experiments.
 pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
     let rival = &finding.rivals[0];
-    let pair = [finding.effect.as_str(), rival.effect.as_str()];
-    let any = |ids: &[&str]| pair.iter().any(|id| ids.contains(id));
-    let (profile, why) = if any(&["sensor_gain", "mesh_loss"]) {
-        (
-            "steps",
-            "at several steady speeds, with the load's torque changed between two such recordings: a gain keeps its share, a loss does not",
-        )
-    } else if any(&[
-        "coulomb_friction",
-        "stribeck_friction",
-        "direction_dependence",
-        "constant_load",
-        "backlash",
-        "hysteresis",
-    ]) {
-        ("triangle", "slowly through standstill and back, several times: that is where they differ")
-    } else if any(&["missing_compliance", "missing_inertia", "sensor_lag", "sensor_delay", "kinematic_error"])
-    {
-        ("chirp", "up to the highest frequency that the drive can follow: they part where motion is fast")
-    } else {
-        ("prbs", "with as much torque as the bench allows: they part where torque is large")
-    };
+    let own = [&finding.effect, &rival.effect].into_iter().filter_map(|id| effects::find(id));
+    let experiment = own.map(|effect| effect.experiment).max_by_key(|experiment| experiment.precedence);
+    let Experiment { profile, how, .. } = experiment.unwrap_or(LARGE_TORQUE);
     SuggestedExperiment {
         profile: profile.into(),
         tells_apart: vec![
             format!("{}@{}", finding.effect, finding.location),
             format!("{}@{}", rival.effect, rival.location),
         ],
-        sentence: format!("Record `{profile}` {why}."),
+        sentence: format!("Record `{profile}` {how}."),
     }
 }
 
@@ -76,18 +61,19 @@ pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
 pub(crate) fn steady(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let open: Vec<&Finding> = findings.iter().filter(|finding| !finding.rivals.is_empty()).collect();
     let first = *open.first()?;
-    let involves = |effect: &str| {
-        open.iter().any(|f| f.effect == effect || f.rivals.iter().any(|rival| rival.effect == effect))
+    let involved = open.iter().flat_map(|finding| {
+        let rivals = finding.rivals.iter().map(|rival| &rival.effect);
+        std::iter::once(&finding.effect).chain(rivals)
+    });
+    let own = involved.filter_map(|id| effects::find(id)).map(|effect| effect.experiment);
+    let own =
+        own.filter(|experiment| experiment.steady.is_some()).max_by_key(|experiment| experiment.precedence);
+    let own = own.and_then(|experiment| experiment.steady);
+    let mut steps: Vec<&str> = own.iter().map(|own| own.sentences).collect();
+    let is_sensor = |finding: &&Finding| {
+        effects::find(&finding.effect).is_some_and(|effect| effect.acts_at == ActsAt::Channel)
     };
-    let mut steps = Vec::new();
-    if involves("mesh_loss") {
-        steps.push(
-            "Record `reversals`: whenever the bench slows down its load drives it, and then a loss takes from the other side while a \
-             wrong gain stays as it is. Or hang a known weight from a lever at either torque sensor while nothing turns: a wrong gain \
-             shows there, a loss does not.",
-        );
-    }
-    if open.iter().any(|finding| finding.region.torque_nm.is_none() && finding.effect.starts_with("sensor")) {
+    if open.iter().any(|finding| finding.region.torque_nm.is_none() && is_sensor(finding)) {
         steps.push(
             "Put both tachometers on one shaft, or exchange them, and record `steps`: a wrong gain goes along with its sensor. Turns \
              counted over a minute say which is right.",
@@ -101,7 +87,7 @@ pub(crate) fn steady(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let pair = std::iter::once((&first.effect, &first.location))
         .chain(first.rivals.iter().map(|rival| (&rival.effect, &rival.location)));
     Some(SuggestedExperiment {
-        profile: if involves("mesh_loss") { "reversals" } else { "steps" }.into(),
+        profile: own.map_or("steps", |own| own.profile).into(),
         tells_apart: pair.map(|(effect, place)| format!("{effect}@{place}")).collect(),
         sentence: steps.join(" "),
     })

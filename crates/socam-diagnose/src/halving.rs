@@ -74,7 +74,7 @@ fn begin(
     let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
     let Ok(grown) = grown else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
-    let is_far = candidate.effect.id == "missing_compliance";
+    let is_far = candidate.is_far();
     let mut begun = grown.clone();
     if let Some(used) = grown.effects.last().filter(|_| !is_far) {
         let own = used.effect.parameters.iter().zip(&used.parameters);

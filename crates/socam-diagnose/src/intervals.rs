@@ -2,9 +2,9 @@
 
 use socam_identify::{Identification, IdentifyError, ParameterEstimate, at_minimum, influence};
 
-use crate::{candidates::Candidate, context::Context, obeyed, selection::Path};
+use crate::{candidates::Candidate, context::Context, selection::Path};
 
-/// Mean square of the residuals in units of sensor noise from which on a gap's interval reaches to where a knock may rebound.
+/// Mean square of the residuals in units of sensor noise from which on an interval's upper end allows for how an effect's law is idealised.
 const POOR: f64 = 1.2;
 
 /// The last model's parameters under its noise model. No interval is narrower than the recordings differ (jackknife over recordings), or
@@ -19,10 +19,8 @@ pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identifica
     let widths = influence::half_widths(&context.problem(&last.model)?, &path.noise, &last.model, &last.at)?;
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
     for (number, term) in path.terms.iter().enumerate() {
-        let Candidate { effect, strength, .. } = &term.candidate;
         for (name, index) in path.parameters(number) {
-            let (value, nothing) = (last.at.values[index], term.candidate.nothing());
-            let least = obeyed::half_width(effect.id, name, value, nothing, strength.contains(&name));
+            let least = term.candidate.effect.least_half_width(name, last.at.values[index]);
             widths[index] = widths[index].max(least);
         }
     }
@@ -31,10 +29,12 @@ pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identifica
         widen(estimate, width, bounds);
     }
     if path.noise.excess() > POOR {
-        let all = (0..path.terms.len()).flat_map(|term| path.parameters(term));
-        for (_, index) in all.filter(|(name, _)| *name == "gap") {
-            let ParameterEstimate { value, ci95: [_, high], .. } = &mut found.parameters[index];
-            *high = high.zip(*value).map(|(high, value)| high.max(obeyed::REBOUND * value));
+        for (number, term) in path.terms.iter().enumerate() {
+            for (name, index) in path.parameters(number) {
+                let factor = term.candidate.effect.upper_factor(name);
+                let ParameterEstimate { value, ci95: [_, high], .. } = &mut found.parameters[index];
+                *high = high.zip(*value).map(|(high, value)| high.max(factor * value));
+            }
         }
     }
     Ok(found)

@@ -12,8 +12,8 @@ use socam_identify::{
 use socam_model::{
     Model, ModelError, Motion,
     effects::{
-        self, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response,
-        Sight,
+        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
+        TRANSITION_SPEED,
     },
 };
 use socam_recording::Dataset;
@@ -26,7 +26,7 @@ use crate::{
     document::{Curve, Over},
     scales::Scales,
     score_test::{self, carried, estimated},
-    selection::{EXCESS, Path, gain},
+    selection::{EXCESS, Path},
 };
 
 /// Points that a curve is made of.
@@ -120,15 +120,7 @@ fn turned(response: Response) -> Response {
 }
 
 const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
-    Effect {
-        id: "shape",
-        acts_at,
-        parameters: HUMP,
-        borrows: None,
-        form: Form::Laws(laws),
-        equation: "",
-        sentence: "",
-    }
+    Effect::bare("shape", acts_at, HUMP, None, Form::Laws(laws), "")
 }
 
 const fn rub(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
@@ -366,9 +358,7 @@ impl Free {
 
 /// Speed within which friction turns its direction, rad/s (m/s), unless a file says otherwise.
 fn transition(motion: Motion) -> f64 {
-    let own = effects::find("coulomb_friction").map_or(&[][..], |effect| effect.parameters);
-    let usual = own.iter().find(|parameter| parameter.name == TRANSITION).and_then(|own| own.default);
-    let (rotation, translation) = usual.unwrap_or_default();
+    let (rotation, translation) = TRANSITION_SPEED;
     if motion == Motion::Rotation { rotation } else { translation }
 }
 
@@ -425,7 +415,7 @@ fn fitted(context: &Context<'_>, path: &Path, shape: &Shape) -> Result<Option<Un
         place: shape.free.place.clone(),
         curve: shape.free.curve(&last.model, &heights, std),
         p_value: shape.p_value,
-        gain: gain(&fitted, last),
+        gain: path.gain(&fitted, last),
         misfit_percent: (100.0 * (last.deviance() - fitted.deviance()) * path.noise.excess() / excess)
             .clamp(0.0, 100.0),
         free: shape.free.clone(),
@@ -448,7 +438,7 @@ impl Unexplained {
         let again = |fitted: &Fitted| context.compared(&fitted.model, &fitted.at, &noise);
         let all = [again(&self.fitted)?, again(&named.fitted)?, again(&named.before)?];
         let [Some(curve), Some(named), Some(before)] = all else { return Ok(false) };
-        let (worse, gained) = (gain(&curve, &named), gain(&curve, &before));
+        let (worse, gained) = (path.gain(&curve, &named), path.gain(&curve, &before));
         Ok(worse.log_score > worse.std.max(LAW_DISCREPANCY * gained.log_score))
     }
 

@@ -4,7 +4,7 @@ use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Innovations, Measured, Traces, Yardstick},
 };
-use socam_model::{Channel, Model, Quantity, Role, Take};
+use socam_model::{Channel, Model, Quantity, Role, Take, effects::Rig};
 
 use crate::spectrum::{self, Lines};
 
@@ -18,19 +18,12 @@ const OFTEN: usize = 20;
 /// What is seen at the places of a model.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scales {
-    /// By node: largest speed, rad/s.
-    speeds: Vec<f64>,
-    /// By spring: largest torque, N m.
-    torques: Vec<f64>,
-    /// By spring: the recording in which that is.
+    /// The machine in numbers: effects take their grids, starts and priors from it.
+    pub(crate) rig: Rig,
+    /// By spring: the recording in which its torque is largest.
     loudest: Vec<usize>,
-    /// By output: frequencies at which its whitened residuals have lines, Hz; and at which those of all have.
-    peaks: Vec<Vec<f64>>,
-    peaks_of_all: Vec<f64>,
     /// By output: largest reading.
     readings: Vec<f64>,
-    /// By output: where its readings seem to be cut off.
-    limits: Vec<Option<f64>>,
 }
 
 impl Scales {
@@ -40,39 +33,41 @@ impl Scales {
         yardstick: &Yardstick,
         at: &Measured,
     ) -> Result<Self, IdentifyError> {
-        // Besides its own sensors: effects may sit in those.
-        let mut probe = model.clone();
-        let own = model.outputs().count();
-        let mut seen = Vec::new();
-        let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
-        for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
-            let grown = with_sensor(&probe, &at.values, name, quantity);
-            seen.push(grown.is_some());
-            probe = grown.unwrap_or(probe);
+        let mut rig = Rig::of_model(model, &at.values);
+        for (known, spring) in rig.springs.iter_mut().zip(&model.springs) {
+            // By the file: of two springs in a row a fit may make anything.
+            known.stiffness = model.parameters[spring.stiffness].value;
         }
-        let traces = compare::traces(problem, at, Some(&probe))?;
-        let mut largest = (own..probe.outputs().count()).map(|output| largest(&traces, output));
-        let mut all =
-            seen.into_iter().map(|works| if works { largest.next().unwrap_or_default() } else { (0.0, 0) });
-        let speeds = all.by_ref().take(model.nodes.len()).map(|(speed, _)| speed).collect();
-        let (torques, loudest) = all.unzip();
-        let residuals = compare::traces(problem, at, None)?;
+        let read = compare::traces(problem, at, None)?;
+        rig.sample_time_s = read.iter().map(spectrum::step_s).reduce(f64::min).unwrap_or(0.0);
+        rig.longest_s = longest_s(&read);
+        let highest_hz = rig.wave_hz().1;
+        rig.modes_hz.retain(|hz| *hz < highest_hz);
+        let loudest = add_motion(&mut rig, &read, (problem, model, at))?;
+        add_torques(&mut rig, &read, (model, &at.values));
+        add_channels(&mut rig, &read, model);
         let white = compare::innovations(problem, yardstick, at)?.unwrap_or_default();
         let lines: Vec<Vec<Option<Lines>>> = white.iter().map(lines).collect();
-        let of = |output: usize| lines.iter().filter_map(move |one| one[output].as_ref());
-        let peaks = (0..own).map(|output| spectrum::peaks(of(output), PEAKS)).collect();
-        let peaks_of_all = spectrum::peaks(lines.iter().flatten().flatten(), PEAKS_OF_ALL);
-        let limits = (0..own).map(|output| limit(&residuals, output)).collect();
-        let readings = (0..own).map(|output| sizes_read(&residuals, output).fold(0.0, f64::max)).collect();
-        Ok(Self { speeds, torques, loudest, peaks, peaks_of_all, readings, limits })
+        rig.lines_hz = spectrum::peaks(lines.iter().flatten().flatten(), PEAKS_OF_ALL);
+        for (output, channel) in model.outputs().enumerate() {
+            let of = lines.iter().filter_map(|one| one[output].as_ref());
+            let own = rig.channels.iter_mut().find(|known| known.name == channel.name);
+            if let Some(own) = own {
+                own.lines_hz = spectrum::peaks(of, PEAKS);
+                own.limit = limit(&read, output);
+            }
+        }
+        let readings =
+            (0..model.outputs().count()).map(|output| sizes_read(&read, output).fold(0.0, f64::max));
+        Ok(Self { readings: readings.collect(), rig, loudest })
     }
 
     pub(crate) fn speed(&self, node: usize) -> f64 {
-        self.speeds.get(node).copied().unwrap_or(0.0)
+        self.rig.nodes.get(node).map_or(0.0, |node| node.speed)
     }
 
     pub(crate) fn torque(&self, spring: usize) -> f64 {
-        self.torques.get(spring).copied().unwrap_or(0.0)
+        self.rig.springs.get(spring).map_or(0.0, |spring| spring.torque)
     }
 
     /// Recording in which a spring carries that.
@@ -84,18 +79,113 @@ impl Scales {
     pub(crate) fn reading(&self, output: usize) -> f64 {
         self.readings.get(output).copied().unwrap_or(0.0)
     }
+}
 
-    /// Magnitude that an output seems not to read beyond.
-    pub(crate) fn limit(&self, output: usize) -> Option<f64> {
-        self.limits.get(output).copied().flatten()
+/// Length of the longest recording, s.
+fn longest_s(read: &[Traces]) -> f64 {
+    let ends = |trace: &Traces| Some((*trace.time_s.first()?, *trace.time_s.last()?));
+    let length = |recording: usize| {
+        let own = read.iter().filter(|trace| trace.recording == recording).filter_map(ends);
+        let (start, end) = own.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        end - start
+    };
+    read.iter().map(|trace| length(trace.recording)).fold(0.0, f64::max)
+}
+
+/// Speeds and turns of nodes and torques through springs, as predicted; for each spring the recording in which its torque is largest.
+fn add_motion(
+    rig: &mut Rig,
+    read: &[Traces],
+    (problem, model, at): (&Problem<'_>, &Model, &Measured),
+) -> Result<Vec<usize>, IdentifyError> {
+    // Besides the model's own sensors: effects may sit in those.
+    let mut probe = model.clone();
+    let mut seen = Vec::new();
+    let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
+    for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
+        let grown = with_sensor(&probe, &at.values, name, quantity);
+        seen.push(grown.is_some().then(|| probe.outputs().count()));
+        probe = grown.unwrap_or(probe);
     }
+    let traces = compare::traces(problem, at, Some(&probe))?;
+    let (of_nodes, of_springs) = seen.split_at(model.nodes.len());
+    for (node, output) in rig.nodes.iter_mut().zip(of_nodes) {
+        let Some(output) = output else { continue };
+        node.speed = largest(&traces, *output).0;
+        let turns = traces
+            .iter()
+            .zip(read)
+            .map(|(trace, read)| turned(&trace.predicted[*output], spectrum::step_s(read)));
+        node.angle_range = turns.fold(0.0, f64::max);
+    }
+    let torques = of_springs.iter().map(|output| output.map_or((0.0, 0), |output| largest(&traces, output)));
+    let (torques, loudest): (Vec<f64>, Vec<usize>) = torques.unzip();
+    rig.springs.iter_mut().zip(torques).for_each(|(spring, torque)| spring.torque = torque);
+    Ok(loudest)
+}
 
-    /// Lines of one output, or of all together.
-    pub(crate) fn lines(&self, output: Option<usize>) -> &[f64] {
-        match output {
-            Some(output) => self.peaks.get(output).map_or(&[], Vec::as_slice),
-            None => &self.peaks_of_all,
+/// From the least to the greatest angle on the way.
+fn turned(speeds: &[f64], step_s: f64) -> f64 {
+    let (mut angle, mut least, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for speed in speeds {
+        angle += step_s * speed;
+        (least, most) = (least.min(angle), most.max(angle));
+    }
+    most - least
+}
+
+/// Largest torque that moves each node: through its springs, predicted or measured, or by an input.
+fn add_torques(rig: &mut Rig, read: &[Traces], (model, values): (&Model, &[f64])) {
+    let measured = |place: &str| {
+        let own = model.outputs().enumerate();
+        let own = own.filter(|(_, c)| c.at == place && c.quantity == Quantity::Torque);
+        own.flat_map(|(output, _)| sizes_read(read, output)).fold(0.0, f64::max)
+    };
+    for (index, spring) in model.springs.iter().enumerate() {
+        let torque = rig.springs[index].torque.max(measured(&spring.name));
+        for node in [Some(spring.from), spring.to].into_iter().flatten() {
+            rig.nodes[node].torque = rig.nodes[node].torque.max(torque);
         }
+    }
+    for (index, input) in model.inputs().enumerate().filter(|(_, input)| input.quantity == Quantity::Torque) {
+        let node = model.nodes.iter().position(|node| node.name == input.at);
+        let gain = input.gain.map_or(1.0, |gain| values[gain].abs());
+        let most =
+            read.iter().flat_map(|trace| &trace.inputs[index]).fold(0.0, |most: f64, x| most.max(x.abs()));
+        if let Some(node) = node {
+            rig.nodes[node].torque = rig.nodes[node].torque.max(gain * most);
+        }
+    }
+    rig.spread_torques(model);
+}
+
+/// Sizes of what channels read, and how fast that changes.
+fn add_channels(rig: &mut Rig, read: &[Traces], model: &Model) {
+    let names = model.channels.iter().map(|channel| channel.name.as_str());
+    for (own, name) in rig.channels.iter_mut().zip(names) {
+        let input = model.inputs().position(|channel| channel.name == name);
+        let output = model.outputs().position(|channel| channel.name == name);
+        // What an output should read is free of noise, which is fast whatever the motion.
+        let both = |trace: &Traces| match (input, output) {
+            (Some(input), _) => Some((trace.inputs[input].clone(), trace.inputs[input].clone())),
+            (_, Some(output)) => Some((trace.measured[output].clone(), trace.predicted[output].clone())),
+            _ => None,
+        };
+        let all: Vec<(Vec<f64>, Vec<f64>)> = read.iter().filter_map(both).collect();
+        let present = || all.iter().flat_map(|(read, _)| read).copied().filter(|value| value.is_finite());
+        let (count, sum) = present().fold((0.0, 0.0), |(n, sum), value| (n + 1.0, sum + value));
+        let mean = sum / f64::max(count, 1.0);
+        own.std = (present().map(|value| (value - mean).powi(2)).sum::<f64>() / f64::max(count, 1.0)).sqrt();
+        own.largest = present().map(f64::abs).fold(0.0, f64::max);
+        let (least, most) =
+            present().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)));
+        own.range = f64::max(most - least, 0.0);
+        let medians = all
+            .iter()
+            .zip(read)
+            .filter_map(|((_, clean), trace)| spectrum::median_hz(clean, spectrum::step_s(trace)));
+        let slowest = medians.fold(f64::INFINITY, f64::min);
+        own.median_hz = if slowest.is_finite() { slowest } else { 0.0 };
     }
 }
 

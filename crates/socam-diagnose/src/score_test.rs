@@ -18,10 +18,7 @@ use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::{
-    candidates::{self, Candidate},
-    scales::Scales,
-};
+use crate::{candidates::Candidate, scales::Scales};
 
 /// Candidates that share a pass: each adds to what a step costs; those less that only a sensor shows.
 const TOGETHER: usize = 10;
@@ -57,10 +54,10 @@ pub(crate) fn run(
     let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
         all.iter().partition(|candidate| candidate.is_full());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
-        linear.into_iter().partition(|candidate| candidates::is_structural(candidate.effect));
+        linear.into_iter().partition(|candidate| candidate.effect.is_structural());
     // What has a memory answers the motion even at no strength, and several of them each other.
     let (remembering, laws): (Vec<&Candidate>, Vec<&Candidate>) =
-        laws.into_iter().partition(|candidate| candidates::has_memory(candidate.effect));
+        laws.into_iter().partition(|candidate| candidate.effect.has_memory());
     let is_on_a_sensor = |one: &&Candidate| model.outputs().any(|output| output.name == one.place);
     let (on_sensors, laws): (Vec<&Candidate>, Vec<&Candidate>) = laws.into_iter().partition(is_on_a_sensor);
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
@@ -269,13 +266,8 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
     } else {
         for (name, step) in candidate.strength.iter().zip(&promise.step) {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
-            let own = candidate.effect.parameters.iter().find(|parameter| parameter.name == *name);
-            let (mut least, most) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
-            // Nothing has less inertia than none.
-            if candidate.effect.id == "missing_inertia" {
-                least = before - candidates::inertia(model, &candidate.place).unwrap_or(0.0);
-            }
-            let moved = |share: f64| moved(candidate, name, before, share * step);
+            let (least, most) = candidate.bounds(model, name);
+            let moved = |share: f64| candidate.moved(name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
             let share = if candidate.is_full() { 0.0 } else { A_LITTLE };
             let moved = moved(share).clamp(least, most);
@@ -283,18 +275,4 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
         }
     }
     Promising { start, promise, p_value: 1.0, possible }
-}
-
-/// A stiffness is moved by what it gives: from one that is as good as rigid.
-fn moved(candidate: &Candidate, name: &str, before: f64, step: f64) -> f64 {
-    if candidate.effect.id != "missing_compliance" {
-        return before + step;
-    }
-    match name {
-        "stiffness" => {
-            let compliance = (1.0 - step / before) / before;
-            if compliance > 0.0 { (1.0 / compliance).min(1e7) } else { -1.0 }
-        }
-        _ => before,
-    }
 }

@@ -4,7 +4,7 @@ use socam_identify::{
     IdentifyError, NoiseLevels,
     compare::{self, Yardstick},
 };
-use socam_model::Model;
+use socam_model::{Model, effects::Rig};
 use socam_recording::Dataset;
 
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
     context::{Context, Fitted},
     criterion::{self, Difference, LAW_DISCREPANCY},
     nonparametric::{self, Unexplained},
+    plausibility::Known,
     scales::Scales,
     score_test::{self, Promising, carried},
 };
@@ -49,6 +50,8 @@ pub(crate) struct Path {
     pub(crate) base: Fitted,
     pub(crate) last: Fitted,
     pub(crate) terms: Vec<Term>,
+    /// What is known before any recording.
+    pub(crate) known: Known,
     /// Sensor noise and model discrepancy as the last model shows them.
     pub(crate) noise: Yardstick,
     /// The last score test, the largest gain first; empty where the model changed since.
@@ -65,8 +68,9 @@ pub(crate) fn run(
     levels: &NoiseLevels,
 ) -> Result<Option<Path>, IdentifyError> {
     let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
+    let known = Known { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
     let mut path =
-        Path { last: base.clone(), base, terms: Vec::new(), noise, tests: Vec::new(), unexplained: None };
+        Path { last: base.clone(), base, terms: Vec::new(), known, noise, tests: Vec::new(), unexplained: None };
     for _ in 0..context.options.most_effects {
         if !path.extend(context)? {
             break;
@@ -92,6 +96,13 @@ fn base(
 }
 
 impl Path {
+    /// What a model gains over another one in cross-validation, and how much more plausible its parameters are.
+    pub(crate) fn gain(&self, after: &Fitted, before: &Fitted) -> Difference {
+        let own = criterion::difference(&after.validation, &before.validation);
+        let prior = self.known.log_prior(after) - self.known.log_prior(before);
+        Difference { log_score: own.log_score + prior, ..own }
+    }
+
     /// Adds what predicts best, if anything does; says whether it did.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
         let clock = std::time::Instant::now();
@@ -132,6 +143,9 @@ impl Path {
     fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
         let Fitted { model, at, .. } = &self.last;
         let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
+        if self.terms.is_empty() {
+            self.known.rig = scales.rig.clone();
+        }
         let mut all = candidates::all(model, &scales);
         // Nor what is observationally equivalent to something that was added.
         let known: Vec<Candidate> =
@@ -162,8 +176,8 @@ impl Path {
             let starts = tried.iter().filter(|(candidate, _)| candidate.is_same(&one.start)).count();
             let elsewhere = tried.iter().filter(|(candidate, _)| candidate.effect.id == one.start.effect.id);
             let elsewhere = elsewhere.filter(|(candidate, _)| !candidate.is_same(&one.start)).count();
-            let has_room = tried.len() < TRIED && elsewhere < PLACES;
-            if starts < candidates::starts_tried(&one.start) && (has_room || candidates::is_always_tried(&one.start)) {
+            let has_room = tried.len() < TRIED && elsewhere < PLACES && !one.start.is_always_tried();
+            if starts < one.start.most_starts() && has_room {
                 tried.push((one.start.clone(), one.p_value));
             }
         }
@@ -172,7 +186,18 @@ impl Path {
             let starts = candidates::starts(candidate, model, values);
             starts.into_iter().map(move |start| (start, p_value))
         });
-        begun.collect()
+        begun.chain(self.large(false_alarm_rate)).collect()
+    }
+
+    /// Large amplitudes of effects of which a little says nothing, where anything at all is missing.
+    fn large(&self, false_alarm_rate: f64) -> Vec<(Candidate, f64)> {
+        let p_value = self.tests.iter().map(|one| one.p_value).fold(1.0, f64::min);
+        if p_value >= false_alarm_rate {
+            return Vec::new();
+        }
+        let all = self.tests.iter().filter(|one| one.start.is_always_tried());
+        let starts = all.flat_map(|one| candidates::large(&one.start, &self.known.rig));
+        starts.map(|start| (start, p_value)).collect()
     }
 
     /// What acts where a curve was found and was not tried: scores at a null amplitude may say little of what a large one does.
@@ -298,8 +323,3 @@ fn restarted(context: &Context<'_>, path: &Path, fitted: Fitted) -> Result<Fitte
     Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))
 }
 
-/// What a model gains over another one; of both a prior counts.
-pub(crate) fn gain(after: &Fitted, before: &Fitted) -> Difference {
-    let own = criterion::difference(&after.validation, &before.validation);
-    Difference { log_score: own.log_score + after.log_prior() - before.log_prior(), ..own }
-}

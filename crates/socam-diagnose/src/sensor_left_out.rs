@@ -6,7 +6,7 @@ use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Measured, Traces},
 };
-use socam_model::Channel;
+use socam_model::{Channel, effects::Form};
 use socam_recording::{Dataset, RecordingError};
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     halving::{self, Finalist},
     preprocessing::blanked,
     scales::Scales,
-    score_test::{self, Promising},
+    score_test,
     selection::Path,
     spectrum,
 };
@@ -75,13 +75,15 @@ impl Path {
             }
         }
         let traces = compare::traces(&problem, &begun.at, None)?;
-        let answers: [(&str, &str, Answer); 2] =
-            [("sensor_delay", "delay", late), ("sensor_lag", "time_constant", slow)];
-        for (effect, name, answer) in answers {
-            let own = seen.iter().find(|one| one.start.effect.id == effect);
-            let start = |own: &Promising| own.start.with(name, nearest(&traces, output, answer));
-            tried.extend(own.map(|own| (start(own), own.p_value)));
-        }
+        tried.extend(seen.iter().filter_map(|own| {
+            let answer: Answer = match own.start.effect.form {
+                Form::Delay => late,
+                Form::Lag => slow,
+                _ => return None,
+            };
+            let late_s = nearest(&traces, output, answer);
+            Some((own.start.with(own.start.strength[0], late_s), own.p_value))
+        }));
         let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
         let fits = halving::run(context, &begun, &starts, &self.noise)?;
         Ok(fits.into_iter().map(|fit| (tried[fit.index].clone(), fit)).collect())

@@ -47,6 +47,20 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     (frequency_hz, sums.into_iter().map(|sum| sum * scale).collect())
 }
 
+/// Frequency below which half of a series' power lies, Hz, its mean left aside; `None` of too few values or of one that never changes.
+pub(crate) fn median_hz(values: &[f64], step_s: f64) -> Option<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let swing: Vec<f64> = values.iter().map(|value| value - mean).collect();
+    let (frequency, power) = power(&swing, step_s);
+    let total: f64 = power.iter().skip(1).sum();
+    let mut below = 0.0;
+    let half = frequency.iter().zip(&power).skip(1).find(|(_, power)| {
+        below += **power;
+        below >= 0.5 * total
+    });
+    half.filter(|_| total > 0.0).map(|(frequency, _)| *frequency)
+}
+
 /// Lines of a series, each as a multiple of what is near it.
 pub(crate) struct Lines {
     spacing_hz: f64,
@@ -128,6 +142,14 @@ mod tests {
         let mut noise = || -> f64 { StandardNormal.sample(&mut random) };
         let at = |k: usize| (std::f64::consts::TAU * 6.68 * 1e-3 * k as f64).sin();
         (0..10_000).map(|k| noise() + amplitude * at(k)).collect()
+    }
+
+    #[test]
+    fn half_of_the_power_of_a_sine_lies_below_its_frequency() {
+        let sine: Vec<f64> =
+            (0..10_000).map(|k| 3.0 + (std::f64::consts::TAU * 4.0 * 1e-3 * f64::from(k)).sin()).collect();
+        assert!((median_hz(&sine, 1e-3).unwrap() - 4.0).abs() < 0.2);
+        assert_eq!(median_hz(&[1.0; 100], 1e-3), None);
     }
 
     #[test]

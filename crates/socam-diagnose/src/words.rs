@@ -1,6 +1,6 @@
 //! What the document says in words.
 
-use socam_model::effects::Effect;
+use socam_model::effects::{Effect, Sizes};
 
 use crate::{
     document::{Curve, EffectParameter, Over},
@@ -17,7 +17,10 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
     });
     let size: Vec<String> = size.collect();
     let size = if size.is_empty() { String::new() } else { format!(" ({})", size.join(", ")) };
-    format!("At {}: {}{size}", place.replace('_', " "), lower_first(effect.sentence.trim_end_matches('.')))
+    let known = parameters.iter().filter_map(|parameter| Some((parameter.name.as_str(), parameter.value?)));
+    let known: Vec<(&str, f64)> = known.collect();
+    let sentence = (effect.sentence)(&Sizes(&known));
+    format!("At {}: {}{size}", place.replace('_', " "), lower_first(sentence.trim_end_matches('.')))
 }
 
 /// The same of what has no name.
@@ -80,24 +83,4 @@ pub(crate) fn short(value: f64) -> String {
     } else {
         text
     }
-}
-
-/// Where to look for it.
-pub(crate) fn region(effect: &Effect) -> String {
-    match effect.id {
-        "coulomb_friction" | "direction_dependence" => "where the motion changes its direction",
-        "stribeck_friction" => "slow motion, on either side of standstill",
-        "quadratic_drag" => "high speeds",
-        "damping_drift" => "late in a recording, against its beginning",
-        "mesh_loss" | "hysteresis" => "where torque is transmitted, in proportion to it",
-        "backlash" => "where the transmitted torque changes its sign",
-        "stiffness_hardening" | "coupling_slip" => "large torques",
-        "missing_compliance" | "missing_inertia" | "sensor_lag" | "sensor_delay" => "fast motion",
-        "kinematic_error" | "gravity_unbalance" | "torque_ripple" | "sensor_ripple" => {
-            "a fixed number of times per turn"
-        }
-        "external_disturbance" | "sensor_hum" => "one frequency, whatever the motion",
-        _ => "everywhere",
-    }
-    .into()
 }

@@ -1,6 +1,6 @@
 //! The part of a drivetrain between two torque sensors: what its losses are measured of.
 
-use socam_model::{Channel, Model, Quantity, Role};
+use socam_model::{Channel, Model, Quantity, Role, effects::Steady};
 
 use crate::EfficiencyError;
 
@@ -85,7 +85,7 @@ impl Section {
         let speed_ratio_in =
             to_inner(speed_in).ok_or_else(|| refuse("nothing ties its tachometer to its torque sensors"))?;
         let ratio_out = speed_out.and_then(|channel| model.rigid_ratio(&speed_in.at, &channel.at));
-        let slips = model.effects.iter().any(|used| used.effect.id == "coupling_slip");
+        let slips = model.effects.iter().any(|used| used.effect.steady == Steady::Slips);
         Ok(Self {
             torque_in: (*torque_in).clone(),
             torque_out: (*torque_out).clone(),

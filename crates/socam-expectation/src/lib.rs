@@ -1,7 +1,7 @@
 //! What a model expects of a recording that is to determine its parameters: for the command `check` and for the dashboard, which knows
 //! the same in a browser, where nothing is fitted.
 
-use socam_model::{Channel, Mode, Model, Quantity, Site, Take};
+use socam_model::{Channel, EffectUse, Mode, Model, Quantity, Site, Take, effects::Condition};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.
@@ -56,14 +56,20 @@ fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
 
 /// Dry friction and a constant load are one torque as long as nothing turns round.
 fn both_ways(model: &Model) -> Option<BothWays> {
-    let free = |id: &str| {
-        let used = model.effects.iter().find(|used| used.effect.id == id)?;
+    let free = |used: &EffectUse| {
         let parameter = used.parameters.iter().map(|index| &model.parameters[*index]).find(|p| !p.fixed)?;
         let Site::Node(node) = used.at else { return None };
         Some((&model.nodes[node].name, parameter.name.clone()))
     };
-    let (place, friction) = free("coulomb_friction")?;
-    let (_, load) = free("constant_load")?;
+    let alike = |used: &EffectUse, other: &EffectUse| {
+        let mut known = used.effect.equivalents.iter();
+        known.any(|own| own.effect == other.effect.id && own.holds == Condition::OneDirection)
+    };
+    let all = || model.effects.iter();
+    let mut pairs = all().flat_map(|used| all().map(move |other| (used, other)));
+    let pair =
+        pairs.find_map(|(used, other)| Some((free(used)?, free(other)?)).filter(|_| alike(used, other)));
+    let ((place, friction), (_, load)) = pair?;
     let mut motions = model
         .channels
         .iter()

@@ -12,7 +12,7 @@ impl Port {
     /// Whether its law is a gear's play: constant while teeth touch, and just what takes their contact back while they do not.
     #[must_use]
     pub fn is_play(&self) -> bool {
-        self.effect.id == "backlash"
+        self.effect.is_play()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
     Servo, Shaft, Site, Spring, Take,
     effects::{self, ActsAt, Borrowed, Effect, Kind, Sight},
-    model::{CONTACT_DAMPING, MESH_DAMPING, MESH_STIFFNESS},
+    model::{CONTACT_DAMPING, CONTACT_RELAXATION_S},
     units,
 };
 
@@ -29,6 +29,7 @@ pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
         parameters: Vec::new(),
         nodes: Vec::new(),
         places: Vec::new(),
+        contact_stiffness: 0.0,
     }
     .model(raw)
 }
@@ -45,7 +46,9 @@ pub(crate) fn put(model: &Model, effect: &'static Effect, place: &str, values: &
         parameters: std::mem::take(&mut model.parameters),
         nodes: Vec::new(),
         places: Vec::new(),
+        contact_stiffness: 0.0,
     };
+    reader.contact_stiffness = reader.rigid_stiffness(&model);
     let own = effect.parameters.iter().zip(values);
     let own = own.map(|(parameter, value)| reader.add_default(place, parameter, (*value, *value))).collect();
     let fits = reader.put(effect, place.into(), own, &mut model);
@@ -66,6 +69,8 @@ struct Reader<'t> {
     parameters: Vec<Parameter>,
     nodes: Vec<Node>,
     places: Vec<String>,
+    /// Of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m): as good as rigid beside all else.
+    contact_stiffness: f64,
 }
 
 impl Reader<'_> {
@@ -122,6 +127,7 @@ impl Reader<'_> {
             channels,
         };
         std::mem::swap(&mut model.nodes, &mut self.nodes);
+        self.contact_stiffness = self.rigid_stiffness(&model);
         for effect in raw.effects {
             self.effect(effect, &mut model)?;
         }
@@ -321,6 +327,10 @@ impl Reader<'_> {
             let given = raw.parameters.0.iter().find(|(name, _)| name.get_ref() == parameter.name);
             indices.push(match (given, parameter.default) {
                 (Some((_, name)), _) => self.effect_parameter(name, parameter)?,
+                (None, Some(_)) if parameter.name == CONTACT_DAMPING => {
+                    let damping = CONTACT_RELAXATION_S * self.contact_stiffness;
+                    self.default_of(&place, parameter, (damping, damping))
+                }
                 (None, Some(default)) => self.default_of(&place, parameter, default),
                 (None, None) => {
                     return self
@@ -332,6 +342,14 @@ impl Reader<'_> {
             return self.fail(&raw.at, format!("{id} cannot act at \"{}\"", raw.at.get_ref()));
         }
         Ok(())
+    }
+
+    /// Stiffness that is as good as rigid, by the file's springs and inertias.
+    fn rigid_stiffness(&self, model: &Model) -> f64 {
+        let value = |parameter: usize| self.parameters[parameter].value;
+        let springs = model.springs.iter().filter(|spring| effects::is_part(&spring.name));
+        let inertias = model.nodes.iter().filter_map(|node| node.inertia);
+        effects::rigid_stiffness(springs.map(|spring| value(spring.stiffness)), inertias.map(value))
     }
 
     /// Puts an effect with its own parameters where it acts; whether that is a place for it.
@@ -421,13 +439,14 @@ impl Reader<'_> {
         let slow = model.gears[gear].to;
         model.nodes.push(Node { name: format!("{place}.out"), inertia: None });
         model.gears[gear].to = model.nodes.len() - 1;
+        let contact_stiffness = self.contact_stiffness;
         let mut own = |name: &'static str, kind: Kind, value: f64| {
             let parameter =
                 effects::EffectParameter { name, kind, default: None, bounds: (0.0, f64::INFINITY) };
             self.default_of(&place, &parameter, (value, value))
         };
-        let stiffness = own("contact_stiffness", Kind::Stiffness, MESH_STIFFNESS);
-        let damping = Some(own(CONTACT_DAMPING, Kind::Damping, MESH_DAMPING));
+        let stiffness = own("contact_stiffness", Kind::Stiffness, contact_stiffness);
+        let damping = Some(own(CONTACT_DAMPING, Kind::Damping, CONTACT_RELAXATION_S * contact_stiffness));
         let from = model.nodes.len() - 1;
         model.springs.push(Spring { name, from, to: Some(slow), stiffness, damping });
         model.springs.len() - 1

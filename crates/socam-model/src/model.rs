@@ -126,13 +126,10 @@ pub struct Bearing {
     pub damping: Option<usize>,
 }
 
-/// Stiffness of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m) on the slow side: ten
-/// times that of the stiffest part of the default bench.
-pub(crate) const MESH_STIFFNESS: f64 = 1e6;
-/// What its damping is called, in effects too.
+/// What the damping of the spring that stands in for a gear's mesh is called, in effects too.
 pub(crate) const CONTACT_DAMPING: &str = "contact_damping";
-/// Its damping where nothing is said of it, N m s/rad (N s/m).
-pub(crate) const MESH_DAMPING: f64 = 100.0;
+/// Its damping over its stiffness where nothing is said of it, s: a knock has died away before the next sample.
+pub(crate) const CONTACT_RELAXATION_S: f64 = 1e-4;
 
 /// An effect of the catalogue at work in the model.
 #[derive(Debug, Clone)]

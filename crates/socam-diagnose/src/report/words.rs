@@ -2,6 +2,8 @@
 
 pub(crate) use socam_plot::words::{minus, power, unit};
 
+use socam_model::effects;
+
 use crate::document::{Finding, UNEXPLAINED};
 
 /// Digits of a number that has no interval.
@@ -113,12 +115,9 @@ pub(crate) fn chance(p: Option<f64>) -> String {
     }
 }
 
-/// An id in words: `coulomb_friction` is Coulomb friction.
+/// An effect's name at the head of a sentence.
 pub(crate) fn effect(id: &str) -> String {
-    if id == UNEXPLAINED {
-        return "Unexplained misfit".to_owned();
-    }
-    let mut words = id.replace('_', " ");
+    let mut words = name(id);
     if let Some(first) = words.get(..1).map(str::to_uppercase) {
         words.replace_range(..1, &first);
     }
@@ -127,11 +126,15 @@ pub(crate) fn effect(id: &str) -> String {
 
 /// A finding's name within a sentence.
 pub(crate) fn effect_within(finding: &Finding) -> String {
-    let words = effect(&finding.effect);
-    let proper = ["Coulomb", "Stribeck"].iter().any(|name| words.starts_with(name));
-    match words.get(..1) {
-        Some(first) if !proper => words.replacen(first, &first.to_lowercase(), 1),
-        _ => words,
+    name(&finding.effect)
+}
+
+/// What an id stands for; ids that this catalogue does not know, in words.
+fn name(id: &str) -> String {
+    match effects::find(id) {
+        _ if id == UNEXPLAINED => "unexplained misfit".to_owned(),
+        Some(effect) => effect.name.to_owned(),
+        None => id.replace('_', " "),
     }
 }
 

@@ -1,7 +1,10 @@
 //! What may stand behind readings that break a tie: one effect at a time, fitted by least squares.
 
 use nalgebra::{DMatrix, DVector};
-use socam_model::{Model, effects};
+use socam_model::{
+    Model,
+    effects::{Acts, ActsAt, CATALOGUE, Effect, EffectParameter, Form, Sight, Steady},
+};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use super::ties::{Kind, Tie};
@@ -28,7 +31,7 @@ enum On {
 /// An effect at a place, and what it would do to the tie's error for each unit of its coefficient.
 #[derive(Debug, Clone)]
 pub(super) struct Explanation {
-    pub(super) effect: &'static str,
+    pub(super) effect: &'static Effect,
     pub(super) place: String,
     pub(super) parameter: &'static str,
     /// Place in the list of explanations.
@@ -67,8 +70,7 @@ impl Explanation {
 
     /// Whether a parameter may have such a value.
     pub(super) fn is_possible(&self, fitted: &Fitted) -> bool {
-        let own =
-            effects::find(self.effect).and_then(|e| e.parameters.iter().find(|p| p.name == self.parameter));
+        let own = self.effect.parameters.iter().find(|own| own.name == self.parameter);
         let (low, high) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
         (low..=high).contains(&self.estimate(fitted).0)
     }
@@ -239,58 +241,127 @@ impl<'a> Case<'a> {
 
     /// All effects of the catalogue that show in a steady state and could break the tie; plant first.
     pub(super) fn explanations(&self, model: &Model) -> Vec<Explanation> {
-        let Self { tie, readings, .. } = self;
-        let (first, second) = (&model.channels[tie.first].name, &model.channels[tie.second].name);
         let mut all: Vec<Explanation> = Vec::new();
-        let mut add = |effect, place: &str, parameter, x: Vec<f64>, on, value| {
-            if x.iter().all(|x| x.is_finite()) {
-                let (place, rank) = (place.to_owned(), all.len());
-                all.push(Explanation { effect, place, parameter, rank, x, on, value });
+        for acts_at in [ActsAt::Gear, ActsAt::Bearing, ActsAt::Node, ActsAt::Channel] {
+            let shown = CATALOGUE.iter().copied().filter(|own| own.steady == Steady::Linear);
+            for effect in shown.filter(|own| own.acts_at == acts_at) {
+                for (place, Column { x, on, value }) in self.columns(model, effect) {
+                    if x.iter().all(|x| x.is_finite()) {
+                        let (parameter, rank) = (effect.amplitude.parameters[0], all.len());
+                        all.push(Explanation { effect, place, parameter, rank, x, on, value });
+                    }
+                }
             }
-        };
-        let constant = |height: f64| vec![height; readings.first.len()];
-        let plain: fn(f64) -> f64 = |theta| theta;
-        if tie.kind == Kind::Speeds {
-            let per = |values: &[f64], sign: f64| values.iter().map(|value| sign / value).collect::<Vec<_>>();
-            add("sensor_gain", second, "gain", constant(-1.0), On::Neither, f64::exp);
-            add("sensor_gain", first, "gain", constant(1.0), On::Neither, f64::exp);
-            add("sensor_offset", second, "offset", per(&readings.second, -1.0), On::Neither, plain);
-            add("sensor_offset", first, "offset", per(&readings.first, 1.0), On::Neither, plain);
-            return all;
         }
-        let over = |f: fn(f64) -> f64, weight: f64| {
-            readings.speed.iter().map(|speed| f(*speed) * weight).collect::<Vec<_>>()
-        };
-        let entering: Vec<f64> = readings.first.iter().map(|torque| tie.ratio * torque).collect();
-        for gear in &tie.gears {
-            // A loss is taken from what enters, whichever way it turns.
-            let loss =
-                entering.iter().zip(&readings.speed).map(|(torque, speed)| torque.abs() * direction(*speed));
-            add("mesh_loss", &model.gears[*gear].name, "fraction", loss.collect(), On::First, plain);
-        }
-        for (bearing, weight) in &tie.bearings {
-            let place = &model.bearings[*bearing].name;
-            add("coulomb_friction", place, "torque", over(direction, *weight), On::Neither, plain);
-            let drag = over(|speed| speed * speed.abs(), weight.abs().powi(3));
-            add("quadratic_drag", place, "coefficient", drag, On::Neither, plain);
-        }
-        let massive = tie.nodes.iter().rfind(|(node, _)| model.nodes[*node].inertia.is_some());
-        if let Some((node, weight)) = massive.filter(|_| tie.kind == Kind::Load) {
-            add("constant_load", &model.nodes[*node].name, "torque", constant(*weight), On::Neither, plain);
-        }
-        if tie.kind == Kind::Torques {
-            add("sensor_gain", second, "gain", readings.second.clone(), On::Second, |theta| {
-                1.0 / (1.0 + theta)
-            });
-            add("sensor_gain", first, "gain", entering, On::First, |theta| 1.0 / (1.0 - theta));
-            add("sensor_offset", second, "offset", constant(-1.0), On::Neither, plain);
-        }
-        add("sensor_offset", first, "offset", constant(tie.ratio), On::Neither, plain);
         all
+    }
+
+    /// What a unit of an effect's amplitude does to the error at each of its places.
+    fn columns(&self, model: &Model, effect: &'static Effect) -> Vec<(String, Column)> {
+        let Self { tie, readings, .. } = self;
+        let channels = [tie.second, tie.first].map(|channel| model.channels[channel].name.clone());
+        match (effect.form, tie.kind) {
+            (Form::Gain, Kind::Load) => Vec::new(),
+            (Form::Gain, kind) => channels.into_iter().zip(self.gains(kind)).collect(),
+            (Form::Laws(laws), kind) if laws[0].acts == Acts::Reading => {
+                // One torque beside drag only has one sensor.
+                let [second, first] = self.offsets(kind, effect);
+                let sensors = channels.into_iter().zip([second, first]);
+                sensors.skip(usize::from(kind == Kind::Load)).collect()
+            }
+            (_, Kind::Speeds) => Vec::new(),
+            (Form::Laws(laws), _) => {
+                let on = if laws[0].sights.contains(&Sight::Torque) { On::First } else { On::Neither };
+                let column = |weight: f64| {
+                    let points = readings.first.iter().zip(&readings.speed);
+                    let each = points
+                        .map(|(torque, speed)| -weight * answer(effect, tie.ratio * torque, weight * speed));
+                    Column { x: each.collect(), on, value: |theta| theta }
+                };
+                self.weights(model, effect)
+                    .into_iter()
+                    .map(|(place, weight)| (place, column(weight)))
+                    .collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Places between the readings at which an effect of the plant may act, and their speed over that at the second reading.
+    fn weights(&self, model: &Model, effect: &Effect) -> Vec<(String, f64)> {
+        let tie = self.tie;
+        let bearings = tie.bearings.iter().map(|(own, weight)| (model.bearings[*own].name.clone(), *weight));
+        match effect.acts_at {
+            // Taken from what enters, on the slow side.
+            ActsAt::Gear => tie.gears.iter().map(|gear| (model.gears[*gear].name.clone(), 1.0)).collect(),
+            ActsAt::Bearing => bearings.collect(),
+            ActsAt::Node if tie.kind == Kind::Load => {
+                let massive = tie.nodes.iter().rfind(|(node, _)| model.nodes[*node].inertia.is_some());
+                massive.map(|(node, weight)| (model.nodes[*node].name.clone(), *weight)).into_iter().collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Gains of the second and the first sensor.
+    fn gains(&self, kind: Kind) -> [Column; 2] {
+        let Self { tie, readings, .. } = self;
+        let constant = |height: f64| vec![height; readings.first.len()];
+        if kind == Kind::Speeds {
+            return [-1.0, 1.0].map(|sign| Column { x: constant(sign), on: On::Neither, value: f64::exp });
+        }
+        let entering = readings.first.iter().map(|torque| tie.ratio * torque).collect();
+        [
+            Column { x: readings.second.clone(), on: On::Second, value: |theta| 1.0 / (1.0 + theta) },
+            Column { x: entering, on: On::First, value: |theta| 1.0 / (1.0 - theta) },
+        ]
+    }
+
+    /// What is added to the readings of the second and the first sensor.
+    fn offsets(&self, kind: Kind, effect: &Effect) -> [Column; 2] {
+        let Self { tie, readings, .. } = self;
+        let own = answer(effect, 0.0, 0.0);
+        let [second, first]: [Vec<f64>; 2] = match kind {
+            Kind::Speeds => [
+                readings.second.iter().map(|value| -own / value).collect(),
+                readings.first.iter().map(|value| own / value).collect(),
+            ],
+            _ => [vec![-own; readings.first.len()], vec![own * tie.ratio; readings.first.len()]],
+        };
+        [second, first].map(|x| Column { x, on: On::Neither, value: |theta| theta })
     }
 }
 
-/// Of a motion whose speed was not measured, forward.
-fn direction(speed: f64) -> f64 {
-    if speed < 0.0 { -1.0 } else { 1.0 }
+/// What a unit of an amplitude does to a tie's error at each point, which reading's uncertainty it multiplies, and the amplitude of a
+/// coefficient.
+struct Column {
+    x: Vec<f64>,
+    on: On,
+    value: fn(f64) -> f64,
 }
+
+/// What an effect of one law answers to a steady state with its amplitude at one. Of a motion whose speed was not measured it is taken to
+/// be forward, if the answer does not depend on how fast.
+fn answer(effect: &Effect, torque: f64, speed: f64) -> f64 {
+    let Form::Laws([law, ..]) = effect.form else { return f64::NAN };
+    let seen = |sight: &Sight, speed: f64| match sight {
+        Sight::Speed => speed,
+        Sight::Torque => torque,
+        _ => f64::NAN,
+    };
+    // Numerical widths of corners are no part of a steady state.
+    let widths = |own: &EffectParameter| own.default.map_or(1.0, |(rotation, _)| NARROW * rotation);
+    let parameters: Vec<f64> = effect.parameters.iter().map(widths).collect();
+    let at = |speed: f64| {
+        let sights: Vec<f64> = law.sights.iter().map(|sight| seen(sight, speed)).collect();
+        (law.answer)(&sights, &parameters).torque
+    };
+    if speed.is_nan() && law.sights.contains(&Sight::Speed) {
+        let [slow, fast] = [1.0, 1e3].map(at);
+        return if slow == fast { slow } else { f64::NAN };
+    }
+    at(speed)
+}
+
+/// Share of the usual width of a law's corner.
+const NARROW: f64 = 1e-6;

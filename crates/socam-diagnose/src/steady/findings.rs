@@ -1,6 +1,9 @@
 //! What a document says of a tie that breaks, and of one that holds.
 
-use socam_model::{Model, effects};
+use socam_model::{
+    Model,
+    effects::{CATALOGUE, Form, Steady},
+};
 
 use super::{
     Outcome,
@@ -65,15 +68,11 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
         proof.holdout_gain_percent = Some(100.0 * gain / (before - count).max(gain).max(1.0));
     }
     let parameters = vec![estimate(model, own, fitted)];
-    let effect = effects::find(own.effect);
     Finding {
-        effect: own.effect.into(),
+        effect: own.effect.id.into(),
         location: own.place.clone(),
-        sentence: format!(
-            "{}. {seen}",
-            effect.map_or(String::new(), |effect| words::sentence(effect, &own.place, &parameters))
-        ),
-        equation: effect.map_or("", |effect| effect.equation).into(),
+        sentence: format!("{}. {seen}", words::sentence(own.effect, &own.place, &parameters)),
+        equation: own.effect.equation.into(),
         parameters,
         components: Vec::new(),
         curve: None,
@@ -94,8 +93,7 @@ fn estimate(model: &Model, own: &Explanation, fitted: &Fitted) -> EffectParamete
 }
 
 fn unit(model: &Model, own: &Explanation) -> String {
-    let parameter =
-        effects::find(own.effect).and_then(|e| e.parameters.iter().find(|p| p.name == own.parameter));
+    let parameter = own.effect.parameters.iter().find(|known| known.name == own.parameter);
     parameter.map_or("", |p| model.unit_at(p.kind, &own.place)).into()
 }
 
@@ -122,16 +120,16 @@ fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
 }
 
 fn without_a_name(model: &Model, outcome: &Outcome<'_>) -> String {
-    let chance = |effect: &str| {
-        let own = outcome.ranked.iter().filter(|(own, _)| own.effect == effect);
+    let chance = |is_it: fn(&Form) -> bool| {
+        let own = outcome.ranked.iter().filter(|(own, _)| is_it(&own.effect.form));
         own.map(|(_, fitted)| fitted.p_value).fold(0.0, f64::max)
     };
     match outcome.tie.kind {
         Kind::Speeds => format!(
             "they scatter beyond any one gain (chance {:.0e}) and any one offset (chance {:.0e}) of either sensor, so neither corrects \
              them, and whatever is worked out from both is uncertain by as much",
-            chance("sensor_gain"),
-            chance("sensor_offset")
+            chance(|form| matches!(form, Form::Gain)),
+            chance(|form| !matches!(form, Form::Gain))
         ),
         Kind::Torques => "no loss, drag, gain or offset of the catalogue takes as much at every point".into(),
         Kind::Load => {
@@ -184,7 +182,7 @@ fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> 
     let best = outcome.ranked[0].1.chi2;
     let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.good]
         .iter()
-        .map(|(own, fitted)| (own.effect.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
+        .map(|(own, fitted)| (own.effect.id.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
         .collect();
     if outcome.tie.kind == Kind::Speeds {
         all.extend(slip(model, outcome, points));
@@ -206,7 +204,8 @@ fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Op
     let [least, most] = range(&read).unwrap_or([1.0, 1.0]);
     let changes = (most - least).abs() > 0.05 * most.abs().max(least.abs());
     // As Akaike counts: a slip of its own at every point, against one gain.
-    (!changes).then(|| ("coupling_slip".into(), spring, (-(outcome.case.error.len() as f64 - 1.0)).exp()))
+    let slips = CATALOGUE.iter().find(|effect| effect.steady == Steady::Slips).filter(|_| !changes)?;
+    Some((slips.id.into(), spring, (-(outcome.case.error.len() as f64 - 1.0)).exp()))
 }
 
 pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) {
@@ -277,7 +276,7 @@ pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<Paramet
 
 pub(super) fn unseen(model: &Model, outcome: &Outcome<'_>) -> Vec<NotFound> {
     let each = outcome.ranked.iter().map(|(own, fitted)| NotFound {
-        effect: own.effect.into(),
+        effect: own.effect.id.into(),
         location: own.place.clone(),
         parameter: own.parameter.into(),
         smallest_detectable: Some(SEEN.sqrt() * own.resolution(fitted)).filter(|size| size.is_finite()),

@@ -141,7 +141,7 @@ pub fn diagnose_steady(
         findings.push(finding(model, outcome, &points));
         if let Some((named, fitted)) = outcome.named() {
             let (value, _) = named.estimate(fitted);
-            corrected = corrected.with_effect(named.effect, &named.place, &[(named.parameter, value)])?;
+            corrected = corrected.with_effect(named.effect.id, &named.place, &[(named.parameter, value)])?;
         }
     }
     findings

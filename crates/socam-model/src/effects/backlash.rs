@@ -1,19 +1,22 @@
 //! Play in a gear.
 
 use super::{
-    Acts, ActsAt, Borrowed, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape,
+    Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+    POSITIVE, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
 };
-use crate::model::{CONTACT_DAMPING, MESH_DAMPING, MESH_STIFFNESS};
+use crate::model::CONTACT_DAMPING;
 
 /// The mesh's contact carries nothing within the gap: beside a stiff spring and damper at the mesh acts what takes their torque
-/// back there. Corners are rounded over what the spring gives under 0.01 N m. The contact's damping says how a knock rebounds: hardly
-/// at all at its usual value, the more the less it is.
+/// back there. The contact's damping says how a knock rebounds: hardly at all at its usual value, the more the less it is.
 pub(super) const EFFECT: Effect = Effect {
     id: "backlash",
+    name: "backlash",
     acts_at: ActsAt::Gear,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("gap", Kind::Angle, POSITIVE),
-        EffectParameter::usual(CONTACT_DAMPING, Kind::Damping, (MESH_DAMPING, MESH_DAMPING)),
+        // Where a file gives none, the contact's: it goes with its stiffness.
+        EffectParameter::usual(CONTACT_DAMPING, Kind::Damping, (0.0, 0.0)),
     ],
     borrows: Some(Borrowed::Contact),
     form: Form::Laws(&[Law {
@@ -23,12 +26,33 @@ pub(super) const EFFECT: Effect = Effect {
         bend: |parameters| 0.5 * parameters[0],
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["gap"]),
+    linearisation: Linearisation::NearNull,
+    starts: |_, _| all_zero(["gap"]),
+    fit_starts: begin_with_little,
+    priors: |rig, _| {
+        let (usual, most) = if rig.rotational { (3e-3, 0.5) } else { (1e-4, 0.05) };
+        let source = "catalogues of gearboxes and screws: 1 to 60 arcmin, 0.01 to 0.5 mm; worn ones have ten times as much";
+        vec![("gap", Prior::log_normal([usual, 5.0], (0.0, most), source))]
+    },
+    discrepancy: &[Discrepancy {
+        upper_factor: REBOUND,
+        source: "assumed: teeth that rebound knock like some with less play",
+        ..Discrepancy::amplitude("gap")
+    }],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "no torque while |play| < gap/2",
-    sentence: "The mesh has play: when the torque changes sign, the output is let go for a moment and then knocks.",
+    sentence: |_| "The mesh has play: when the torque changes sign, the output is let go for a moment and then knocks.",
+    shows: "where the transmitted torque changes its sign",
+    experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Of the rounded corners, rad.
-const ROUNDING: f64 = 0.01 / MESH_STIFFNESS;
+/// Where knocks leave more than noise, the gap may be so many times as wide.
+const REBOUND: f64 = 2.5;
+/// Of the rounded corners, rad (m): a thousandth of the least play that any sensor shows.
+const ROUNDING: f64 = 1e-8;
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {
     let (rate, stiffness, damping) = (sights[1], p[2], p[3]);

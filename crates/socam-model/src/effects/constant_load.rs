@@ -1,11 +1,16 @@
 //! A torque from outside that never changes: weight, belt pull, the offset of a drive.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, Places, Prior, Steady, all_zero, begin_with_little, experiment, shape,
+};
 
 /// T = -torque: positive values load the node against positive motion.
 pub(super) const EFFECT: Effect = Effect {
     id: "constant_load",
+    name: "constant load",
     acts_at: ActsAt::Node,
+    places: Places::Load,
     parameters: &[EffectParameter::new("torque", Kind::Torque, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -15,6 +20,25 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["torque"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        vec![(
+            "torque",
+            Prior::within(rig.node(place).torque, "a constant pull is below the torque that moves the axis"),
+        )]
+    },
+    discrepancy: &[Discrepancy::amplitude("torque")],
+    replaces: &[],
+    equivalents: &[
+        Equivalent { effect: "coulomb_friction", holds: Condition::OneDirection },
+        Equivalent { effect: "direction_dependence", holds: Condition::OneDirection },
+    ],
+    steady: Steady::Linear,
     equation: "T = -T_0",
-    sentence: "A constant pull acts on the load: its weight, a belt, or an offset of the drive.",
+    sentence: |_| "A constant pull acts on the load: its weight, a belt, or an offset of the drive.",
+    shows: "everywhere",
+    experiment: experiment::THROUGH_STANDSTILL,
 };

@@ -1,6 +1,10 @@
 //! Dry friction of constant size that opposes the motion.
 
-use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
+    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment,
+    shape,
+};
 
 /// T = -torque tanh(speed / transition_speed).
 ///
@@ -9,10 +13,12 @@ use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Re
 /// law creeps where a real contact sticks.
 pub(super) const EFFECT: Effect = Effect {
     id: "coulomb_friction",
+    name: "Coulomb friction",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::usual("transition_speed", Kind::Speed, (0.05, 2e-3)),
+        EffectParameter::usual("transition_speed", Kind::Speed, TRANSITION_SPEED),
     ],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -22,9 +28,26 @@ pub(super) const EFFECT: Effect = Effect {
         bend: |parameters| parameters[1],
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["torque"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| vec![("torque", Prior::below(rig.bearing(place).1.torque, FRICTION))],
+    discrepancy: &[Discrepancy::amplitude("torque")],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "constant_load", holds: Condition::OneDirection }],
+    steady: Steady::Linear,
     equation: "T = -T_c sign(w)",
-    sentence: "Something rubs with a drag that does not grow with speed: a seal, a brake or a preloaded bearing.",
+    sentence: |_| "Something rubs with a drag that does not grow with speed: a seal, a brake or a preloaded bearing.",
+    shows: "where the motion changes its direction",
+    experiment: experiment::THROUGH_STANDSTILL,
 };
+
+/// Source of its prior, for other laws of friction too.
+pub(super) const FRICTION: &str =
+    "friction is below the torque that moves the axis; bearings and seals take about a tenth of it";
+/// Speed within which friction turns its direction unless a file says otherwise, rad/s and m/s: small against the speeds of a recording.
+pub const TRANSITION_SPEED: (f64, f64) = (0.05, 2e-3);
 
 fn answer(sights: &[f64], parameters: &[f64]) -> Response {
     let (sign, bend, by_width) = shape::sign(sights[0], parameters[1]);

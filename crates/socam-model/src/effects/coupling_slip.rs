@@ -1,14 +1,18 @@
 //! A coupling that slips above a torque.
 
 use super::{
-    Acts, ActsAt, Borrowed, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape,
+    Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
+    Equivalent, Form, Kind, Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady,
+    begin_with_little, experiment, shape,
 };
 
 /// The spring winds up only as far as its torque stays below `torque`: what twists it further slips. T = k (d - s), and
 /// s' = v where k (d - s) pulls with the whole torque in the direction of v, else 0, the corner rounded by a power.
 pub(super) const EFFECT: Effect = Effect {
     id: "coupling_slip",
+    name: "coupling slip",
     acts_at: ActsAt::Spring,
+    places: Places::Every,
     parameters: &[EffectParameter::new("torque", Kind::Torque, POSITIVE)],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[
@@ -27,8 +31,30 @@ pub(super) const EFFECT: Effect = Effect {
             silent: shape::never,
         },
     ]),
+    amplitude: Amplitude { parameters: &["torque"], null: f64::INFINITY, coordinate: Coordinate::Value },
+    linearisation: Linearisation::NonNull,
+    starts: |rig, place| {
+        let torque = rig.spring(place).torque;
+        [0.9, 0.7].map(|share| vec![("torque", share * torque)]).to_vec()
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let torque = rig.spring(place).torque;
+        let source = "a coupling that slips is seen only below the largest torque through it; one that slips at a tenth drives nothing";
+        vec![("torque", Prior::log_normal([0.6 * torque, 2.0], (0.02 * torque, 1.1 * torque), source))]
+    },
+    discrepancy: &[Discrepancy::share(
+        "torque",
+        2e-2,
+        "assumed: a coupling slides by another law than a smoothed step",
+    )],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InARow }],
+    steady: Steady::Slips,
     equation: "|T| <= T_slip",
-    sentence: "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",
+    sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",
+    shows: "large torques",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 /// Half of the power to which the torque's share of its limit is raised.

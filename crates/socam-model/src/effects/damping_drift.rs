@@ -1,11 +1,16 @@
 //! A bearing's viscous damping that changes while it runs.
 
-use super::{ANY, Acts, ActsAt, Borrowed, Effect, EffectParameter, Form, Kind, Law, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
+    Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+};
 
 /// T = -damping rate time speed, beside the bearing's own -damping speed.
 pub(super) const EFFECT: Effect = Effect {
     id: "damping_drift",
+    name: "damping drift",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[EffectParameter::new("rate", Kind::Rate, ANY)],
     borrows: Some(Borrowed::Damping),
     form: Form::Laws(&[Law {
@@ -15,8 +20,34 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["rate"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["rate"]),
+    fit_starts: begin_with_little,
+    priors: |rig, _| {
+        let per_recording = 1.0 / rig.longest_s;
+        let source = "grease that warms up changes its damping by some tens of per cent within a recording, and never below zero";
+        vec![(
+            "rate",
+            Prior::normal([0.0, 0.5 * per_recording], (-per_recording, 5.0 * per_recording), source),
+        )]
+    },
+    discrepancy: &[Discrepancy::amplitude("rate")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "c = c_0 (1 + r t)",
-    sentence: "The drag changes while the bench runs: grease that warms up, or a brake that fades.",
+    sentence: |fitted| {
+        if fitted.get("rate") < 0.0 {
+            "The drag falls while the bench runs: grease that warms up, or a seal that runs in."
+        } else if fitted.get("rate") > 0.0 {
+            "The drag rises while the bench runs: a bearing that heats up and tightens, or a brake that drags more and more."
+        } else {
+            "The drag changes while the bench runs: grease that warms up, or a brake that fades."
+        }
+    },
+    shows: "late in a recording, against its beginning",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

@@ -1,6 +1,10 @@
 //! A bearing that drags differently forward and backward.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment,
+    shape,
+};
 
 /// T = -(torque_difference tanh²(speed / transition_speed) + damping_difference |speed|) / 2: differences are forward minus
 /// backward, and the mean of both directions is left to friction and damping.
@@ -8,7 +12,9 @@ use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, Respons
 /// While a shaft turns, a torque difference is a constant torque: only at standstill does it differ from one.
 pub(super) const EFFECT: Effect = Effect {
     id: "direction_dependence",
+    name: "direction dependence",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque_difference", Kind::Torque, ANY),
         EffectParameter::new("damping_difference", Kind::Damping, ANY),
@@ -22,8 +28,39 @@ pub(super) const EFFECT: Effect = Effect {
         bend: |parameters| parameters[2],
         silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque_difference", "damping_difference"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["torque_difference", "damping_difference"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let (bearing, node) = rig.bearing(place);
+        let damping = bearing.damping + node.torque / node.speed;
+        vec![
+            (
+                "torque_difference",
+                Prior::within(
+                    2.0 * node.torque,
+                    "friction of either direction is below the torque that moves the axis",
+                ),
+            ),
+            (
+                "damping_difference",
+                Prior::within(
+                    2.0 * damping,
+                    "neither direction may drive: half of the difference is below the bearing's own damping and what friction adds at the \
+                     largest speed",
+                ),
+            ),
+        ]
+    },
+    discrepancy: &[Discrepancy::amplitude("torque_difference"), Discrepancy::amplitude("damping_difference")],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "constant_load", holds: Condition::OneDirection }],
+    steady: Steady::Unseen,
     equation: "T = -(dT + dc |w|)/2, forward and backward",
-    sentence: "It drags more one way than the other: a seal lip, a worm, a preloaded screw.",
+    sentence: |_| "It drags more one way than the other: a seal lip, a worm, a preloaded screw.",
+    shows: "where the motion changes its direction",
+    experiment: experiment::THROUGH_STANDSTILL,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

@@ -1,11 +1,16 @@
 //! A torque from outside that swings at a frequency of its own.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+    POSITIVE, Places, Prior, Sight, Steady, begin_with_little, experiment, shape, wave,
+};
 
 /// T = torque sin(2 pi frequency time + phase), time counted from where the recording began.
 pub(super) const EFFECT: Effect = Effect {
     id: "external_disturbance",
+    name: "external disturbance",
     acts_at: ActsAt::Node,
+    places: Places::Load,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("frequency", Kind::Frequency, POSITIVE),
@@ -21,6 +26,32 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, _| rig.lines_hz.iter().map(|hz| wave("frequency", *hz, "torque")).collect(),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        vec![
+            (
+                "torque",
+                Prior::below(rig.node(place).torque, "a shaker beside the bench is weaker than its drive"),
+            ),
+            (
+                "frequency",
+                Prior::flat(
+                    rig.wave_hz(),
+                    "a wave is one only after five periods, and below half the sampling rate",
+                ),
+            ),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::frequency("frequency")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "T = T_0 sin(2 pi f t + phi)",
-    sentence: "Something shakes the load at a frequency of its own: a machine next to the bench, a pulsating pump.",
+    sentence: |_| "Something shakes the load at a frequency of its own: a machine next to the bench, a pulsating pump.",
+    shows: "one frequency, whatever the motion",
+    experiment: experiment::LARGE_TORQUE,
 };

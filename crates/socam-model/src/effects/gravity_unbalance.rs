@@ -1,11 +1,17 @@
 //! A load whose centre of mass is off its axis.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    shape,
+};
 
 /// T = -torque sin(angle + phase), the angle counted from where the recording began.
 pub(super) const EFFECT: Effect = Effect {
     id: "gravity_unbalance",
+    name: "gravity unbalance",
     acts_at: ActsAt::Node,
+    places: Places::Load,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("phase", Kind::Phase, ANY),
@@ -18,8 +24,29 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| vec![vec![("torque", 0.0), ("phase", 0.0)]],
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let torque = rig.node(place).torque;
+        let source = "gravity that the axis lifts is below the torque that moves it";
+        vec![
+            ("torque", Prior::log_normal([0.2 * torque, 4.0], (0.0, torque), source)),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::phase_of_turn("phase")],
+    replaces: &[],
+    equivalents: &[Equivalent {
+        effect: "torque_ripple",
+        holds: Condition::Stated("of order one on a shaft that is rigid below the frequencies recorded"),
+    }],
+    steady: Steady::Unseen,
     equation: "T = -m g e sin(theta + phi)",
-    sentence: "The load is heavier on one side: gravity pulls it back and forth once per turn.",
+    sentence: |_| "The load is heavier on one side: gravity pulls it back and forth once per turn.",
+    shows: "a fixed number of times per turn",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

@@ -1,15 +1,22 @@
 //! Friction inside a coupling: it follows another way back than it went.
 
 use super::{
-    Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, presliding, shape,
+    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
+    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    presliding, shape,
 };
+
+/// Least deflection at yield, rad (m).
+const LEAST_TWIST: f64 = 1e-6;
 
 /// A spring that yields, beside the elastic one: T = torque z / deflection, z' = v - |v| z / deflection (Dahl 1968; Bouc and
 /// Wen with exponent one). `torque` is what it carries at most, `deflection` the twist that takes it to 63 % of that.
 /// Where the twist's rate is below `transition_speed`, the modulus is rounded, such that nothing creeps at rest.
 pub(super) const EFFECT: Effect = Effect {
     id: "hysteresis",
+    name: "hysteresis",
     acts_at: ActsAt::Spring,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("deflection", Kind::Angle, POSITIVE),
@@ -32,8 +39,45 @@ pub(super) const EFFECT: Effect = Effect {
             silent: |parameters| parameters[0] == 0.0,
         },
     ]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, place| {
+        let spring = rig.spring(place);
+        // By the model file's stiffness: of two springs in a row a fit may make anything.
+        let twist = if spring.stiffness > 0.0 { spring.torque / spring.stiffness } else { 0.0 };
+        vec![vec![("torque", 0.0), ("deflection", (0.3 * twist).max(LEAST_TWIST))]]
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let spring = rig.spring(place);
+        let twist = spring.torque / spring.stiffness;
+        let source = "a loop is seen only where it closes within the twist seen: yield at a hundredth to three times of it";
+        vec![
+            (
+                "torque",
+                Prior::below(
+                    spring.torque,
+                    "what rubs within a coupling carries less than the torque through it",
+                ),
+            ),
+            ("deflection", Prior::log_normal([0.3 * twist, 4.0], (1e-3 * twist, 3.0 * twist), source)),
+        ]
+    },
+    discrepancy: &[
+        Discrepancy::amplitude("torque"),
+        Discrepancy::share(
+            "deflection",
+            1.0,
+            "what yields does so by one law or another: the deflection at yield is known to a factor of two",
+        ),
+    ],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InARowOfFreeStiffness }],
+    steady: Steady::Unseen,
     equation: "T = T_y z/d_y, z' = v - |v| z/d_y",
-    sentence: "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",
+    sentence: |_| "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",
+    shows: "where torque is transmitted, in proportion to it",
+    experiment: experiment::THROUGH_STANDSTILL,
 };
 
 fn creep(sights: &[f64], p: &[f64]) -> Response {

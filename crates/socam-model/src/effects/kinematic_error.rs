@@ -1,18 +1,24 @@
 //! A reduction that does not roll true.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
+    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment, shape,
+    wave,
+};
 
 /// The slow side is ahead by amplitude sin(order angle of the fast side + phase): a torque on a stiff spring at the mesh
 /// that it takes to twist it by so much.
 pub(super) const EFFECT: Effect = Effect {
     id: "kinematic_error",
+    name: "kinematic error",
     acts_at: ActsAt::Gear,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("order", Kind::Ratio, POSITIVE),
         EffectParameter::new("amplitude", Kind::Angle, POSITIVE),
         EffectParameter::new("phase", Kind::Phase, ANY),
     ],
-    borrows: Some(super::Borrowed::Stiffness),
+    borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {
         sights: &[Sight::Angle],
         acts: Acts::Torque,
@@ -20,8 +26,45 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[1] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["amplitude"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, place| {
+        let ratio = rig.gear(place).0.ratio;
+        let mut orders: Vec<f64> = (1..=4).map(f64::from).flat_map(|times| [times, times / ratio]).collect();
+        orders.sort_by(f64::total_cmp);
+        orders.dedup();
+        orders.into_iter().map(|order| wave("order", order, "amplitude")).collect()
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let usual = if rig.rotational { 1e-3 } else { 1e-5 };
+        let orders =
+            "what does not run true comes back with every turn of either shaft, or several times in one";
+        vec![
+            ("order", Prior::whole_numbers(vec![1.0, 1.0 / rig.gear(place).0.ratio], 2e-3, 200.0, orders)),
+            (
+                "amplitude",
+                Prior::log_normal(
+                    [usual, 5.0],
+                    (0.0, 0.1),
+                    "transmission errors of gears: 0.2 to 20 arcmin; of screws, 2 to 50 um",
+                ),
+            ),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[
+        Discrepancy::amplitude("amplitude"),
+        Discrepancy::order("order"),
+        Discrepancy::phase_of_turn("phase"),
+    ],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "theta_out = theta_in / N + A sin(n theta_in + phi)",
-    sentence: "The reduction does not roll true: an eccentric cam, an indexing error of the rollers, once or more per turn.",
+    sentence: |_| "The reduction does not roll true: an eccentric cam, an indexing error of the rollers, once or more per turn.",
+    shows: "a fixed number of times per turn",
+    experiment: experiment::FAST_MOTION,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

@@ -1,8 +1,9 @@
 //! The catalogue of physics that a plain spring-damper network leaves out, one file each.
 //!
 //! An effect changes the drivetrain's structure ([`Form::Inertia`] and the like) or is made of force laws ([`Form::Laws`]):
-//! static functions of what they see of the motion, with exact slopes. Adding one is adding its file and its line in
-//! [`CATALOGUE`]; simulator, predictors, model files and diagnosis take it from there.
+//! static functions of what they see of the motion, with exact slopes. Its file says all that is known of it: law, amplitude,
+//! places, starts, priors, how nearly it is obeyed, what it is mistaken for, and its words. Adding one is adding its file and
+//! its line in [`CATALOGUE`]; simulator, predictors, model files and diagnosis take it from there, and name no effect.
 
 mod backlash;
 mod constant_load;
@@ -10,15 +11,22 @@ mod coulomb_friction;
 mod coupling_slip;
 mod damping_drift;
 mod direction_dependence;
+pub mod discrepancy;
+pub mod experiment;
 mod external_disturbance;
 mod gravity_unbalance;
 mod hysteresis;
+mod kinds;
 mod kinematic_error;
+mod law;
 mod mesh_loss;
 mod missing_compliance;
 mod missing_inertia;
+mod places;
 mod presliding;
+mod prior;
 mod quadratic_drag;
+mod rig;
 pub(crate) mod sensor_delay;
 mod sensor_gain;
 mod sensor_hum;
@@ -31,12 +39,17 @@ mod stiffness_hardening;
 mod stribeck_friction;
 mod torque_ripple;
 
-use crate::units::Dimension;
+use discrepancy::Discrepancy;
+use experiment::Experiment;
+use kinds::{ANY, POSITIVE};
 
-/// Most parameters that a law has.
-pub const MAX_PARAMETERS: usize = 6;
-/// Most quantities that one sees.
-pub const MAX_SIGHTS: usize = 3;
+pub use coulomb_friction::TRANSITION_SPEED;
+pub use kinds::{EffectParameter, Kind};
+pub use law::{Acts, Borrowed, Form, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight};
+pub use places::{Places, is_part};
+pub use prior::{Prior, Shape};
+pub(crate) use rig::rigid_stiffness;
+pub use rig::{Rig, RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring, Values};
 
 /// Every effect, in the order of the documentation.
 pub const CATALOGUE: &[&Effect] = &[
@@ -124,189 +137,100 @@ impl ActsAt {
     }
 }
 
-/// One parameter of an effect.
-#[derive(Debug, Clone, Copy)]
-pub struct EffectParameter {
-    /// Name, as in a model file and on the command line.
-    pub name: &'static str,
-    /// Kind of quantity, which says the unit for either kind of motion.
-    pub kind: Kind,
-    /// Used where the model file gives none (rotational, translational); `None` where it must be given.
-    pub default: Option<(f64, f64)>,
-    /// Least and greatest value that makes sense.
-    pub bounds: (f64, f64),
-}
-
-impl EffectParameter {
-    /// One that must be given.
-    const fn new(name: &'static str, kind: Kind, bounds: (f64, f64)) -> Self {
-        Self { name, kind, default: None, bounds }
-    }
-
-    /// One that is not estimated unless asked for.
-    const fn usual(name: &'static str, kind: Kind, default: (f64, f64)) -> Self {
-        Self { name, kind, default: Some(default), bounds: (0.0, f64::INFINITY) }
-    }
-}
-
-/// Bounds of what can have either sign.
-const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-/// Bounds of what cannot be negative.
-const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
-
-/// Kinds of quantity that parameters have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// N m (N).
-    Torque,
-    /// rad/s (m/s).
-    Speed,
-    /// rad (m).
-    Angle,
-    /// kg m² (kg).
-    Inertia,
-    /// N m/rad (N/m).
-    Stiffness,
-    /// N m s/rad (N s/m).
-    Damping,
-    /// N m s²/rad² (N s²/m²).
-    Drag,
-    /// 1/rad² (1/m²).
-    PerAngleSquared,
-    /// A phase, rad.
-    Phase,
-    /// Hz.
-    Frequency,
-    /// s.
-    Time,
-    /// 1/s.
-    Rate,
-    /// A pure number.
-    Ratio,
-    /// Anything: the gains of a controller carry the units of their signals, an offset that of its channel.
-    Gain,
-}
-
-impl Kind {
-    /// SI unit for a rotational or a translational model.
-    pub fn unit(self, rotational: bool) -> &'static str {
-        match (self, rotational) {
-            (Self::Torque, true) => "N m",
-            (Self::Torque, false) => "N",
-            (Self::Speed, true) => "rad/s",
-            (Self::Speed, false) => "m/s",
-            (Self::Angle, true) | (Self::Phase, _) => "rad",
-            (Self::Angle, false) => "m",
-            (Self::Inertia, true) => "kg m2",
-            (Self::Inertia, false) => "kg",
-            (Self::Stiffness, true) => "N m/rad",
-            (Self::Stiffness, false) => "N/m",
-            (Self::Damping, true) => "N m s/rad",
-            (Self::Damping, false) => "N s/m",
-            (Self::Drag, true) => "N m s2/rad2",
-            (Self::Drag, false) => "N s2/m2",
-            (Self::PerAngleSquared, true) => "1/rad2",
-            (Self::PerAngleSquared, false) => "1/m2",
-            (Self::Frequency, _) => "Hz",
-            (Self::Time, _) => "s",
-            (Self::Rate, _) => "1/s",
-            (Self::Ratio, _) => "1",
-            (Self::Gain, _) => "",
-        }
-    }
-
-    /// Dimension to check a unit against; `None` accepts any.
-    pub(crate) fn dimension(self, rotational: bool) -> Option<Dimension> {
-        crate::units::parse(self.unit(rotational)).map(|unit| unit.dimension)
-    }
-}
-
-/// What a law sees of the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
-    /// Speed of its node, rad/s; of a gear: of its slow side.
-    Speed,
-    /// Twist of its spring, rad: from less to.
-    Twist,
-    /// Rate of that, rad/s.
-    TwistRate,
-    /// Torque through its spring, its damper included, N m.
-    Torque,
-    /// Angle through which its node has turned since the recording began, rad; of a gear: its fast side.
-    Angle,
-    /// Time since the recording began, s.
-    Time,
-    /// What its channel would read were its sensor true.
-    Reading,
-    /// The state of its own: see [`Acts::State`].
-    State,
-}
-
-/// What a law's answer does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Acts {
-    /// A torque on its node, or, at a spring or in a gear's mesh, one that pulls its ends together.
-    Torque,
-    /// A torque on the slow side of its gear.
-    Drag,
-    /// The rate at which a state of its own changes.
-    State,
-    /// Is added to what a sensor reads: of an input, the truth is so much less.
-    Reading,
-}
-
-/// What a law answers, and its slopes.
+/// Parameters that measure how strong an effect is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
-    /// Torque, N m (N), or whatever else it is that the law answers.
-    pub torque: f64,
-    /// By each sight.
-    pub slopes: [f64; MAX_SIGHTS],
-    /// By each parameter, in the order of [`Effect::parameters`], borrowed ones last.
-    pub slope_parameters: [f64; MAX_PARAMETERS],
+pub struct Amplitude {
+    /// Their names. The model is linear in them near the null value.
+    pub parameters: &'static [&'static str],
+    /// Their value where the effect does nothing.
+    pub null: f64,
+    /// What of them the model is linear in.
+    pub coordinate: Coordinate,
 }
 
-/// A force law.
-#[derive(Debug, Clone, Copy)]
-pub struct Law {
-    /// What it sees.
-    pub sights: &'static [Sight],
-    /// What its answer does.
-    pub acts: Acts,
-    /// The answer to sights and parameters.
-    pub answer: fn(sights: &[f64], parameters: &[f64]) -> Response,
-    /// Range of its first sight in which it bends (0: it bends nowhere sharply). Fast predictors take shorter steps there.
-    pub bend: fn(parameters: &[f64]) -> f64,
-    /// Whether it answers nothing, whatever it sees. Fast predictors then only listen to what it would answer.
-    pub silent: fn(parameters: &[f64]) -> bool,
+impl Amplitude {
+    /// Parameters that are zero where there is no effect.
+    const fn of(parameters: &'static [&'static str]) -> Self {
+        Self { parameters, null: 0.0, coordinate: Coordinate::Value }
+    }
 }
 
-/// How an effect enters the equations of motion.
-#[derive(Debug, Clone, Copy)]
-pub enum Form {
-    /// By laws.
-    Laws(&'static [Law]),
-    /// Adds its first parameter to the inertia of its node.
-    Inertia,
-    /// Puts a spring and damper of its two parameters in the place of a rigid shaft.
-    Compliance,
-    /// What its channel reads is its first parameter times the truth.
-    Gain,
-    /// What its channel reads follows the truth with a first-order lag of its first parameter.
-    Lag,
-    /// What its channel reads is the truth of its first parameter ago.
-    Delay,
-}
-
-/// A parameter of the place that a law sees beside its own.
+/// The coordinate in which a model is linear in an amplitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Borrowed {
-    /// Stiffness of its spring.
-    Stiffness,
-    /// Stiffness, then damping, of the spring that stands in for its mesh.
-    Contact,
-    /// Viscous damping of its bearing.
-    Damping,
+pub enum Coordinate {
+    /// The value itself.
+    Value,
+    /// Its inverse: a stiffness acts by its compliance.
+    Inverse,
+}
+
+/// How far the sensitivities at a start predict what an effect does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Linearisation {
+    /// At the null value, for any amplitude.
+    Null,
+    /// At the null value, for small amplitudes only: such an effect is fitted whatever the prediction says.
+    NearNull,
+    /// Starts are of some amplitude already, and sensitivities hold there.
+    NonNull,
+    /// Not at all: sensitivities cannot predict the amplitude, and a fit is begun from several starts with all parameters free.
+    Restarts,
+}
+
+/// What a steady state shows of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steady {
+    /// Nothing, or nothing that one number measures.
+    Unseen,
+    /// Its first amplitude, in which all readings are linear.
+    Linear,
+    /// Two ends of its place turn at different speeds.
+    Slips,
+}
+
+/// Fitted values of an effect's parameters, for its sentence and for laws that continue from there.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes<'v>(pub &'v [(&'v str, f64)]);
+
+impl Sizes<'_> {
+    /// A value, SI; NaN where it is not determined, so that no comparison with it holds.
+    #[must_use]
+    pub fn get(&self, name: &str) -> f64 {
+        self.0.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)
+    }
+}
+
+/// A simpler law in whose place this one may be put once that is fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct Replaces {
+    /// Id of the simpler law.
+    pub law: &'static str,
+    /// Starts from the simpler law's fitted values: those of this law's parameters that are not carried over as they are.
+    pub starts: fn(&Rig, &Sizes<'_>) -> Vec<Values>,
+}
+
+/// An effect that recordings do not tell from this one under some condition.
+#[derive(Debug, Clone, Copy)]
+pub struct Equivalent {
+    /// Its id.
+    pub effect: &'static str,
+    /// When.
+    pub holds: Condition,
+}
+
+/// A condition for [`Equivalent`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Condition {
+    /// At the other of two springs in a row with nothing measured between them.
+    InARow,
+    /// Likewise, if the stiffness of either is free and could be the other's.
+    InARowOfFreeStiffness,
+    /// At the same channel, while the amplitude is below this share of the sample time.
+    ShorterThanSamples(f64),
+    /// While the place always turns the same way.
+    OneDirection,
+    /// Anything else, as a clause.
+    Stated(&'static str),
 }
 
 /// One effect of the catalogue.
@@ -314,21 +238,82 @@ pub enum Borrowed {
 pub struct Effect {
     /// Stable id, as in reports and model files.
     pub id: &'static str,
+    /// What it is called within a sentence.
+    pub name: &'static str,
     /// Where it may sit.
     pub acts_at: ActsAt,
+    /// At which of these places a diagnosis looks for it.
+    pub places: Places,
     /// Its parameters.
     pub parameters: &'static [EffectParameter],
     /// Of its place; laws see it after their own parameters.
     pub borrows: Option<Borrowed>,
     /// How it acts.
     pub form: Form,
+    /// How strong it is.
+    pub amplitude: Amplitude,
+    /// How far sensitivities predict what it does.
+    pub linearisation: Linearisation,
+    /// Points from which to look at a place: amplitude at its null value unless [`Linearisation::NonNull`], the other parameters that a
+    /// file must give on a grid of what the rig could show.
+    pub starts: fn(&Rig, &str) -> Vec<Values>,
+    /// Points from which a fit is begun, from the one with a little of the predicted amplitude and the one with all of it.
+    pub fit_starts: fn(&Rig, &str, &Values, &Values) -> Vec<Values>,
+    /// Priors of the parameters that a file must give.
+    pub priors: fn(&Rig, &str) -> Vec<(&'static str, Prior)>,
+    /// How nearly its law is obeyed.
+    pub discrepancy: &'static [Discrepancy],
+    /// Simpler laws that it may take the place of.
+    pub replaces: &'static [Replaces],
+    /// What it is mistaken for.
+    pub equivalents: &'static [Equivalent],
+    /// What of it steady states show.
+    pub steady: Steady,
     /// The law, for people.
     pub equation: &'static str,
-    /// One sentence for a mechanic.
-    pub sentence: &'static str,
+    /// One sentence for a mechanic that is true of the fitted values.
+    pub sentence: fn(&Sizes<'_>) -> &'static str,
+    /// Where in a recording it shows.
+    pub shows: &'static str,
+    /// What to record so that it shows.
+    pub experiment: Experiment,
 }
 
 impl Effect {
+    /// A law that stands in no catalogue: nothing is known of it but what it does.
+    #[must_use]
+    pub const fn bare(
+        id: &'static str,
+        acts_at: ActsAt,
+        parameters: &'static [EffectParameter],
+        borrows: Option<Borrowed>,
+        form: Form,
+        equation: &'static str,
+    ) -> Self {
+        Self {
+            id,
+            name: id,
+            acts_at,
+            places: Places::Every,
+            parameters,
+            borrows,
+            form,
+            amplitude: Amplitude::of(&[]),
+            linearisation: Linearisation::Null,
+            starts: |_, _| Vec::new(),
+            fit_starts: begin_with_little,
+            priors: |_, _| Vec::new(),
+            discrepancy: &[],
+            replaces: &[],
+            equivalents: &[],
+            steady: Steady::Unseen,
+            equation,
+            sentence: |_| "",
+            shows: "everywhere",
+            experiment: experiment::LARGE_TORQUE,
+        }
+    }
+
     /// Its force laws.
     pub fn laws(&self) -> &'static [Law] {
         match self.form {
@@ -337,10 +322,96 @@ impl Effect {
         }
     }
 
+    /// Parameters that a file must give.
+    pub fn given(&self) -> impl Iterator<Item = &'static EffectParameter> {
+        self.parameters.iter().filter(|own| own.default.is_none())
+    }
+
+    /// Whether it is a wave of unknown phase: its amplitude is that of two waves, a quarter of a period apart.
+    #[must_use]
+    pub fn is_wave(&self) -> bool {
+        self.parameters.iter().any(|own| own.kind == Kind::Phase)
+    }
+
+    /// Whether it depends on an angle, so that it needs something that turns.
+    #[must_use]
+    pub fn is_by_turn(&self) -> bool {
+        self.sees(Sight::Angle)
+    }
+
+    /// Whether its laws have a state of their own.
+    #[must_use]
+    pub fn has_memory(&self) -> bool {
+        self.sees(Sight::State)
+    }
+
+    /// Whether it changes the network itself, so that it is tried in a model without others of its kind.
+    #[must_use]
+    pub fn is_structural(&self) -> bool {
+        !matches!(self.form, Form::Laws(_)) || self.acts_at == ActsAt::Gear
+    }
+
+    /// Starts with large amplitudes, for a base model that is far off: each of [`Self::starts`] with every amplitude at the given
+    /// share of its prior (0.5: the median), if that is known.
+    #[must_use]
+    pub fn large_starts(&self, rig: &Rig, place: &str, share: f64) -> Vec<Values> {
+        let priors = (self.priors)(rig, place);
+        let large = |name: &str| priors.iter().find(|(known, _)| *known == name)?.1.quantile(share);
+        let filled = |values: Values| -> Option<Values> {
+            let each = values.into_iter().map(|(name, value)| {
+                let is_amplitude = self.amplitude.parameters.contains(&name);
+                Some((name, if is_amplitude { large(name)? } else { value }))
+            });
+            each.collect()
+        };
+        let filled = (self.starts)(rig, place).into_iter().filter_map(filled);
+        let phases: &[f64] = if self.is_wave() { &PHASES } else { &[0.0] };
+        let turned = |values: &Values, phase: f64| {
+            let each =
+                values.iter().map(|(name, value)| (*name, if *name == "phase" { phase } else { *value }));
+            each.collect::<Values>()
+        };
+        filled
+            .flat_map(|values| phases.iter().map(move |phase| turned(&values, *phase)).collect::<Vec<_>>())
+            .collect()
+    }
+
+    /// Logarithm of the prior density of fitted values at a place: minus infinity where one of them cannot be.
+    #[must_use]
+    pub fn log_prior(&self, rig: &Rig, place: &str, values: &[(&str, f64)]) -> f64 {
+        let sizes = Sizes(values);
+        let each = (self.priors)(rig, place).into_iter().map(|(name, prior)| (sizes.get(name), prior));
+        each.filter(|(value, _)| !value.is_nan()).map(|(value, prior)| prior.log_density(value)).sum()
+    }
+
+    /// Whether it is play: its law is linear in three regimes, between which teeth meet and part.
+    pub(crate) fn is_play(&self) -> bool {
+        self.id == backlash::EFFECT.id
+    }
+
     /// Whether some law sees this.
     pub(crate) fn sees(&self, sight: Sight) -> bool {
         self.laws().iter().any(|law| law.sights.contains(&sight))
     }
+}
+
+/// Phases from which a wave of unknown phase is begun, rad.
+const PHASES: [f64; 4] =
+    [0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI, 3.0 * std::f64::consts::FRAC_PI_2];
+
+/// A fit begins with a little of the predicted amplitude: the whole of it fits only once all other parameters have moved.
+fn begin_with_little(_: &Rig, _: &str, little: &Values, _: &Values) -> Vec<Values> {
+    vec![little.clone()]
+}
+
+/// The amplitudes of an effect without other parameters, at zero.
+fn all_zero<const N: usize>(names: [&'static str; N]) -> Vec<Values> {
+    vec![names.map(|name| (name, 0.0)).to_vec()]
+}
+
+/// A wave of no size.
+fn wave(what: &'static str, value: f64, size: &'static str) -> Values {
+    vec![(what, value), (size, 0.0), ("phase", 0.0)]
 }
 
 #[cfg(test)]

@@ -1,13 +1,19 @@
 //! Dry friction that gives before it slips: the contact's bristles bend (P. R. Dahl, 1968; with less friction in motion than at
 //! standstill, C. Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995, but for the bristles' own damping).
 
-use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Sight, shape};
+use super::{
+    Acts, ActsAt, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, POSITIVE, Places,
+    Prior, Replaces, Rig, Sight, Sizes, Steady, Values, begin_with_little, coulomb_friction, experiment,
+    shape, stribeck_friction,
+};
 
 /// Coulomb friction: T = -torque z / deflection, z' = w - |w| z / deflection. `deflection` is the angle by which bristles give until two
 /// thirds of the torque are reached; a contact that sticks is a spring of torque / deflection.
 pub(super) const COULOMB: Effect = Effect {
-    id: "coulomb_friction",
+    id: coulomb_friction::EFFECT.id,
+    name: "Coulomb friction that gives before it slips",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("deflection", Kind::Angle, POSITIVE),
@@ -36,16 +42,39 @@ pub(super) const COULOMB: Effect = Effect {
             silent: |parameters| parameters[0] == 0.0,
         },
     ]),
+    amplitude: coulomb_friction::EFFECT.amplitude,
+    linearisation: Linearisation::Null,
+    starts: |rig, place| with_deflections(rig, (coulomb_friction::EFFECT.starts)(rig, place)),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let mut all = (coulomb_friction::EFFECT.priors)(rig, place);
+        all.push(deflection(rig));
+        all
+    },
+    discrepancy: &[Discrepancy::amplitude("torque"), BENT],
+    // Beside friction that falls with speed, one that gives is the other explanation of a soft start.
+    replaces: &[
+        Replaces { law: coulomb_friction::EFFECT.id, starts: giving },
+        Replaces { law: stribeck_friction::EFFECT.id, starts: giving },
+    ],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "T = -T_c z/d, z' = w - |w| z/d",
-    sentence: "Something rubs with a drag that does not grow with speed, and gives a little before it slips: a seal, a brake or a \
-               preloaded bearing.",
+    sentence: |_| {
+        "Something rubs with a drag that does not grow with speed, and gives a little before it slips: a seal, a brake or a preloaded \
+         bearing."
+    },
+    shows: coulomb_friction::EFFECT.shows,
+    experiment: experiment::THROUGH_STANDSTILL,
 };
 
 /// Stribeck friction: T = -static_torque z / deflection, z' = w - |w| z static_torque / (deflection g(w)), where g is what friction is
 /// in steady motion: torque + (static_torque - torque) exp(-(w / stribeck_speed)²).
 pub(super) const STRIBECK: Effect = Effect {
-    id: "stribeck_friction",
+    id: stribeck_friction::EFFECT.id,
+    name: "Stribeck friction that gives before it slips",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("static_torque", Kind::Torque, POSITIVE),
@@ -76,12 +105,68 @@ pub(super) const STRIBECK: Effect = Effect {
             silent: |parameters| parameters[1] == 0.0,
         },
     ]),
+    amplitude: stribeck_friction::EFFECT.amplitude,
+    linearisation: Linearisation::Null,
+    starts: |rig, place| with_deflections(rig, (stribeck_friction::EFFECT.starts)(rig, place)),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let mut all = (stribeck_friction::EFFECT.priors)(rig, place);
+        all.push(deflection(rig));
+        all
+    },
+    discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::amplitude("static_torque"), BENT],
+    replaces: &[Replaces { law: stribeck_friction::EFFECT.id, starts: giving }],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "T = -T_s z/d, z' = w - |w| z T_s/(d g), g = T_c + (T_s - T_c) exp(-(w/w_s)^2)",
-    sentence: "Something rubs, sticks harder than it slides, and gives a little before it slips: a dry or starved bearing, a seal, a brake pad.",
+    sentence: |fitted| {
+        if fitted.get("static_torque") < fitted.get("torque") {
+            "Something rubs, less at standstill than in motion, and gives a little before it slips: a lubricated bearing or seal."
+        } else {
+            "Something rubs, sticks harder than it slides, and gives a little before it slips: a dry or starved bearing, a seal, a brake \
+             pad."
+        }
+    },
+    shows: stribeck_friction::EFFECT.shows,
+    experiment: experiment::THROUGH_STANDSTILL,
 };
 
 /// Speed, rad/s (m/s), below which bristles bend back rather than slip: their law has a corner there, and this rounds it.
 const TRANSITION: EffectParameter = EffectParameter::usual("transition_speed", Kind::Speed, (5e-3, 2e-4));
+
+/// How far a contact may give before it slips, rad (cm).
+const DEFLECTIONS: [f64; 3] = [1e-4, 1e-3, 1e-2];
+
+/// How nearly the deflection is obeyed.
+const BENT: Discrepancy =
+    Discrepancy::share("deflection", 1e-3, "assumed: no law is obeyed better than to a thousandth");
+
+fn deflections(rig: &Rig) -> [f64; 3] {
+    DEFLECTIONS.map(|deflection| if rig.rotational { deflection } else { 0.01 * deflection })
+}
+
+fn with_deflections(rig: &Rig, starts: Vec<Values>) -> Vec<Values> {
+    let each = starts.iter().flat_map(|start| {
+        let with = |deflection| start.iter().copied().chain([("deflection", deflection)]).collect();
+        deflections(rig).map(with)
+    });
+    each.collect()
+}
+
+/// Starts of a law that gives, beside what is carried over from one that does not: as far as is known already, if it is.
+fn giving(rig: &Rig, fitted: &Sizes<'_>) -> Vec<Values> {
+    let known = fitted.get("deflection");
+    if known.is_finite() {
+        return vec![vec![("deflection", known)]];
+    }
+    deflections(rig).map(|deflection| vec![("deflection", deflection)]).to_vec()
+}
+
+fn deflection(rig: &Rig) -> (&'static str, Prior) {
+    let unit = if rig.rotational { 1.0 } else { 0.01 };
+    let source = "presliding in the literature: 1 to 100 um at the contact, which are 1e-4 to 1e-2 rad at the radius of a bearing";
+    ("deflection", Prior::log_normal([1e-3 * unit, 5.0], (1e-6 * unit, 0.3 * unit), source))
+}
 
 /// How much sooner bristles slip than those of the static torque: T_s / g, its slope by speed, and those by the parameters.
 pub(super) struct Ease {

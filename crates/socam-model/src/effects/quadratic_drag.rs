@@ -1,11 +1,16 @@
 //! Drag that grows with the square of speed.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+    Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+};
 
 /// T = -coefficient speed |speed|.
 pub(super) const EFFECT: Effect = Effect {
     id: "quadratic_drag",
+    name: "quadratic drag",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[EffectParameter::new("coefficient", Kind::Drag, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -15,8 +20,32 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["coefficient"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["coefficient"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let (bearing, node) = rig.bearing(place);
+        let most = node.torque / (node.speed * node.speed);
+        // A bearing never drives: less drag than its damping at the largest speed would.
+        let least = -bearing.damping / node.speed;
+        let source = "windage takes less than the torque that moves the axis at its largest speed, and drag never drives";
+        vec![("coefficient", Prior::normal([0.0, 0.2 * most], (least, most), source))]
+    },
+    discrepancy: &[Discrepancy::amplitude("coefficient")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Linear,
     equation: "T = -b w |w|",
-    sentence: "Something churns air or oil: a fan, a disc in a bath, a windage loss.",
+    sentence: |fitted| {
+        if fitted.get("coefficient") < 0.0 {
+            "The drag grows less than with speed: grease that shears thin, or a seal that lifts."
+        } else {
+            "Something churns air or oil: a fan, a disc in a bath, a windage loss."
+        }
+    },
+    shows: "high speeds",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 fn answer(sights: &[f64], parameters: &[f64]) -> Response {

@@ -1,14 +1,47 @@
 //! A sensor that reads too much or too little.
 
-use super::{ActsAt, Effect, EffectParameter, Form, Kind};
+use super::{
+    ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Linearisation, Places, Prior, Steady, begin_with_little, experiment,
+};
 
 /// reading = gain truth: 0.98 reads 2 % low.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_gain",
+    name: "sensor gain",
     acts_at: ActsAt::Channel,
+    places: Places::Channels,
     parameters: &[EffectParameter::new("gain", Kind::Ratio, (0.01, 100.0))],
     borrows: None,
     form: Form::Gain,
+    amplitude: Amplitude { parameters: &["gain"], null: 1.0, coordinate: Coordinate::Value },
+    linearisation: Linearisation::Null,
+    starts: |_, _| vec![vec![("gain", 1.0)]],
+    fit_starts: begin_with_little,
+    priors: |_, _| {
+        let source =
+            "calibrations are off by some per cent; a current that stands for a torque by up to a few times";
+        vec![("gain", Prior::log_normal([1.0, 1.15], (0.01, 100.0), source))]
+    },
+    discrepancy: &[Discrepancy::amplitude("gain")],
+    replaces: &[],
+    equivalents: &[Equivalent {
+        effect: "mesh_loss",
+        holds: Condition::Stated(
+            "of a torque sensor behind a gear, while the drive always drives and never brakes",
+        ),
+    }],
+    steady: Steady::Linear,
     equation: "y = g y_true",
-    sentence: "A sensor reads a fixed share too much or too little: its calibration is off.",
+    sentence: |fitted| {
+        if fitted.get("gain") > 1.0 {
+            "A sensor reads a fixed share too much: its calibration is off."
+        } else if fitted.get("gain") < 1.0 {
+            "A sensor reads a fixed share too little: its calibration is off."
+        } else {
+            "A sensor reads a fixed share too much or too little: its calibration is off."
+        }
+    },
+    shows: "everywhere",
+    experiment: experiment::TWO_LOADS,
 };

@@ -1,11 +1,16 @@
 //! A sensor that picks up the mains.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+    POSITIVE, Places, Prior, Sight, Steady, begin_with_little, experiment, shape, wave,
+};
 
 /// reading = truth + amplitude sin(2 pi frequency time + phase), time counted from where the recording began.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_hum",
+    name: "sensor hum",
     acts_at: ActsAt::Channel,
+    places: Places::Channels,
     parameters: &[
         EffectParameter::new("amplitude", Kind::Gain, POSITIVE),
         EffectParameter::new("frequency", Kind::Frequency, POSITIVE),
@@ -21,6 +26,39 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["amplitude"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, place| {
+        rig.channel(place).lines_hz.iter().map(|hz| wave("frequency", *hz, "amplitude")).collect()
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let source = "pick-up is far below the signal that a sensor was chosen for";
+        vec![
+            (
+                "amplitude",
+                Prior::log_normal(
+                    [0.01 * rig.channel(place).std, 10.0],
+                    (0.0, 3.0 * rig.channel(place).std),
+                    source,
+                ),
+            ),
+            (
+                "frequency",
+                Prior::flat(
+                    rig.wave_hz(),
+                    "a wave is one only after five periods, and below half the sampling rate",
+                ),
+            ),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[Discrepancy::amplitude("amplitude"), Discrepancy::frequency("frequency")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
     equation: "y = y_true + A sin(2 pi f t + phi)",
-    sentence: "A sensor hums: mains pick-up, a ground loop, a converter's switching.",
+    sentence: |_| "A sensor hums: mains pick-up, a ground loop, a converter's switching.",
+    shows: "one frequency, whatever the motion",
+    experiment: experiment::LARGE_TORQUE,
 };

@@ -1,14 +1,43 @@
 //! A sensor that follows slowly.
 
-use super::{ActsAt, Effect, EffectParameter, Form, Kind, POSITIVE};
+use super::{
+    ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment,
+};
 
 /// time_constant reading' + reading = truth.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_lag",
+    name: "sensor lag",
     acts_at: ActsAt::Channel,
+    places: Places::Sensors,
     parameters: &[EffectParameter::new("time_constant", Kind::Time, POSITIVE)],
     borrows: None,
     form: Form::Lag,
+    amplitude: Amplitude::of(&["time_constant"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| vec![vec![("time_constant", NEXT_TO_NOTHING_S)]],
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let source = "a filter is a few samples slow; one slower than the motion itself would not have been used to measure it";
+        let most_s = rig.longest_time_constant_s(place);
+        vec![("time_constant", Prior::log_normal([2.0 * rig.sample_time_s, 5.0], (0.0, most_s), source))]
+    },
+    discrepancy: &[Discrepancy::share(
+        "time_constant",
+        1e-2,
+        "assumed: an amplifier has more than one time constant",
+    )],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "sensor_delay", holds: Condition::ShorterThanSamples(SHORT) }],
+    steady: Steady::Unseen,
     equation: "tau y' + y = y_true",
-    sentence: "A sensor follows slowly: a filter in its amplifier, or a tachometer's ripple filter.",
+    sentence: |_| "A sensor follows slowly: a filter in its amplifier, or a tachometer's ripple filter.",
+    shows: "fast motion",
+    experiment: experiment::FAST_MOTION,
 };
+
+/// Small enough to be nothing, large enough to be divided by, s.
+const NEXT_TO_NOTHING_S: f64 = 1e-8;
+/// Of a sample time: by so short a time a signal that is late and one that is slow look alike, to a hundredth of what is fastest in it.
+pub(super) const SHORT: f64 = 0.05;

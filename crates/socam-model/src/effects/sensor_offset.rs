@@ -1,11 +1,16 @@
 //! A sensor whose zero is off.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+    Places, Prior, Steady, all_zero, begin_with_little, experiment, shape,
+};
 
 /// reading = truth + offset.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_offset",
+    name: "sensor offset",
     acts_at: ActsAt::Channel,
+    places: Places::Channels,
     parameters: &[EffectParameter::new("offset", Kind::Gain, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -15,6 +20,25 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["offset"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["offset"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        vec![(
+            "offset",
+            Prior::within(
+                rig.channel(place).largest,
+                "a zero that is off by more than the readings is seen without any model",
+            ),
+        )]
+    },
+    discrepancy: &[Discrepancy::amplitude("offset")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Linear,
     equation: "y = y_true + o",
-    sentence: "A sensor does not read zero at zero: its zero has drifted, or was never set.",
+    sentence: |_| "A sensor does not read zero at zero: its zero has drifted, or was never set.",
+    shows: "everywhere",
+    experiment: experiment::LARGE_TORQUE,
 };

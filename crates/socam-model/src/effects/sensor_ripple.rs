@@ -1,11 +1,16 @@
 //! A sensor that swings with the angle of its shaft.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, POSITIVE, Places, Prior, Sight, Steady, begin_with_little, experiment, shape, wave,
+};
 
 /// reading = truth + amplitude sin(order angle + phase), the angle counted from where the recording began.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_ripple",
+    name: "sensor ripple",
     acts_at: ActsAt::Channel,
+    places: Places::Channels,
     parameters: &[
         EffectParameter::new("amplitude", Kind::Gain, POSITIVE),
         EffectParameter::new("order", Kind::Ratio, POSITIVE),
@@ -19,6 +24,41 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["amplitude"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| (1..=12).map(|order| wave("order", f64::from(order), "amplitude")).collect(),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let source = "commutators, magnets and bent couplings repeat a whole number of times per turn";
+        vec![
+            (
+                "amplitude",
+                Prior::log_normal(
+                    [0.01 * rig.channel(place).std, 10.0],
+                    (0.0, 3.0 * rig.channel(place).std),
+                    RIPPLE,
+                ),
+            ),
+            ("order", Prior::whole_numbers(vec![1.0], 2e-3, 400.0, source)),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[
+        Discrepancy::amplitude("amplitude"),
+        Discrepancy::order("order"),
+        Discrepancy::phase_of_turn("phase"),
+    ],
+    replaces: &[],
+    equivalents: &[Equivalent {
+        effect: "torque_ripple",
+        holds: Condition::Stated("of the node that the measured torque drives"),
+    }],
+    steady: Steady::Unseen,
     equation: "y = y_true + A sin(n theta + phi)",
-    sentence: "A sensor swings as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
+    sentence: |_| "A sensor swings as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
+    shows: "a fixed number of times per turn",
+    experiment: experiment::LARGE_TORQUE,
 };
+
+/// Source of its amplitude's prior.
+const RIPPLE: &str = "ripple is far below the signal that a sensor was chosen for";

@@ -1,11 +1,17 @@
 //! A coupling that stiffens, or softens, as it winds up.
 
-use super::{ANY, Acts, ActsAt, Borrowed, Effect, EffectParameter, Form, Kind, Law, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
+    Form, Kind, Law, Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little,
+    experiment, shape,
+};
 
 /// T = k d (1 + cubic d²).
 pub(super) const EFFECT: Effect = Effect {
     id: "stiffness_hardening",
+    name: "stiffness hardening",
     acts_at: ActsAt::Spring,
+    places: Places::Every,
     parameters: &[EffectParameter::new("cubic", Kind::PerAngleSquared, ANY)],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {
@@ -15,8 +21,33 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[0] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["cubic"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["cubic"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let spring = rig.spring(place);
+        let twist = spring.torque / spring.stiffness;
+        let source = "a coupling that stiffens more than tenfold at the twist seen is a stop; one that softens keeps some of its stiffness";
+        let per_twist = 1.0 / (twist * twist);
+        vec![("cubic", Prior::normal([0.0, per_twist], (-0.4 * per_twist, 10.0 * per_twist), source))]
+    },
+    discrepancy: &[Discrepancy::amplitude("cubic")],
+    replaces: &[],
+    equivalents: &[Equivalent { effect: "stiffness_hardening", holds: Condition::InARowOfFreeStiffness }],
+    steady: Steady::Unseen,
     equation: "T = k d (1 + a d^2)",
-    sentence: "A coupling is stiffer the more it is wound up (or softer): rubber, or a spring near its stop.",
+    sentence: |fitted| {
+        if fitted.get("cubic") < 0.0 {
+            "A coupling is softer the more it is wound up: rubber that gives, or a clamp that begins to yield."
+        } else if fitted.get("cubic") > 0.0 {
+            "A coupling is stiffer the more it is wound up: rubber, or a spring near its stop."
+        } else {
+            "A coupling is stiffer the more it is wound up, or softer: rubber, or a spring near its stop."
+        }
+    },
+    shows: "large torques",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

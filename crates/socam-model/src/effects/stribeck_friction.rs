@@ -1,11 +1,17 @@
 //! Dry friction that is larger at standstill than in motion.
 
-use super::{Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
+    Linearisation, POSITIVE, Places, Prior, Replaces, Response, Sight, Steady, begin_with_little,
+    coulomb_friction::FRICTION, experiment, shape,
+};
 
 /// T = -(torque + (static_torque - torque) exp(-(speed / stribeck_speed)²)) tanh(speed / transition_speed).
 pub(super) const EFFECT: Effect = Effect {
     id: "stribeck_friction",
+    name: "Stribeck friction",
     acts_at: ActsAt::Bearing,
+    places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
         EffectParameter::new("static_torque", Kind::Torque, POSITIVE),
@@ -20,9 +26,64 @@ pub(super) const EFFECT: Effect = Effect {
         bend: |parameters| parameters[3],
         silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque", "static_torque"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, place| {
+        let speed = rig.bearing(place).1.speed;
+        let start = |share: f64| {
+            vec![
+                ("torque", 0.0),
+                ("static_torque", 0.0),
+                ("stribeck_speed", (share * speed).max(LEAST_SPEED)),
+            ]
+        };
+        [0.02, 0.06, 0.2].map(start).to_vec()
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let node = rig.bearing(place).1;
+        vec![
+            ("torque", Prior::below(node.torque, FRICTION)),
+            ("static_torque", Prior::below(node.torque, FRICTION)),
+            (
+                "stribeck_speed",
+                Prior::log_normal(
+                    [0.05 * node.speed, 5.0],
+                    (LEAST_SPEED, node.speed),
+                    "the fall of friction is seen only where it lies between standstill and the largest speed",
+                ),
+            ),
+        ]
+    },
+    discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::amplitude("static_torque")],
+    replaces: &[Replaces {
+        law: "coulomb_friction",
+        starts: |_, fitted| {
+            let torque = fitted.get("torque");
+            vec![vec![("torque", torque), ("static_torque", 1.5 * torque)]]
+        },
+    }],
+    equivalents: &[Equivalent {
+        effect: "coulomb_friction",
+        holds: Condition::Stated(
+            "unless the shaft creeps, which alone shows a rise of friction near standstill",
+        ),
+    }],
+    steady: Steady::Unseen,
     equation: "T = -(T_c + (T_s - T_c) exp(-(w/w_s)^2)) sign(w)",
-    sentence: "Something rubs, and sticks harder than it slides: a dry or starved bearing, a seal, a brake pad.",
+    sentence: |fitted| {
+        if fitted.get("static_torque") < fitted.get("torque") {
+            "Something rubs, and rubs less at standstill than in motion: a lubricated bearing or seal whose drag rises with speed and levels off."
+        } else {
+            "Something rubs, and sticks harder than it slides: a dry or starved bearing, a seal, a brake pad."
+        }
+    },
+    shows: "slow motion, on either side of standstill",
+    experiment: experiment::THROUGH_STANDSTILL,
 };
+
+/// Least Stribeck speed, rad/s (m/s).
+const LEAST_SPEED: f64 = 1e-3;
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {
     let (sign, bend, by_width) = shape::sign(sights[0], p[3]);

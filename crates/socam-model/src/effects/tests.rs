@@ -3,6 +3,8 @@
 use super::*;
 use crate::Model;
 
+mod names;
+
 /// Values for a parameter that make sense and make the law do something.
 fn plausible(parameter: &EffectParameter) -> f64 {
     match parameter.name {
@@ -18,6 +20,7 @@ fn plausible(parameter: &EffectParameter) -> f64 {
         "inertia" => 1e-3,
         "time_constant" | "delay" => 2e-3,
         "phase" => 0.4,
+        "contact_damping" => 100.0,
         _ => parameter.default.map_or(0.6, |(turning, _)| turning),
     }
 }
@@ -122,4 +125,92 @@ fn every_effect_enters_a_model_wherever_it_may_act() {
             }
         }
     }
+}
+
+/// A bench as its recordings show it: everything turns, and torque flows everywhere.
+fn rig(model: &Model) -> Rig {
+    let mut rig = Rig { sample_time_s: 1e-3, longest_s: 10.0, ..Rig::of_model(model, &model.values()) };
+    rig.lines_hz = vec![50.0];
+    for node in &mut rig.nodes {
+        (node.speed, node.angle_range, node.torque) = (20.0, 100.0, 2.0);
+    }
+    rig.springs.iter_mut().for_each(|spring| spring.torque = 2.0);
+    for channel in &mut rig.channels {
+        (channel.std, channel.largest, channel.range, channel.median_hz) = (5.0, 15.0, 30.0, 3.0);
+        (channel.lines_hz, channel.limit) = (vec![50.0], Some(14.0));
+    }
+    rig
+}
+
+/// What a diagnosis needs of an effect is all there, for each of its places: a candidate without a start would never be tried.
+#[test]
+fn every_effect_says_where_to_start_and_what_is_plausible() {
+    for effect in CATALOGUE.iter().chain(REFINED) {
+        let models = ["speed-o-cam", "two-mass"].map(|name| Model::builtin(name).unwrap());
+        let places = |model: &Model| effect.places_in(model);
+        assert!(models.iter().any(|model| !places(model).is_empty()), "{} is looked for nowhere", effect.id);
+        assert!(!effect.amplitude.parameters.is_empty(), "{} has no amplitude", effect.id);
+        let ids = effect.equivalents.iter().map(|other| other.effect);
+        ids.chain(effect.replaces.iter().map(|other| other.law))
+            .for_each(|id| assert!(find(id).is_some(), "{} names {id}", effect.id));
+        for (model, place) in
+            models.iter().flat_map(|model| places(model).into_iter().map(move |p| (model, p)))
+        {
+            let rig = rig(model);
+            let names: Vec<&str> = effect.given().map(|own| own.name).collect();
+            let starts = (effect.starts)(&rig, &place);
+            assert!(!starts.is_empty(), "{} at {place} has no start", effect.id);
+            let priors = (effect.priors)(&rig, &place);
+            for start in starts.iter().chain(&effect.large_starts(&rig, &place, 0.5)) {
+                let given: Vec<&str> = start.iter().map(|(name, _)| *name).collect();
+                assert!(names.iter().all(|name| given.contains(name)), "{}: {given:?}", effect.id);
+                model.with_effect(effect.id, &place, start).unwrap_or_else(|e| panic!("{}: {e}", effect.id));
+            }
+            for name in names {
+                let (_, prior) = priors
+                    .iter()
+                    .find(|(known, _)| *known == name)
+                    .unwrap_or_else(|| panic!("{} {name}", effect.id));
+                assert!(!prior.source.is_empty());
+                let usual = prior.quantile(0.5).unwrap_or(0.5);
+                assert!(prior.log_density(usual).is_finite(), "{} {name}: {prior:?}", effect.id);
+            }
+            let large = effect.large_starts(&rig, &place, 0.5);
+            assert!(
+                !large.is_empty() && effect.log_prior(&rig, &place, &large[0]).is_finite(),
+                "{}",
+                effect.id
+            );
+        }
+        assert!((effect.sentence)(&Sizes(&[])).ends_with('.') && !effect.equation.is_empty());
+    }
+}
+
+#[test]
+fn what_no_machine_does_has_no_prior() {
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let rig = rig(&model);
+    let log =
+        |id: &str, place: &str, values: &[(&str, f64)]| find(id).unwrap().log_prior(&rig, place, values);
+    let never = f64::NEG_INFINITY;
+    // A lag of half a second, a wave of two periods, a brake that could not be moved, an offset beyond the readings.
+    assert_eq!(log("sensor_lag", "output_speed", &[("time_constant", 0.518)]), never);
+    assert_eq!(log("external_disturbance", "load", &[("torque", 0.1), ("frequency", 0.2)]), never);
+    assert_eq!(log("coulomb_friction", "load_bearing", &[("torque", 3.0)]), never);
+    assert_eq!(log("sensor_offset", "output_speed", &[("offset", 40.0)]), never);
+    // A bearing without damping cannot drive.
+    assert_eq!(log("direction_dependence", "cam_bearing", &[("damping_difference", -70.0)]), never);
+    assert_eq!(log("quadratic_drag", "cam_bearing", &[("coefficient", -1e-6)]), never);
+    assert!(log("sensor_lag", "output_speed", &[("time_constant", 2e-3)]).is_finite());
+}
+
+/// A sentence must be true over the whole range of its law.
+#[test]
+fn sentences_follow_the_fitted_values() {
+    let says = |id: &str, values: &[(&str, f64)]| (find(id).unwrap().sentence)(&Sizes(values));
+    let low = says("stribeck_friction", &[("torque", 0.5), ("static_torque", 0.3)]);
+    let high = says("stribeck_friction", &[("torque", 0.5), ("static_torque", 0.9)]);
+    assert!(!low.contains("sticks harder") && high.contains("sticks harder"));
+    assert!(says("stiffness_hardening", &[("cubic", -1.0)]).contains("softer"));
+    assert!(says("sensor_gain", &[("gain", 0.98)]).contains("too little"));
 }

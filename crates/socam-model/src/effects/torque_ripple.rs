@@ -1,12 +1,18 @@
 //! A motor whose torque swings with its angle.
 
-use super::{ANY, Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, POSITIVE, Response, Sight, shape};
+use super::{
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    shape, wave,
+};
 
 /// T = torque sin(order angle + phase), the angle counted from where the recording began. Where the motor's speed is
 /// prescribed it does nothing.
 pub(super) const EFFECT: Effect = Effect {
     id: "torque_ripple",
+    name: "torque ripple",
     acts_at: ActsAt::Node,
+    places: Places::Driven,
     parameters: &[
         EffectParameter::new("order", Kind::Ratio, POSITIVE),
         EffectParameter::new("torque", Kind::Torque, POSITIVE),
@@ -20,8 +26,36 @@ pub(super) const EFFECT: Effect = Effect {
         bend: shape::straight,
         silent: |parameters| parameters[1] == 0.0,
     }]),
+    amplitude: Amplitude::of(&["torque"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| (1..=12).map(|order| wave("order", f64::from(order), "torque")).collect(),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let source = "cogging and commutation repeat a whole number of times per turn: poles, slots, and their multiples";
+        vec![
+            ("order", Prior::whole_numbers(vec![1.0], 2e-3, 400.0, source)),
+            (
+                "torque",
+                Prior::below(rig.node(place).torque, "cogging is below the torque that moves the axis"),
+            ),
+            ("phase", Prior::phase()),
+        ]
+    },
+    discrepancy: &[
+        Discrepancy::amplitude("torque"),
+        Discrepancy::order("order"),
+        Discrepancy::phase_of_turn("phase"),
+    ],
+    replaces: &[],
+    equivalents: &[Equivalent {
+        effect: "sensor_ripple",
+        holds: Condition::Stated("of the channel that measures the drive's torque"),
+    }],
+    steady: Steady::Unseen,
     equation: "T = T_r sin(n theta + phi)",
-    sentence: "The machine's torque swings as it turns: cogging, or commutation.",
+    sentence: |_| "The machine's torque swings as it turns: cogging, or commutation.",
+    shows: "a fixed number of times per turn",
+    experiment: experiment::LARGE_TORQUE,
 };
 
 fn answer(sights: &[f64], p: &[f64]) -> Response {

@@ -49,7 +49,7 @@ const fn effect(
     laws: &'static [Law],
     equation: &'static str,
 ) -> Effect {
-    Effect { id, acts_at, parameters, borrows, form: Form::Laws(laws), equation, sentence: "" }
+    Effect::bare(id, acts_at, parameters, borrows, Form::Laws(laws), equation)
 }
 
 /// A law's answer with its slopes by what it sees.

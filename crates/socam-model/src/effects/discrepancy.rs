@@ -1,0 +1,84 @@
+//! How nearly a law is obeyed. No machine obeys a law exactly: what a law leaves out moves its parameters alike in all recordings, so
+//! that neither noise nor differences between recordings show it. Each level is a lower bound of an interval's half width.
+
+use super::Effect;
+
+/// Model discrepancy of one parameter of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discrepancy {
+    /// Parameter.
+    pub parameter: &'static str,
+    /// Least half width of its 95 % interval, as a share of its distance from the null value (of the value where that is infinite).
+    pub share: f64,
+    /// Least half width beside that, SI.
+    pub absolute: f64,
+    /// Where residuals exceed noise, the upper end of the interval is at least so many times the value.
+    pub upper_factor: f64,
+    /// What is known of this.
+    pub source: &'static str,
+}
+
+impl Discrepancy {
+    /// A share of a parameter.
+    pub(super) const fn share(parameter: &'static str, share: f64, source: &'static str) -> Self {
+        Self { parameter, share, absolute: 0.0, upper_factor: 1.0, source }
+    }
+
+    /// The amplitude of a law that is linear in it.
+    pub(super) const fn amplitude(parameter: &'static str) -> Self {
+        Self::share(parameter, 1e-3, "assumed: no law is obeyed better than to a thousandth")
+    }
+
+    /// A frequency in time.
+    pub(super) const fn frequency(parameter: &'static str) -> Self {
+        Self::share(parameter, 1e-5, "crystals of sampling clocks go true to 10 ppm")
+    }
+
+    /// An order: cycles per turn.
+    pub(super) const fn order(parameter: &'static str) -> Self {
+        Self::share(
+            parameter,
+            1e-4,
+            "turns are integrals of a measured speed, which no tachometer knows better than to 0.01 %",
+        )
+    }
+
+    /// A phase over an angle.
+    pub(super) const fn phase_of_turn(parameter: &'static str) -> Self {
+        let source = "angles are integrals of a measured speed, and its ripple is in them: 0.01 rad";
+        Self { parameter, share: 0.0, absolute: 1e-2, upper_factor: 1.0, source }
+    }
+}
+
+impl Effect {
+    /// Least half width of a parameter's 95 % interval at a fitted value, SI.
+    #[must_use]
+    pub fn least_half_width(&self, parameter: &str, value: f64) -> f64 {
+        let is_amplitude = self.amplitude.parameters.contains(&parameter);
+        let null = if is_amplitude && self.amplitude.null.is_finite() { self.amplitude.null } else { 0.0 };
+        let own = self.discrepancy.iter().filter(|own| own.parameter == parameter);
+        own.map(|own| own.share * (value - null).abs() + own.absolute).fold(0.0, f64::max)
+    }
+
+    /// See [`Discrepancy::upper_factor`]; one where nothing is known of it.
+    #[must_use]
+    pub fn upper_factor(&self, parameter: &str) -> f64 {
+        let own = self.discrepancy.iter().find(|own| own.parameter == parameter);
+        own.map_or(1.0, |own| own.upper_factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects;
+
+    #[test]
+    fn a_law_is_known_no_better_than_it_is_obeyed() {
+        let width = |id: &str, name, value| effects::find(id).unwrap().least_half_width(name, value);
+        assert_eq!(width("sensor_ripple", "order", 2.0), 2e-4);
+        assert_eq!(width("sensor_ripple", "amplitude", 2.0), 2e-3);
+        assert_eq!(width("sensor_hum", "phase", 2.0), 0.0);
+        assert!((width("sensor_gain", "gain", 0.9) - 1e-4).abs() < 1e-12);
+        assert_eq!(width("coupling_slip", "torque", 2.0), 4e-2);
+    }
+}

@@ -1,0 +1,76 @@
+//! An effect is one file: nothing outside `effects/` names one.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::effects::{CATALOGUE, REFINED};
+
+/// What may name effects: their own folder, the challenge's independent truth, and tests.
+const EXEMPT: [&str; 6] = [
+    "crates/socam-model/src/effects",
+    "sim/src",
+    "host/src/commands/challenge",
+    "/tests/",
+    "/tests.rs",
+    "/benches/",
+];
+/// Of the project.
+const SEARCHED: [&str; 2] = ["crates", "host"];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            if path.file_name().is_none_or(|name| name != "target") {
+                sources(&path, found);
+            }
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The literals of effect ids in a source, with their lines; unit tests at its end are left aside.
+fn named(text: &str) -> Vec<(usize, &'static str)> {
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let ids = CATALOGUE.iter().chain(REFINED).map(|effect| effect.id);
+    let mut all: Vec<(usize, &'static str)> = Vec::new();
+    for id in ids {
+        let literal = format!("\"{id}\"");
+        let lines = code.lines().enumerate().filter(|(_, line)| line.contains(&literal));
+        all.extend(
+            lines.map(|(line, _)| (line + 1, id)).filter(|found| !all.contains(found)).collect::<Vec<_>>(),
+        );
+    }
+    all
+}
+
+#[test]
+fn no_effect_is_named_outside_its_folder() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
+    let mut files = Vec::new();
+    SEARCHED.iter().for_each(|folder| sources(&root.join(folder), &mut files));
+    assert!(files.len() > 100, "{} sources were found", files.len());
+    let mut all = Vec::new();
+    for file in files {
+        let name = file.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
+        if EXEMPT.iter().any(|exempt| name.contains(exempt)) {
+            continue;
+        }
+        let text = fs::read_to_string(&file).unwrap();
+        all.extend(named(&text).into_iter().map(|(line, id)| format!("{name}:{line}: {id}")));
+    }
+    println!("effect ids outside effects/: {}", all.len());
+    assert!(all.is_empty(), "{} literals of effect ids:\n{}", all.len(), all.join("\n"));
+}
+
+#[test]
+fn a_literal_is_found_in_code_and_not_in_unit_tests() {
+    let id = CATALOGUE[0].id;
+    let text = format!(
+        "fn a() -> bool {{ b == \"{id}\" }}\n#[cfg(test)]\nmod tests {{\n    const C: &str = \"{id}\";\n}}\n"
+    );
+    assert_eq!(named(&text), [(1, id)]);
+}
