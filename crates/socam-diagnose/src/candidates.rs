@@ -50,6 +50,11 @@ impl Candidate {
         self.effect.linearisation == Linearisation::NearNull
     }
 
+    /// Whether it begins with an amplitude of which a little says nothing.
+    pub(crate) fn is_large(&self) -> bool {
+        self.is_always_tried() && self.strength.iter().any(|name| self.value(name) != self.nothing())
+    }
+
     /// Starts that are worth a fit: several where what it is not linear in decides where a fit ends.
     pub(crate) fn most_starts(&self) -> usize {
         let others = self.values.iter().any(|(name, _)| !self.strength.contains(name));

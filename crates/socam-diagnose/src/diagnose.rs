@@ -182,12 +182,12 @@ fn determined(
         break found;
     };
     for term in 0..path.terms.len() {
-        // Where no fit without it comes near, it is shown as it is.
         let near = path.fitted_without(context, term)?;
-        let without = near.map_or_else(|| path.without(context, term), |near| Ok(Some(near)))?;
-        if let Some(without) = &without {
+        if let Some(without) = &near {
             path.terms[term].gain = path.gain(&path.last, without);
         }
+        // Where no fit without it comes near, what it gained when it was added stands.
+        let without = near.map_or_else(|| path.without(context, term), |near| Ok(Some(near)))?;
         path.terms[term].without = without;
     }
     Ok(found)

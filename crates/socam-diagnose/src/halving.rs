@@ -18,6 +18,8 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
+/// Iterations of a fit to the residuals themselves, of what knocks.
+const UNWHITENED_LEG: usize = 30;
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -75,16 +77,27 @@ fn begin(
     let Ok(grown) = grown else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
     let is_far = candidate.is_far();
+    let is_large = candidate.is_large();
     let mut begun = grown.clone();
-    if let Some(used) = grown.effects.last().filter(|_| !is_far) {
+    if let Some(used) = grown.effects.last().filter(|_| !is_far && !is_large) {
         let own = used.effect.parameters.iter().zip(&used.parameters);
         let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
         others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
     }
-    let values = carried((&before.model, &before.at.values), &grown);
+    // A large effect that is missing has displaced all others: with it they begin at the file's values.
+    let file = before.model.values();
+    let values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
     // From start states of its own: where physics is missing, those of the fit before make up for it.
-    let leg = (compare::COARSE, if is_far { FAR_LEG } else { FIRST_LEG });
-    let at = compare::descend(&context.problem(&begun)?, noise, &values, None, leg)?;
+    let leg = (compare::COARSE, if is_far || is_large { FAR_LEG } else { FIRST_LEG });
+    let problem = context.problem(&begun)?;
+    let at = if candidate.is_always_tried() {
+        // What knocks is far from linear in how the discrepancy's filter sees it, and near to it in the residuals themselves.
+        let first = compare::descend(&problem, &noise.of_sensors(), &values, None, (compare::COARSE, UNWHITENED_LEG))?;
+        first.map_or(Ok(None), |first| compare::measure(&problem, noise, &first.values))?
+    } else {
+        compare::descend(&problem, noise, &values, None, leg)?
+    };
+    eprintln!("TRACE   halving {} {} {:?} -> {:?} of {:.0}", candidate.effect.id, candidate.place, candidate.values, at.as_ref().map(|a| a.total()), before.deviance());
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
 }
 

@@ -196,7 +196,10 @@ impl Path {
             return Vec::new();
         }
         let all = self.tests.iter().filter(|one| one.start.is_always_tried());
-        let starts = all.flat_map(|one| candidates::large(&one.start, &self.known.rig));
+        let starts = all.flat_map(|one| {
+            let little = Some(one.start.clone()).filter(|_| one.possible);
+            little.into_iter().chain(candidates::large(&one.start, &self.known.rig))
+        });
         starts.map(|start| (start, p_value)).collect()
     }
 

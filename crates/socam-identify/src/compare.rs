@@ -92,6 +92,12 @@ impl Yardstick {
         Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
     }
 
+    /// The same sensor noise, and no discrepancy.
+    #[must_use]
+    pub fn of_sensors(&self) -> Self {
+        Self { discrepancy: Arc::default(), excess: 1.0, ..self.clone() }
+    }
+
     /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where nothing is missing.
     pub fn excess(&self) -> f64 {
         self.excess
