@@ -17,6 +17,7 @@ mod course;
 mod diagnose;
 mod experiment;
 mod noise_floor;
+mod orders;
 mod pictures;
 mod race;
 mod region;

@@ -20,8 +20,10 @@ pub enum Sight {
     Angle,
     /// Time since the recording began, s.
     Time,
-    /// What its channel would read were its sensor true.
+    /// What its channel would read were its sensor true; of an input, what it reads.
     Reading,
+    /// Rate at which an input's reading changes, by the recording.
+    Change,
     /// The state of its own: see [`Acts::State`].
     State,
 }
