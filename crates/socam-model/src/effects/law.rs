@@ -48,7 +48,7 @@ pub struct Response {
     pub torque: f64,
     /// By each sight.
     pub slopes: [f64; MAX_SIGHTS],
-    /// By each parameter, in the order of [`Effect::parameters`], borrowed ones last.
+    /// By each parameter, in the order of [`super::Effect::parameters`], borrowed ones last.
     pub slope_parameters: [f64; MAX_PARAMETERS],
 }
 
