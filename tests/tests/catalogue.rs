@@ -26,6 +26,9 @@ fn inputs(model: &Model) -> Vec<Vec<f64>> {
     let of = |quantity: Quantity| match quantity {
         Quantity::Time => (0..ROWS).map(time).collect(),
         Quantity::Turned => turned.clone(),
+        Quantity::Change => {
+            (0..ROWS).map(|k| (speed(time(k) + 1e-6) - speed(time(k) - 1e-6)) / 2e-6).collect()
+        }
         _ => (0..ROWS).map(|k| speed(time(k))).collect::<Vec<f64>>(),
     };
     model.inputs().map(|input| of(input.quantity)).collect()
@@ -78,6 +81,7 @@ fn both_numerics_agree_on_every_effect() {
         ("quadratic_drag", "load_bearing", &[("coefficient", 0.01)]),
         ("damping_drift", "load_bearing", &[("rate", 0.1)]),
         ("direction_dependence", "load_bearing", &[("torque_difference", 0.3), ("damping_difference", 0.02)]),
+        ("velocity_weakening", "load_bearing", &[("torque", 0.3), ("fall_speed", 2.0)]),
         ("constant_load", "load", &[("torque", 0.5)]),
         ("mesh_loss", "mesh", &[("fraction", 0.1)]),
         ("backlash", "mesh", &[("gap", 5e-3)]),
@@ -99,7 +103,11 @@ fn both_numerics_agree_on_every_effect() {
         ("sensor_offset", "torque_in", &[("offset", 0.1)]),
         ("sensor_lag", "output_speed", &[("time_constant", 3e-3)]),
         ("sensor_delay", "output_speed", &[("delay", 3e-3)]),
+        ("sensor_delay", "motor_speed", &[("delay", -1e-3)]),
         ("sensor_saturation", "torque_out", &[("limit", 1.0)]),
+        ("sensor_fold", "output_speed", &[("share", 1.0)]),
+        ("direction_gain", "torque_out", &[("difference", 0.05)]),
+        ("direction_gain", "motor_speed", &[("difference", 0.02)]),
         ("sensor_hum", "torque_in", &[("amplitude", 0.05), ("frequency", 50.0)]),
         ("sensor_ripple", "motor_speed", &[("amplitude", 0.5), ("order", 2.0)]),
         ("sensor_ripple", "output_speed", &[("amplitude", 0.1), ("order", 1.0)]),

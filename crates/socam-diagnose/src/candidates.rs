@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model, Motion,
-    effects::{Amplitude, CATALOGUE, Coordinate, Effect, Form, Linearisation, REFINED, Rig, Sizes, Values},
+    effects::{self, Amplitude, Coordinate, Effect, Form, Linearisation, REFINED, Rig, Sizes, Values},
 };
 
 use crate::{scales::Scales, score_test::A_LITTLE, selection::Path};
@@ -149,7 +149,7 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
     // What comes back with every turn needs something that turns.
     let turns = model.motion == Motion::Rotation;
-    for effect in CATALOGUE.iter().filter(|effect| turns || !effect.is_by_turn()) {
+    for effect in effects::screened().filter(|effect| turns || !effect.is_by_turn()) {
         for place in effect.places_in(model) {
             let starts = (effect.starts)(&scales.rig, &place);
             found.extend(starts.into_iter().map(|start| Candidate::new(effect, &place, start)));

@@ -22,6 +22,7 @@ mod intervals;
 mod materiality;
 mod noise_floor;
 mod nonparametric;
+mod orders;
 mod pictures;
 mod plausibility;
 mod preprocessing;

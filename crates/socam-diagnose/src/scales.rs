@@ -4,10 +4,20 @@ use socam_identify::{
     IdentifyError, Problem,
     compare::{self, Innovations, Measured, Traces, Yardstick},
 };
-use socam_model::{Channel, Model, Quantity, Role, Take, effects::Rig};
+use socam_model::{
+    Channel, Model, Quantity, Role, Take,
+    effects::{self, ActsAt, Rig},
+};
 
-use crate::spectrum::{self, Lines};
+use crate::{
+    orders,
+    spectrum::{self, Lines},
+};
 
+/// Share of its largest reading within which an input's readings are all the same: so many of them lie there where it is cut off.
+const FLAT: f64 = 1e-4;
+/// Share of the largest speed below which a place is at rest.
+const AT_REST: f64 = 0.01;
 /// Frequencies at which a channel's residuals stand out, and those of all together.
 const PEAKS: usize = 3;
 const PEAKS_OF_ALL: usize = 4;
@@ -109,19 +119,49 @@ fn add_motion(
     }
     let traces = compare::traces(problem, at, Some(&probe))?;
     let (of_nodes, of_springs) = seen.split_at(model.nodes.len());
+    let waves = effects::screened().filter(|effect| effect.acts_at == ActsAt::Node && effect.is_by_turn());
+    let waves = waves.filter(|effect| effect.given().any(|own| own.name == "order"));
+    let by_turn: Vec<String> = waves.flat_map(|effect| effect.places_in(model)).collect();
     for (node, output) in rig.nodes.iter_mut().zip(of_nodes) {
         let Some(output) = output else { continue };
         node.speed = largest(&traces, *output).0;
+        let speeds = || traces.iter().flat_map(|trace| &trace.predicted[*output]).copied();
+        let (back, forth) = speeds().fold((0.0_f64, 0.0_f64), |(least, most), w| (least.min(w), most.max(w)));
+        let fastest = forth.max(-back);
+        if fastest > 0.0 {
+            node.reverse_share = forth.min(-back) / fastest;
+            let at_rest = speeds().filter(|speed| speed.abs() < AT_REST * fastest).count();
+            node.rest_share = at_rest as f64 / speeds().count() as f64;
+        }
         let turns = traces
             .iter()
             .zip(read)
             .map(|(trace, read)| turned(&trace.predicted[*output], spectrum::step_s(read)));
         node.angle_range = turns.fold(0.0, f64::max);
+        if by_turn.contains(&node.name) {
+            node.orders = orders_of(&traces, read, (model, *output));
+        }
     }
     let torques = of_springs.iter().map(|output| output.map_or((0.0, 0), |output| largest(&traces, output)));
     let (torques, loudest): (Vec<f64>, Vec<usize>) = torques.unzip();
     rig.springs.iter_mut().zip(torques).for_each(|(spring, torque)| spring.torque = torque);
     Ok(loudest)
+}
+
+/// Orders at which residuals stand out over the turn of a node whose speed is an output of `traces`.
+fn orders_of(traces: &[Traces], read: &[Traces], (model, speed): (&Model, usize)) -> Vec<f64> {
+    let mut series: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    for (trace, read) in traces.iter().zip(read) {
+        let step_s = spectrum::step_s(read);
+        let angle = trace.predicted[speed].iter().scan(0.0, |angle, speed| {
+            *angle += step_s * speed;
+            Some(*angle)
+        });
+        let angle: Vec<f64> = angle.collect();
+        let outputs = 0..model.outputs().count();
+        series.extend(outputs.map(|output| (angle.clone(), spectrum::residual(read, output))));
+    }
+    orders::standing_out(series.iter().map(|(angle, residual)| (angle.as_slice(), residual.as_slice())))
 }
 
 /// From the least to the greatest angle on the way.
@@ -177,6 +217,8 @@ fn add_channels(rig: &mut Rig, read: &[Traces], model: &Model) {
         let mean = sum / f64::max(count, 1.0);
         own.std = (present().map(|value| (value - mean).powi(2)).sum::<f64>() / f64::max(count, 1.0)).sqrt();
         own.largest = present().map(f64::abs).fold(0.0, f64::max);
+        let at_largest = present().filter(|value| value.abs() > (1.0 - FLAT) * own.largest).count();
+        own.limit = (input.is_some() && at_largest >= OFTEN).then_some(own.largest);
         let (least, most) =
             present().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)));
         own.range = f64::max(most - least, 0.0);

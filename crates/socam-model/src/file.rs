@@ -306,7 +306,8 @@ impl Reader<'_> {
     fn effect(&mut self, raw: RawEffect, model: &mut Model) -> Result<(), ModelError> {
         let id = raw.effect.get_ref();
         let given = raw.parameters.0.iter().map(|(name, _)| name.get_ref().as_str());
-        let Some(effect) = effects::find_with(id, given) else {
+        let acts_there = |effect: &Effect| model.places(effect).contains(&raw.at.get_ref().as_str());
+        let Some(effect) = effects::find_at(id, given, acts_there) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
             return self
                 .fail(&raw.effect, format!("there is no effect \"{id}\"; effects are {}", known.join(", ")));
@@ -577,7 +578,11 @@ fn add_clocks(model: &mut Model) {
         gain: None,
         noise_std: None,
         estimate_offset: false,
-        unit: if quantity == Quantity::Time { "s" } else { "rad" },
+        unit: match quantity {
+            Quantity::Time => "s",
+            Quantity::Change => "1/s",
+            _ => "rad",
+        },
     };
     let mut clocks = Vec::new();
     if asks(Sight::Time)
@@ -592,7 +597,20 @@ fn add_clocks(model: &mut Model) {
         let take = if tachometer.take == Take::Rate { Take::Value } else { Take::Turned };
         clocks.push(clock(tachometer, "turned", Quantity::Turned, take));
     }
+    for used in model.effects.iter().filter(|used| used.effect.sees(Sight::Change)) {
+        let Site::Channel(channel) = used.at else { continue };
+        let own = &model.channels[channel];
+        let changes = clock(own, &change_of(&own.name), Quantity::Change, Take::Rate);
+        if !clocks.contains(&changes) {
+            clocks.push(changes);
+        }
+    }
     model.channels.extend(clocks);
+}
+
+/// Name of the input that says how fast another one changes.
+pub(crate) fn change_of(channel: &str) -> String {
+    format!("{channel} changes")
 }
 
 /// Whether a column holds angles or positions, by its unit's suffix.
@@ -613,6 +631,7 @@ fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static
         (Quantity::Torque, false) => ("N", "_N"),
         (Quantity::Time, _) => ("s", "_s"),
         (Quantity::Turned, _) => ("rad", "_rad"),
+        (Quantity::Change, _) => ("1/s", ""),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     ModelError, Take, edit,
-    effects::{ActsAt, Borrowed, Effect, Form, Kind, Sight},
+    effects::{ActsAt, Borrowed, Effect, Form, Kind, Places, Sight},
     file,
 };
 
@@ -203,13 +203,16 @@ pub enum Quantity {
     /// Angle through which a node has turned since the recording began; likewise.
     #[serde(skip)]
     Turned,
+    /// Rate at which another input changes, by its column; likewise.
+    #[serde(skip)]
+    Change,
 }
 
 impl Quantity {
     /// Whether an input of this kind moves nothing, but is only seen by laws; known exactly.
     #[must_use]
     pub fn is_clock(self) -> bool {
-        matches!(self, Self::Time | Self::Turned)
+        matches!(self, Self::Time | Self::Turned | Self::Change)
     }
 }
 
@@ -365,10 +368,16 @@ impl Model {
             ActsAt::Gear => self.gears.iter().map(|gear| &*gear.name).collect(),
             ActsAt::Shaft => self.shafts.iter().map(|shaft| &*shaft.name).collect(),
             ActsAt::Channel => {
-                let outputs_only =
+                let of_outputs =
                     matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(Sight::Reading);
-                let channels = self.channels.iter().filter(|c| c.role == Role::Output || !outputs_only);
-                channels.map(|channel| &*channel.name).collect()
+                let fits = |channel: &&Channel| match effect.places {
+                    Places::Sensors => channel.role == Role::Output,
+                    Places::Channels => true,
+                    // A rate is made of values, and of no other.
+                    Places::Inputs => channel.role == Role::Input && channel.take == Take::Value,
+                    _ => channel.role == Role::Output || !of_outputs,
+                };
+                self.channels.iter().filter(fits).map(|channel| &*channel.name).collect()
             }
         }
     }

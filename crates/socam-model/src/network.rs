@@ -85,7 +85,9 @@ impl Model {
         }
         for used in &self.effects {
             for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
-                let scale = matches!(parameter.kind, Kind::Speed | Kind::Time)
+                // Laws divide by these; a time of either sign is none of them.
+                let scale = matches!(parameter.kind, Kind::Speed)
+                    || (parameter.kind == Kind::Time && parameter.bounds.0 >= 0.0)
                     || matches!(parameter.name, "deflection" | "limit");
                 if scale && values[*index] <= 0.0 {
                     return fail(*index, "positive");
@@ -280,7 +282,7 @@ impl<'m> Assembly<'m> {
                         channel.name, channel.at
                     )));
                 }
-                Quantity::Time | Quantity::Turned => {}
+                Quantity::Time | Quantity::Turned | Quantity::Change => {}
                 Quantity::Acceleration => {
                     return Err(ModelError::Network(format!(
                         "channel {} cannot drive the model: give a speed or a torque as input",

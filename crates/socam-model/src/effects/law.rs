@@ -20,8 +20,10 @@ pub enum Sight {
     Angle,
     /// Time since the recording began, s.
     Time,
-    /// What its channel would read were its sensor true.
+    /// What its channel would read were its sensor true; of an input, what it reads.
     Reading,
+    /// Rate at which an input's reading changes, by the recording.
+    Change,
     /// The state of its own: see [`Acts::State`].
     State,
 }
@@ -46,7 +48,7 @@ pub struct Response {
     pub torque: f64,
     /// By each sight.
     pub slopes: [f64; MAX_SIGHTS],
-    /// By each parameter, in the order of [`Effect::parameters`], borrowed ones last.
+    /// By each parameter, in the order of [`super::Effect::parameters`], borrowed ones last.
     pub slope_parameters: [f64; MAX_PARAMETERS],
 }
 

@@ -5,7 +5,10 @@ use super::{
     Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
 };
 
-/// T = -fraction |transmitted torque| tanh(speed / transition_speed), on the slow side, whose speed and torque are meant.
+/// A share of the torque that enters the mesh, from whichever side, on the slow side, whose speed and torque are meant. While the fast side
+/// drives, the torque T of the contact enters: the drag is fraction |T|. While the slow side drives, T is what is left:
+/// the drag is |T| fraction / (1 - fraction). It is the load-dependent friction c (|T_in| + |T_out|) of the literature on servo gearboxes with
+/// c = fraction / (2 - fraction).
 pub(super) const EFFECT: Effect = Effect {
     id: "mesh_loss",
     name: "mesh loss",
@@ -41,8 +44,8 @@ pub(super) const EFFECT: Effect = Effect {
         ),
     }],
     steady: Steady::Linear,
-    equation: "T_out = N T_in (1 - f) while it is driven forward",
-    sentence: |_| "The mesh eats a fixed share of the torque it passes on: sliding between cam and rollers, or between teeth.",
+    equation: "|T_leaving| = (1 - f) |T_entering|, on either side's terms",
+    sentence: |_| "The mesh eats a fixed share of the torque that enters it, whichever side drives: sliding between cam and rollers, or between teeth.",
     shows: "where torque is transmitted, in proportion to it",
     experiment: experiment::DRIVEN_BY_LOAD,
 };
@@ -53,9 +56,18 @@ fn answer(sights: &[f64], p: &[f64]) -> Response {
     let (turn, turn_bend, by_transition) = shape::sign(torque, p[2]);
     // |torque|, smooth at zero and exact away from it.
     let size = torque * turn;
+    // From 0 (the fast side drives) to 1 (the slow side does): the share of what is transmitted goes from f to f / (1 - f).
+    let driven = 0.5 * (1.0 - sign * turn);
+    let left = 1.0 - p[0] * driven;
+    let share = p[0] / left;
+    let share_by_driven = share * share;
+    let share_by_sign = -0.5 * turn * share_by_driven;
+    let share_by_turn = -0.5 * sign * share_by_driven;
+    let by_turn = torque * share + size * share_by_turn;
+    let by_sign = size * (share + sign * share_by_sign);
     shape::response(
-        -p[0] * size * sign,
-        &[-p[0] * size * bend, -p[0] * sign * (turn + torque * turn_bend)],
-        &[-size * sign, -p[0] * size * by_width, -p[0] * sign * torque * by_transition],
+        -size * share * sign,
+        &[-by_sign * bend, -sign * (turn * share + by_turn * turn_bend)],
+        &[-size * sign / (left * left), -by_sign * by_width, -sign * by_turn * by_transition],
     )
 }

@@ -11,6 +11,7 @@ mod coulomb_friction;
 mod coupling_slip;
 mod damping_drift;
 mod direction_dependence;
+mod direction_gain;
 pub mod discrepancy;
 pub mod experiment;
 mod external_disturbance;
@@ -28,6 +29,7 @@ mod prior;
 mod quadratic_drag;
 mod rig;
 pub(crate) mod sensor_delay;
+mod sensor_fold;
 mod sensor_gain;
 mod sensor_hum;
 mod sensor_lag;
@@ -38,6 +40,7 @@ mod shape;
 mod stiffness_hardening;
 mod stribeck_friction;
 mod torque_ripple;
+mod velocity_weakening;
 
 use discrepancy::Discrepancy;
 use experiment::Experiment;
@@ -58,6 +61,7 @@ pub const CATALOGUE: &[&Effect] = &[
     &quadratic_drag::EFFECT,
     &damping_drift::EFFECT,
     &direction_dependence::EFFECT,
+    &velocity_weakening::EFFECT,
     &constant_load::EFFECT,
     &mesh_loss::EFFECT,
     &backlash::EFFECT,
@@ -75,12 +79,21 @@ pub const CATALOGUE: &[&Effect] = &[
     &sensor_lag::EFFECT,
     &sensor_delay::EFFECT,
     &sensor_saturation::EFFECT,
+    &sensor_fold::EFFECT,
+    &direction_gain::EFFECT,
     &sensor_hum::EFFECT,
     &sensor_ripple::EFFECT,
 ];
 
-/// Laws that stand for an effect of the catalogue where a parameter is given that it has not.
-pub const REFINED: &[&Effect] = &[&presliding::COULOMB, &presliding::STRIBECK];
+/// Laws that stand for an effect of the catalogue where a parameter is given that it has not, or at a place where it cannot act.
+pub const REFINED: &[&Effect] =
+    &[&presliding::COULOMB, &presliding::STRIBECK, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
+
+/// All laws that are looked for from the beginning.
+pub fn screened() -> impl Iterator<Item = &'static Effect> {
+    let refined = [&presliding::COULOMB, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
+    CATALOGUE.iter().copied().chain(refined)
+}
 
 /// Looks an effect up by its id.
 pub fn find(id: &str) -> Option<&'static Effect> {
@@ -91,6 +104,16 @@ pub fn find(id: &str) -> Option<&'static Effect> {
 pub fn find_with<'n>(id: &str, given: impl Iterator<Item = &'n str> + Clone) -> Option<&'static Effect> {
     let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
     laws_of(id).find(knows).or_else(|| find(id))
+}
+
+/// The same, of those laws that may act at a place.
+pub(crate) fn find_at<'n>(
+    id: &str,
+    given: impl Iterator<Item = &'n str> + Clone,
+    acts_there: impl Fn(&Effect) -> bool,
+) -> Option<&'static Effect> {
+    let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
+    laws_of(id).filter(knows).find(|effect| acts_there(effect)).or_else(|| find_with(id, given))
 }
 
 /// Names of all parameters that may be given for an effect.

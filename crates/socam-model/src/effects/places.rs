@@ -10,14 +10,15 @@ pub enum Places {
     Every,
     /// The last node with an inertia whose motion is not prescribed: what acts from outside acts on the load.
     Load,
-    /// Nodes that an input acts on with a torque.
+    /// The machine that drives: nodes that an input acts on with a torque, or, where an input prescribes the motion of a node, those with
+    /// an inertia at the other end of its springs.
     Driven,
-    /// Nodes that an input acts on, whether with a torque or with its motion.
-    Moved,
     /// Nodes whose motion no input prescribes.
     Free,
     /// Channels that are predicted.
     Sensors,
+    /// Channels that drive the model.
+    Inputs,
     /// Channels that are predicted, and inputs.
     Channels,
 }
@@ -37,15 +38,23 @@ impl Effect {
         let prescribed =
             |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
         let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
+        let name = |node: usize| model.nodes[node].name.as_str();
+        let behind_drive = |place: &str| {
+            let mut joined =
+                model.springs.iter().filter_map(|spring| Some((name(spring.from), name(spring.to?))));
+            massive(place)
+                && joined.any(|(a, b)| (a == place && prescribed(b)) || (b == place && prescribed(a)))
+        };
         let channel = |name: &str| model.channels.iter().find(|channel| channel.name == name);
         let all = model.places(self).into_iter().filter(|place| is_part(place));
         let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
         let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
         let kept: Vec<&str> = match self.places {
-            Places::Every | Places::Channels => all.collect(),
+            Places::Every | Places::Channels | Places::Inputs => all.collect(),
             Places::Load => all.rfind(|place| massive(place) && !prescribed(place)).into_iter().collect(),
-            Places::Driven => all.filter(|place| driven(place) && !prescribed(place)).collect(),
-            Places::Moved => all.filter(|place| driven(place)).collect(),
+            Places::Driven => {
+                all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()
+            }
             Places::Free => all.filter(|place| !prescribed(place)).collect(),
             Places::Sensors => {
                 all.filter(|place| channel(place).is_some_and(|c| c.role == Role::Output)).collect()

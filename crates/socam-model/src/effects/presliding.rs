@@ -44,8 +44,14 @@ pub(super) const COULOMB: Effect = Effect {
     ]),
     amplitude: coulomb_friction::EFFECT.amplitude,
     linearisation: Linearisation::Null,
-    starts: |rig, place| with_deflections(rig, (coulomb_friction::EFFECT.starts)(rig, place)),
-    fit_starts: begin_with_little,
+    starts: |rig, place| {
+        // A contact sticks only where its place comes to rest.
+        let comes_to_rest = rig.bearing(place).1.rest_share > RESTS;
+        let middle = deflections(rig)[1];
+        let start = vec![("torque", 0.0), ("deflection", middle)];
+        if comes_to_rest { vec![start] } else { Vec::new() }
+    },
+    fit_starts: |rig, _, little, _| with_deflections(rig, vec![little.clone()]),
     priors: |rig, place| {
         let mut all = (coulomb_friction::EFFECT.priors)(rig, place);
         all.push(deflection(rig));
@@ -137,6 +143,9 @@ const TRANSITION: EffectParameter = EffectParameter::usual("transition_speed", K
 /// How far a contact may give before it slips, rad (cm).
 const DEFLECTIONS: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
+/// Share of the time at rest from which on a contact is looked at that sticks.
+const RESTS: f64 = 0.02;
+
 /// How nearly the deflection is obeyed.
 const BENT: Discrepancy =
     Discrepancy::share("deflection", 1e-3, "assumed: no law is obeyed better than to a thousandth");
@@ -147,7 +156,8 @@ fn deflections(rig: &Rig) -> [f64; 3] {
 
 fn with_deflections(rig: &Rig, starts: Vec<Values>) -> Vec<Values> {
     let each = starts.iter().flat_map(|start| {
-        let with = |deflection| start.iter().copied().chain([("deflection", deflection)]).collect();
+        let others = || start.iter().copied().filter(|(name, _)| *name != "deflection");
+        let with = |deflection| others().chain([("deflection", deflection)]).collect();
         deflections(rig).map(with)
     });
     each.collect()

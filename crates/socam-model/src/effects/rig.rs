@@ -47,6 +47,12 @@ pub struct RigNode {
     pub angle_range: f64,
     /// Largest torque that moves it, through springs, gears or a drive, N m.
     pub torque: f64,
+    /// Share of the time in which it moves at less than a hundredth of its largest speed.
+    pub rest_share: f64,
+    /// Largest speed in the direction in which it moves less fast, over its largest speed.
+    pub reverse_share: f64,
+    /// Whole numbers of cycles per turn at which residuals stand out, strongest first.
+    pub orders: Vec<f64>,
 }
 
 /// A coupling or an elastic shaft.

@@ -1,8 +1,9 @@
 //! A sensor that reports late.
 
 use super::{
-    ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, sensor_lag::SHORT,
+    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+    Law, Linearisation, POSITIVE, Places, Prior, Sight, Steady, all_zero, begin_with_little, experiment,
+    sensor_lag::SHORT, shape,
 };
 
 /// A delay's all-pass of eighth order (Padé, [8/8]) as four of second order, (s² - p s + q)/(s² + p s + q) with s in units of the
@@ -44,6 +45,54 @@ pub(super) const EFFECT: Effect = Effect {
 
 /// Small enough to be nothing, large enough to be divided by, s.
 const NEXT_TO_NOTHING_S: f64 = 1e-8;
+
+/// An input that is recorded late, or early where the delay is negative: it acts as it will read a delay later, to first order
+/// truth = reading + delay rate. Right to a hundredth up to frequency x delay = 0.02.
+pub(super) const AT_INPUT: Effect = Effect {
+    id: EFFECT.id,
+    name: EFFECT.name,
+    acts_at: ActsAt::Channel,
+    places: Places::Inputs,
+    parameters: &[EffectParameter::new("delay", Kind::Time, ANY)],
+    borrows: None,
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Change],
+        acts: Acts::Reading,
+        answer: |sights, p| shape::response(-p[0] * sights[0], &[-p[0]], &[-sights[0]]),
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
+    amplitude: EFFECT.amplitude,
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["delay"]),
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let source = "devices are synchronised to a few samples, one way or the other, and never worse than the motion itself";
+        let most_s = rig.longest_time_constant_s(place);
+        vec![("delay", Prior::normal([0.0, 5.0 * rig.sample_time_s], (-most_s, most_s), source))]
+    },
+    discrepancy: &[Discrepancy::share(
+        "delay",
+        1e-2,
+        "the law is of first order: 1 % at the frequencies where it is used",
+    )],
+    replaces: &[],
+    equivalents: &[Equivalent {
+        effect: EFFECT.id,
+        holds: Condition::Stated("of all outputs together, with the other sign"),
+    }],
+    steady: Steady::Unseen,
+    equation: "u_true(t) = u(t + d)",
+    sentence: |fitted| {
+        if fitted.get("delay") < 0.0 {
+            "The drive's column is early: what moves the bench comes later than it is recorded."
+        } else {
+            "The drive's column is late: what moves the bench is recorded after it acts."
+        }
+    },
+    shows: "fast motion",
+    experiment: experiment::FAST_MOTION,
+};
 
 #[cfg(test)]
 mod tests {

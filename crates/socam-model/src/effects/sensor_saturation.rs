@@ -10,7 +10,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_saturation",
     name: "sensor saturation",
     acts_at: ActsAt::Channel,
-    places: Places::Channels,
+    places: Places::Sensors,
     parameters: &[EffectParameter::new("limit", Kind::Gain, POSITIVE)],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -38,6 +38,70 @@ pub(super) const EFFECT: Effect = Effect {
     shows: "everywhere",
     experiment: experiment::LARGE_TORQUE,
 };
+
+/// An input whose readings are cut off: while it reads its limit, it acts by `excess` more, the mean of what was cut off.
+pub(super) const AT_INPUT: Effect = Effect {
+    id: EFFECT.id,
+    name: EFFECT.name,
+    acts_at: ActsAt::Channel,
+    places: Places::Inputs,
+    parameters: &[
+        EffectParameter::new("limit", Kind::Gain, POSITIVE),
+        EffectParameter::new("excess", Kind::Gain, POSITIVE),
+    ],
+    borrows: None,
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Reading],
+        acts: Acts::Reading,
+        answer: cut_off,
+        bend: shape::straight,
+        silent: |parameters| parameters[1] == 0.0,
+    }]),
+    amplitude: Amplitude::of(&["excess"]),
+    linearisation: Linearisation::Null,
+    starts: |rig, place| {
+        let limit = rig.channel(place).limit;
+        limit.map(|limit| vec![("limit", limit), ("excess", 0.0)]).into_iter().collect()
+    },
+    fit_starts: begin_with_little,
+    priors: |rig, place| {
+        let largest = rig.channel(place).largest;
+        let source = "a range that is too small ends at the largest readings, and is usually chosen nearly large enough";
+        vec![
+            ("limit", Prior::log_normal([largest, 1.01], (0.9 * largest, 1.01 * largest), source)),
+            ("excess", Prior::log_normal([0.1 * largest, 3.0], (0.0, 2.0 * largest), source)),
+        ]
+    },
+    discrepancy: &[Discrepancy::share(
+        "excess",
+        0.5,
+        "the excess is a mean of what was cut off, whatever its course: known to a half",
+    )],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
+    equation: "|u| = u_max: |u_true| = u_max + e",
+    sentence: |_| "What drives the bench goes further than it is recorded: the input's range, or its amplifier's, is too small.",
+    shows: "at the limit of the input's readings",
+    experiment: experiment::LARGE_TORQUE,
+};
+
+/// Of a limit: readings this near to it are at it.
+const AT_LIMIT: f64 = 1e-3;
+
+fn cut_off(sights: &[f64], p: &[f64]) -> Response {
+    let (reading, limit, excess) = (sights[0], p[0], p[1]);
+    let width = AT_LIMIT / 3.0;
+    // Nearness to the limit in units of it: 1 at the limit, 0 well below.
+    let (tanh, bend, _) = shape::sign(reading.abs() / limit - 1.0 + AT_LIMIT, width);
+    let (share, slope) = (0.5 * (1.0 + tanh), 0.5 * bend);
+    let sign = reading.signum();
+    shape::response(
+        -excess * share * sign,
+        &[-excess * slope / limit],
+        &[excess * slope * reading / (limit * limit), -share * sign],
+    )
+}
 
 /// Of the corners, as a part of the limit.
 const ROUNDING: f64 = 1e-6;

@@ -4,6 +4,7 @@ use super::*;
 use crate::Model;
 
 mod names;
+mod rigs;
 
 /// Values for a parameter that make sense and make the law do something.
 fn plausible(parameter: &EffectParameter) -> f64 {
@@ -132,7 +133,7 @@ fn rig(model: &Model) -> Rig {
     let mut rig = Rig { sample_time_s: 1e-3, longest_s: 10.0, ..Rig::of_model(model, &model.values()) };
     rig.lines_hz = vec![50.0];
     for node in &mut rig.nodes {
-        (node.speed, node.angle_range, node.torque) = (20.0, 100.0, 2.0);
+        (node.speed, node.angle_range, node.torque, node.rest_share) = (20.0, 100.0, 2.0, 0.1);
     }
     rig.springs.iter_mut().for_each(|spring| spring.torque = 2.0);
     for channel in &mut rig.channels {

@@ -28,7 +28,12 @@ pub(super) const EFFECT: Effect = Effect {
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,
-    starts: |_, _| (1..=12).map(|order| wave("order", f64::from(order), "torque")).collect(),
+    starts: |rig, place| {
+        let seen = rig.node(place).orders;
+        let low = (1..=12).map(f64::from).filter(|order| !seen.contains(order));
+        let all = seen.iter().copied().chain(low).map(|order| wave("order", order, "torque"));
+        all.collect()
+    },
     fit_starts: begin_with_little,
     priors: |rig, place| {
         let source = "cogging and commutation repeat a whole number of times per turn: poles, slots, and their multiples";

@@ -5,6 +5,7 @@ use crate::{
     ModelError,
     effects::{Acts, Form, Sight, sensor_delay},
     equations::{Equations, Port, Rows},
+    file,
     jet::{Jet, Scalar},
     model::{Channel, EffectUse, Quantity, Role, Site, Spring},
 };
@@ -299,7 +300,7 @@ impl<'a, 'm> Motion<'a, 'm> {
                 "channel {} measures an acceleration, so {} must have an inertia",
                 channel.name, model.nodes[node].name
             ))),
-            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned => {
+            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change => {
                 Err(ModelError::Network(format!(
                     "channel {} is a reference; that can only be an input",
                     channel.name
@@ -431,6 +432,7 @@ impl<'a, 'm> Motion<'a, 'm> {
             }
             (Sight::Torque, ..) => spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring)),
             (Sight::Time, ..) => self.clock(Quantity::Time),
+            (Sight::Change, ..) => self.input_named(&file::change_of(&used.place)),
             (Sight::State, ..) => {
                 let mut row = self.nothing();
                 row.add_at(0, self.owned[effect].0, &self.one());
@@ -442,6 +444,14 @@ impl<'a, 'm> Motion<'a, 'm> {
             },
             _ => self.nothing(),
         })
+    }
+
+    fn input_named(&self, name: &str) -> Jet {
+        let mut row = self.nothing();
+        if let Some(index) = self.a.model.inputs().position(|input| input.name == name) {
+            row.add_at(0, self.first_input() + index, &self.one());
+        }
+        row
     }
 
     fn clock(&self, quantity: Quantity) -> Jet {

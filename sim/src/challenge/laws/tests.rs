@@ -27,7 +27,7 @@ fn seen(sight: Sight) -> [f64; 3] {
         Sight::Speed => [-3.0, 0.013, 9.0],
         Sight::Twist => [-2.1e-3, 4e-4, 1.3e-3],
         Sight::TwistRate => [-0.7, 0.02, 1.9],
-        Sight::Torque | Sight::Reading => [-2.0, 0.013, 5.0],
+        Sight::Torque | Sight::Reading | Sight::Change => [-2.0, 0.013, 5.0],
         Sight::Angle => [-70.0, 0.3, 31.0],
         Sight::Time => [1.0, 5.01, 9.0],
         Sight::State => [-6e-4, 1e-4, 5e-3],

@@ -103,6 +103,7 @@ pub(super) fn measures(quantity: Quantity, role: Role, motion: Motion) -> String
         Quantity::Reference => "reference",
         Quantity::Time => "time",
         Quantity::Turned => "angle turned",
+        Quantity::Change => "rate of change",
     };
     match role {
         Role::Input => format!("{quantity}, drives the model"),

@@ -74,3 +74,14 @@ fn a_literal_is_found_in_code_and_not_in_unit_tests() {
     );
     assert_eq!(named(&text), [(1, id)]);
 }
+
+#[test]
+fn every_effect_stands_in_the_docs() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = fs::read_to_string(root.join("docs/effects.md")).unwrap();
+    for effect in CATALOGUE.iter().chain(REFINED) {
+        let mut rows = text.lines().filter(|line| line.starts_with(&format!("| `{}`", effect.id)));
+        let has_all = |row: &str| effect.given().all(|own| row.contains(&format!("`{}`", own.name)));
+        assert!(rows.any(has_all), "{} has no row with all its parameters", effect.id);
+    }
+}

@@ -1,0 +1,53 @@
+//! A gain that is another one way than the other.
+
+use super::{
+    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, Places,
+    Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+};
+
+/// reading = truth + difference |truth| / 2: the difference is that of the gains for positive and negative values; their mean is left to
+/// the channel's gain.
+pub(super) const EFFECT: Effect = Effect {
+    id: "direction_gain",
+    name: "direction-dependent gain",
+    acts_at: ActsAt::Channel,
+    places: Places::Channels,
+    parameters: &[EffectParameter::new("difference", Kind::Ratio, (-1.9, 1.9))],
+    borrows: None,
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Reading],
+        acts: Acts::Reading,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
+    amplitude: Amplitude::of(&["difference"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["difference"]),
+    fit_starts: begin_with_little,
+    priors: |_, _| {
+        let source = "half bridges and torque constants differ by some per cent between directions; neither gain changes its sign";
+        vec![("difference", Prior::normal([0.0, 0.1], (-1.9, 1.9), source))]
+    },
+    discrepancy: &[Discrepancy::amplitude("difference")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
+    equation: "y = y_true (1 + dg sign(y_true)/2)",
+    sentence: |fitted| {
+        if fitted.get("difference") > 0.0 {
+            "A sensor or drive reads or gives more of what is positive than of what is negative: its two directions are not calibrated alike."
+        } else if fitted.get("difference") < 0.0 {
+            "A sensor or drive reads or gives less of what is positive than of what is negative: its two directions are not calibrated alike."
+        } else {
+            "A sensor or drive has another gain one way than the other."
+        }
+    },
+    shows: "in one direction against the other",
+    experiment: experiment::THROUGH_STANDSTILL,
+};
+
+fn answer(sights: &[f64], p: &[f64]) -> Response {
+    let (size, sign) = (sights[0].abs(), sights[0].signum());
+    shape::response(0.5 * p[0] * size, &[0.5 * p[0] * sign], &[0.5 * size])
+}

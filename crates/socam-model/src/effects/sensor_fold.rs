@@ -1,0 +1,46 @@
+//! A sensor that counts whatever the direction.
+
+use super::{
+    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, Places,
+    Prior, Response, Sight, Steady, all_zero, experiment, shape,
+};
+
+/// reading = truth + share (|truth| - truth): with a share of one the reading is |truth|.
+pub(super) const EFFECT: Effect = Effect {
+    id: "sensor_fold",
+    name: "sensor fold",
+    acts_at: ActsAt::Channel,
+    places: Places::Sensors,
+    parameters: &[EffectParameter::new("share", Kind::Ratio, (0.0, 1.0))],
+    borrows: None,
+    form: Form::Laws(&[Law {
+        sights: &[Sight::Reading],
+        acts: Acts::Reading,
+        answer,
+        bend: shape::straight,
+        silent: |parameters| parameters[0] == 0.0,
+    }]),
+    amplitude: Amplitude::of(&["share"]),
+    linearisation: Linearisation::Null,
+    starts: |_, _| all_zero(["share"]),
+    fit_starts: |_, _, little, _| vec![little.clone(), vec![("share", 1.0)]],
+    priors: |_, _| {
+        let source =
+            "a counter of pulses has no sign at all; one that misses some of them on the way back is rare";
+        vec![("share", Prior::normal([1.0, 0.05], (0.0, 1.0), source))]
+    },
+    discrepancy: &[Discrepancy::amplitude("share")],
+    replaces: &[],
+    equivalents: &[],
+    steady: Steady::Unseen,
+    equation: "y = |y_true|",
+    sentence: |_| "A sensor reads the same sign whichever way it turns: it counts pulses and does not know the direction.",
+    shows: "where the motion changes its direction",
+    experiment: experiment::THROUGH_STANDSTILL,
+};
+
+fn answer(sights: &[f64], p: &[f64]) -> Response {
+    let beyond = (-2.0 * sights[0]).max(0.0);
+    let slope = if sights[0] < 0.0 { -2.0 } else { 0.0 };
+    shape::response(p[0] * beyond, &[p[0] * slope], &[beyond])
+}

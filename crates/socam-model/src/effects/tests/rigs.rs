@@ -1,0 +1,140 @@
+//! What real rigs need of the catalogue.
+
+use crate::{
+    Model, Quantity,
+    effects::{self, Effect, Rig, Sizes},
+};
+
+fn answer(effect: &Effect, sights: &[f64], parameters: &[f64]) -> f64 {
+    (effect.laws()[0].answer)(sights, parameters).torque
+}
+
+/// BAM's servo loses 0.272 (|torque of the motor| + |torque of the arm|): as a share of what enters, 0.428 either way.
+#[test]
+fn a_mesh_loses_the_same_share_of_what_enters_whichever_side_drives() {
+    let loss = effects::find("mesh_loss").unwrap();
+    let widths = [1e-9, 1e-9];
+    let drag = |torque: f64, speed: f64, fraction: f64| {
+        -answer(loss, &[speed, torque], &[fraction, widths[0], widths[1]])
+    };
+    let coefficient = 0.272;
+    let fraction = 2.0 * coefficient / (1.0 + coefficient);
+    for speed in [3.0, -3.0] {
+        let driving = drag(2.0 * f64::signum(speed), speed, fraction) * f64::signum(speed);
+        let driven = drag(-2.0 * f64::signum(speed), speed, fraction) * f64::signum(speed);
+        assert!((driving - coefficient * (2.0 + (2.0 - driving))).abs() < 1e-9, "{driving}");
+        assert!((driven - coefficient * (2.0 + (2.0 + driven))).abs() < 1e-9, "{driven}");
+        assert!((driven / (2.0 + driven) - fraction).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn sensors_fold_and_differ_by_direction() {
+    let fold = effects::find("sensor_fold").unwrap();
+    assert_eq!([3.0, -3.0].map(|truth| truth + answer(fold, &[truth], &[1.0])), [3.0, 3.0]);
+    let gain = effects::find("direction_gain").unwrap();
+    let read = [2.0, -2.0].map(|truth| truth + answer(gain, &[truth], &[0.1]));
+    assert!((read[0] - 2.1).abs() < 1e-12 && (read[1] + 1.9).abs() < 1e-12);
+}
+
+#[test]
+fn friction_that_falls_with_speed_does_not_jump_at_standstill() {
+    let weakening = effects::find("velocity_weakening").unwrap();
+    let at = |speed: f64| answer(weakening, &[speed], &[0.4, 2.0]);
+    assert!((at(1e-9) - at(-1e-9)).abs() < 1e-9 && (at(0.0) + 0.4).abs() < 1e-12 && at(20.0).abs() < 1e-12);
+}
+
+/// A bench that turns one way.
+fn one_way(model: &Model, reverse_share: f64) -> Rig {
+    let mut rig = Rig::of_model(model, &model.values());
+    for node in &mut rig.nodes {
+        (node.speed, node.torque, node.reverse_share) = (20.0, 1.0, reverse_share);
+    }
+    rig
+}
+
+#[test]
+fn laws_are_looked_for_only_where_the_motion_shows_them() {
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let starts = |effect: &Effect, rig: &Rig| (effect.starts)(rig, "load_bearing").len();
+    let weakening = effects::find("velocity_weakening").unwrap();
+    assert!(starts(weakening, &one_way(&model, 0.0)) > 0 && starts(weakening, &one_way(&model, 1.0)) == 0);
+    let sticking = effects::REFINED.iter().find(|effect| effect.id == "coulomb_friction").unwrap();
+    let mut rig = one_way(&model, 1.0);
+    assert_eq!(starts(sticking, &rig), 0);
+    rig.nodes.iter_mut().for_each(|node| node.rest_share = 0.3);
+    assert!(starts(sticking, &rig) > 0);
+}
+
+/// A clipped input acts by more than it reads, a late one as it will read later.
+#[test]
+fn inputs_clip_and_are_late() {
+    let base = Model::builtin("speed-o-cam").unwrap();
+    let clipped =
+        base.with_effect("sensor_saturation", "motor_speed", &[("limit", 150.0), ("excess", 16.0)]).unwrap();
+    let law = clipped.effects[0].effect;
+    let truth = |reading: f64| reading - answer(law, &[reading], &[150.0, 16.0]);
+    assert!(
+        (truth(150.0) - 166.0).abs() < 0.1
+            && (truth(-150.0) + 166.0).abs() < 0.1
+            && (truth(140.0) - 140.0).abs() < 1e-9
+    );
+    let late = base.with_effect("sensor_delay", "motor_speed", &[("delay", -2e-3)]).unwrap();
+    assert!(
+        late.inputs().any(|input| input.quantity == Quantity::Change && input.name == "motor_speed changes")
+    );
+    let law = late.effects[0].effect;
+    assert_eq!(10.0 - answer(law, &[300.0], &[-2e-3]), 9.4);
+    // At an output it is what it was.
+    assert!(base.with_effect("sensor_delay", "output_speed", &[("delay", -2e-3)]).is_err());
+    assert!((law.sentence)(&Sizes(&[("delay", -2e-3)])).contains("early"));
+}
+
+const PRESCRIBED: &str = r#"
+schema = "socam.model/1"
+name = "cogging"
+description = "A rotor whose motion is prescribed: the drive's torque is an output"
+motion = "rotation"
+
+[parameters]
+drive = { value = 100, unit = "N m/rad", fixed = true, source = "rigid" }
+J = { value = 2e-4, unit = "kg m2", bounds = [1e-5, 1e-2], source = "guess" }
+
+[[nodes]]
+name = "encoder"
+[[nodes]]
+name = "rotor"
+inertia = "J"
+
+[[springs]]
+name = "drive"
+from = "encoder"
+to = "rotor"
+stiffness = "drive"
+
+[channels.speed]
+role = "input"
+quantity = "speed"
+at = "encoder"
+[channels.torque]
+role = "output"
+quantity = "torque"
+at = "drive"
+"#;
+
+#[test]
+fn cogging_is_looked_for_where_the_motion_is_prescribed() {
+    let ripple = effects::find("torque_ripple").unwrap();
+    let model = Model::parse(PRESCRIBED).unwrap();
+    assert_eq!(ripple.places_in(&model), ["rotor"]);
+    assert!(ripple.places_in(&Model::builtin("speed-o-cam").unwrap()).is_empty());
+    let mut rig = Rig::of_model(&model, &model.values());
+    rig.nodes[1].orders = vec![7.0, 28.0, 14.0, 12.0];
+    let orders: Vec<f64> =
+        (ripple.starts)(&rig, "rotor").iter().map(|start| Sizes(start).get("order")).collect();
+    assert_eq!(orders[..4], [7.0, 28.0, 14.0, 12.0]);
+    assert_eq!(orders.iter().filter(|order| **order == 7.0).count(), 1);
+    let cogging =
+        model.with_effect("torque_ripple", "rotor", &[("order", 7.0), ("torque", 0.05), ("phase", 0.0)]);
+    assert!(cogging.is_ok());
+}
