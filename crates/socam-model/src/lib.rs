@@ -31,6 +31,7 @@ pub mod units;
 
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
+pub use file::column_unit;
 pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
     Shaft, Site, Spring, Update,
