@@ -16,6 +16,8 @@ use raw::{
 };
 
 mod channel;
+#[cfg(test)]
+mod documented;
 mod raw;
 #[cfg(test)]
 mod tests;
@@ -216,7 +218,7 @@ impl Reader<'_> {
     fn check_bounds(&self) -> Result<(), ModelError> {
         for (name, value, bounds) in &self.bounded {
             let [low, high] = *bounds.get_ref();
-            if !(low < high) {
+            if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
                 return self
                     .fail(bounds, format!("parameters.{name}.bounds must be [low, high] with low < high"));
             }

@@ -24,6 +24,7 @@ mod error;
 mod file;
 mod jet;
 pub mod layout;
+pub mod meanings;
 mod model;
 mod network;
 mod take;
