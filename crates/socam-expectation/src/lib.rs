@@ -1,7 +1,7 @@
 //! What a model expects of a recording that is to determine its parameters: for the command `check` and for the dashboard, which knows
 //! the same in a browser, where nothing is fitted.
 
-use socam_model::{Channel, EffectUse, Mode, Model, Quantity, Site, Take, effects::Condition};
+use socam_model::{Channel, EffectUse, Mode, Model, Quantity, Site, Take, column_unit, effects::Condition};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.
@@ -19,13 +19,28 @@ pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     let outputs = model.outputs().count();
     let parameters = model.parameters.iter().filter(|parameter| !parameter.fixed).count();
     CheckOptions {
-        input: model.inputs().find(|channel| is_recorded(channel)).map(|channel| channel.column.clone()),
+        input: input(model).map(|channel| channel.column.clone()),
+        units: units(model),
         channels: model.inputs().chain(model.outputs()).map(|channel| channel.column.clone()).collect(),
         ratios: ratios(model, ratio_tolerance),
         resonances: resonances(model),
         both_ways: both_ways(model).into_iter().collect(),
         free: Some(FreeParameters { parameters, outputs }),
     }
+}
+
+/// The channel that drives the model: one whose column is its motion or torque, else one that is made of a column (the rate of an
+/// encoder's angle, whose excitation is judged as a rate all the same).
+fn input(model: &Model) -> Option<&Channel> {
+    let mut inputs = model.inputs().filter(|channel| !channel.quantity.is_clock());
+    model.inputs().find(|channel| is_recorded(channel)).or_else(|| inputs.next())
+}
+
+/// Of channels whose column is named without a unit and which the model does not scale.
+fn units(model: &Model) -> Vec<(String, String)> {
+    let read = model.channels.iter().filter(|channel| !channel.quantity.is_clock() && is_recorded(channel));
+    let unscaled = read.filter(|channel| column_unit(&channel.column).is_none() && channel.scale == 1.0);
+    unscaled.map(|channel| (channel.column.clone(), channel.unit.to_owned())).collect()
 }
 
 /// Whether its column is what the channel is, so that the column's statistics speak of it.
@@ -78,6 +93,9 @@ fn both_ways(model: &Model) -> Option<BothWays> {
     Some(BothWays { channel: channel.column.clone(), parameters: vec![friction, load] })
 }
 
+/// Share of the fastest mode's frequency below which one is a free rotation, slowed by rounding alone.
+const FREE_ROTATION: f64 = 1e-6;
+
 /// The model's resonances at its file's values that decide a free parameter, lowest first.
 fn resonances(model: &Model) -> Vec<Resonance> {
     let modes_at = |values: &[f64]| model.equations(values).map(|equations| equations.modes());
@@ -93,7 +111,9 @@ fn resonances(model: &Model) -> Vec<Resonance> {
             Some((index, modes_at(&values).ok()?))
         })
         .collect();
-    let peaks = modes.iter().filter(|mode| mode.damping_ratio < NO_PEAK && mode.natural_frequency_hz > 0.0);
+    let fastest = modes.iter().map(|mode| mode.natural_frequency_hz).fold(0.0, f64::max);
+    let swings = |mode: &&Mode| mode.natural_frequency_hz > FREE_ROTATION * fastest;
+    let peaks = modes.iter().filter(swings).filter(|mode| mode.damping_ratio < NO_PEAK);
     peaks
         .map(|mode| Resonance {
             frequency_hz: mode.natural_frequency_hz,
@@ -139,6 +159,55 @@ mod tests {
         assert_eq!((ratio.fast.channel.as_str(), ratio.ratio), ("motor_speed_rad_s", 8.0));
         assert!(options.resonances.iter().all(|r| !r.parameters.is_empty()));
         assert!(!options.resonances.is_empty());
+    }
+
+    #[test]
+    fn suffixes_mean_the_same_to_models_and_recordings() {
+        for unit in socam_recording::Unit::ALL {
+            assert_eq!(column_unit(&format!("x{}", unit.suffix())), Some(unit.symbol()));
+        }
+        assert_eq!(column_unit("x"), None);
+        // A column that is named without its unit must be in that of its quantity, unless the model scales it.
+        let torque = "role = \"input\"\nquantity = \"torque\"";
+        let named = |lines: &str| {
+            let text =
+                Model::builtin("two-mass").unwrap().text.replacen(torque, &format!("{torque}\n{lines}"), 1);
+            of_model(&Model::parse(&text).unwrap(), 0.01).units
+        };
+        assert_eq!(named("column = \"drive\""), [("drive".to_owned(), "N m".to_owned())]);
+        assert_eq!(named("column = \"drive\"\nscale = 0.05"), []);
+    }
+
+    #[test]
+    fn a_free_axis_has_no_resonance_at_standstill() {
+        // Nothing but rounding keeps the angle of a free axis from 0 Hz, where a sensor of angles looks at it.
+        let text = Model::builtin("two-mass").unwrap().text;
+        let angle =
+            text.replacen("quantity = \"speed\"\nat = \"load\"", "quantity = \"angle\"\nat = \"load\"", 1);
+        for factor in [0.0_f64, 1e-3, 1.0, 1e3] {
+            let damping = format!("motor_damping = {{ value = {}", 4e-3 * factor);
+            let free = angle.replacen("motor_damping = { value = 4e-3", &damping, 1).replacen(
+                "load_damping = { value = 8e-3",
+                &format!("load_damping = {{ value = {}", 8e-3 * factor.min(1.0)),
+                1,
+            );
+            let options = of_model(&Model::parse(&free).unwrap(), 0.01);
+            assert!(
+                options.resonances.iter().all(|r| r.frequency_hz > 10.0),
+                "{factor}: {:?}",
+                options.resonances
+            );
+        }
+    }
+
+    #[test]
+    fn the_rate_of_an_encoder_is_an_input() {
+        let speed = "[channels.motor_speed]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"";
+        let text = Model::builtin("speed-o-cam").unwrap().text;
+        assert!(text.contains(speed));
+        let encoder = format!("{speed}\ncolumn = \"encoder_rad\"\ntake = \"rate\"");
+        let model = Model::parse(&text.replacen(speed, &encoder, 1)).unwrap();
+        assert_eq!(of_model(&model, 0.01).input.as_deref(), Some("encoder_rad"));
     }
 
     #[test]

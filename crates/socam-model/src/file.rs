@@ -11,10 +11,19 @@ use crate::{
 };
 
 use raw::{
-    Name, RawBearing, RawChannel, RawEffect, RawGear, RawModel, RawParameter, RawServo, RawShaft, RawSpring,
+    List, Name, RawBearing, RawEffect, RawGear, RawModel, RawParameter, RawServo, RawShaft, RawSpring,
+    Reference, Written,
 };
 
+mod channel;
+#[cfg(test)]
+mod documented;
 mod raw;
+#[cfg(test)]
+mod tests;
+mod wiring;
+
+pub use channel::column_unit;
 
 const SCHEMA: &str = "socam.model/1";
 
@@ -27,6 +36,7 @@ pub(crate) fn read(text: &str) -> Result<Model, ModelError> {
         text,
         rotational: raw.motion == Motion::Rotation,
         parameters: Vec::new(),
+        bounded: Vec::new(),
         nodes: Vec::new(),
         places: Vec::new(),
         contact_stiffness: 0.0,
@@ -44,6 +54,7 @@ pub(crate) fn put(model: &Model, effect: &'static Effect, place: &str, values: &
         text: "",
         rotational: model.motion == Motion::Rotation,
         parameters: std::mem::take(&mut model.parameters),
+        bounded: Vec::new(),
         nodes: Vec::new(),
         places: Vec::new(),
         contact_stiffness: 0.0,
@@ -62,20 +73,47 @@ fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
 
+/// An error of the network as one of its file: at the line that declares the first name it speaks of.
+pub(crate) fn placed(text: &str, error: ModelError) -> ModelError {
+    let message = match &error {
+        ModelError::File { .. } => return error,
+        ModelError::Network(_) | ModelError::Value { .. } => error.to_string(),
+    };
+    let declares = |line: &str, name: &str| {
+        let line = line.trim();
+        let key = line.split_once('=').map(|(key, value)| (key.trim(), value.trim().trim_matches('"')));
+        line.strip_prefix("[channels.").is_some_and(|rest| rest.trim_end_matches(']') == name)
+            || key.is_some_and(|(key, value)| key == name || (key == "name" && value == name))
+    };
+    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let mut names = message.split(|c| !is_part(c)).filter(|name| !name.is_empty());
+    match names.find_map(|name| text.lines().position(|line| declares(line, name))) {
+        Some(index) => ModelError::File { line: index + 1, message },
+        None => error,
+    }
+}
+
 /// Names that were declared so far, while the file is being read.
 struct Reader<'t> {
     text: &'t str,
     rotational: bool,
     parameters: Vec<Parameter>,
+    /// Parameters that have bounds: name, value and bounds as they are written.
+    bounded: Vec<(String, f64, Spanned<[f64; 2]>)>,
     nodes: Vec<Node>,
-    places: Vec<String>,
+    /// Names of places, and their lines.
+    places: Vec<(String, usize)>,
     /// Of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m): as good as rigid beside all else.
     contact_stiffness: f64,
 }
 
 impl Reader<'_> {
     fn fail<T, S>(&self, at: &Spanned<S>, message: impl Into<String>) -> Result<T, ModelError> {
-        Err(ModelError::File { line: line_of(self.text, at.span().start), message: message.into() })
+        self.fail_in(line_of(self.text, at.span().start), message)
+    }
+
+    fn fail_in<T>(&self, line: usize, message: impl Into<String>) -> Result<T, ModelError> {
+        Err(ModelError::File { line, message: message.into() })
     }
 
     fn model(mut self, raw: RawModel) -> Result<Model, ModelError> {
@@ -89,7 +127,7 @@ impl Reader<'_> {
             let parameter = self.read_parameter(&name, parameter)?;
             self.parameters.push(parameter);
         }
-        for node in raw.nodes {
+        for node in raw.nodes.0 {
             self.declare(&node.name)?;
             let inertia = node.inertia.map(|name| self.positive(&name, Kind::Inertia)).transpose()?;
             self.nodes.push(Node { name: node.name.into_inner(), inertia });
@@ -103,12 +141,11 @@ impl Reader<'_> {
         let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
         for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
             if !channels.iter().any(|channel| channel.role == role) {
-                let message =
-                    format!("[channels] has no {what}; give at least one channel role = \"{what}\"");
-                return Err(ModelError::File {
-                    line: line_of(self.text, self.text.find("[channels").unwrap_or(0)),
-                    message,
-                });
+                let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
+                return self.fail_in(
+                    line,
+                    format!("[channels] has no {what}; give at least one channel role = \"{what}\""),
+                );
             }
         }
         let mut model = Model {
@@ -128,9 +165,11 @@ impl Reader<'_> {
         };
         std::mem::swap(&mut model.nodes, &mut self.nodes);
         self.contact_stiffness = self.rigid_stiffness(&model);
-        for effect in raw.effects {
+        for effect in raw.effects.0 {
             self.effect(effect, &mut model)?;
         }
+        self.check_bounds()?;
+        self.check_wiring(&model)?;
         model.parameters = self.parameters;
         add_clocks(&mut model);
         Ok(model)
@@ -138,13 +177,13 @@ impl Reader<'_> {
 
     fn each<R, T>(
         &mut self,
-        raw: Vec<R>,
+        raw: List<R>,
         f: impl Fn(&mut Self, R) -> Result<T, ModelError>,
     ) -> Result<Vec<T>, ModelError> {
-        raw.into_iter().map(|item| f(self, item)).collect()
+        raw.0.into_iter().map(|item| f(self, item)).collect()
     }
 
-    fn read_parameter(&self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
+    fn read_parameter(&mut self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
         let label = name.get_ref();
         let Some(unit) = units::parse(raw.unit.get_ref()) else {
             return self.fail(&raw.unit, format!(
@@ -155,20 +194,10 @@ impl Reader<'_> {
         if !raw.value.get_ref().is_finite() {
             return self.fail(&raw.value, format!("parameters.{label}.value must be a finite number"));
         }
-        let bounds = match &raw.bounds {
-            Some(bounds) => {
-                let [low, high] = *bounds.get_ref();
-                // `contains` is false for NaN too.
-                if !(low < high && (low..=high).contains(raw.value.get_ref())) {
-                    return self.fail(bounds, format!(
-                        "parameters.{label}.bounds must be [low, high] with low < high and the value {} between them",
-                        raw.value.get_ref(),
-                    ));
-                }
-                (low * unit.factor, high * unit.factor)
-            }
-            None => (f64::NEG_INFINITY, f64::INFINITY),
-        };
+        let [low, high] =
+            raw.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| *bounds.get_ref());
+        let bounds = (low * unit.factor, high * unit.factor);
+        self.bounded.extend(raw.bounds.map(|bounds| (label.clone(), *raw.value.get_ref(), bounds)));
         let prior = raw.prior.map(|prior| match *prior.std.get_ref() {
             std if std > 0.0 && std.is_finite() && prior.value.is_finite() => {
                 Ok(Prior { value: prior.value * unit.factor, std: std * unit.factor })
@@ -191,12 +220,35 @@ impl Reader<'_> {
         })
     }
 
+    /// Once it is known what parameters are: that an inertia is zero says more than that its bounds exclude it.
+    fn check_bounds(&self) -> Result<(), ModelError> {
+        for (name, value, bounds) in &self.bounded {
+            let [low, high] = *bounds.get_ref();
+            if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
+                return self
+                    .fail(bounds, format!("parameters.{name}.bounds must be [low, high] with low < high"));
+            }
+            if !(low..=high).contains(value) {
+                return self.fail(
+                    bounds,
+                    format!(
+                        "parameters.{name}.value is {value}, outside its bounds {low} to {high}; change either"
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn declare(&mut self, name: &Name) -> Result<(), ModelError> {
         let label = name.get_ref();
-        if self.places.contains(label) {
-            return self.fail(name, format!("the place \"{label}\" is there already; names must differ"));
+        if let Some((_, line)) = self.places.iter().find(|(known, _)| known == label) {
+            return self.fail(
+                name,
+                format!("the place \"{label}\" is there already, in line {line}; names must differ"),
+            );
         }
-        self.places.push(label.clone());
+        self.places.push((label.clone(), line_of(self.text, name.span().start)));
         Ok(())
     }
 
@@ -213,14 +265,43 @@ impl Reader<'_> {
         }
     }
 
+    /// The name of the parameter that `key` refers to.
+    fn name_of<'r>(&self, key: &str, reference: &'r Reference, kind: Kind) -> Result<&'r str, ModelError> {
+        let value = match reference.get_ref() {
+            Written::Name(name) => return Ok(name),
+            Written::Number(number) => number.to_string(),
+            Written::Other => "...".into(),
+        };
+        let letter = match kind {
+            Kind::Inertia if self.rotational => "J",
+            Kind::Inertia => "m",
+            Kind::Stiffness => "k",
+            Kind::Damping => "c",
+            Kind::Ratio => "N",
+            _ => "p",
+        };
+        let is_free = |name: &String| !self.parameters.iter().any(|parameter| parameter.name == *name);
+        let name = (1..).map(|number| format!("{letter}{number}")).find(is_free).unwrap_or_default();
+        let unit = kind.unit(self.rotational);
+        let unit = if unit.is_empty() { "1" } else { unit };
+        self.fail(
+            reference,
+            format!(
+                "{key} must be the name of a parameter; write {key} = \"{name}\", and under [parameters] {name} = {{ value = {value}, unit = \"{unit}\" }}"
+            ),
+        )
+    }
+
     /// Looks a parameter up where a quantity of `kind` is expected, and settles its unit.
-    fn parameter(&mut self, name: &Name, kind: Kind) -> Result<usize, ModelError> {
-        let label = name.get_ref();
+    fn parameter(&mut self, key: &str, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
+        let label = self.name_of(key, reference, kind)?;
         let Some(index) = self.parameters.iter().position(|parameter| parameter.name == *label) else {
+            let unit = kind.unit(self.rotational);
+            let unit = if unit.is_empty() { "1" } else { unit };
             return self.fail(
-                name,
+                reference,
                 format!(
-                    "there is no parameter \"{label}\"; declare it under [parameters] with value and unit"
+                    "there is no parameter \"{label}\"; declare it under [parameters], as in {label} = {{ value = 1, unit = \"{unit}\" }}"
                 ),
             );
         };
@@ -229,29 +310,33 @@ impl Reader<'_> {
         if found != Some(expected) {
             let unit = kind.unit(self.rotational);
             let message = format!(
-                "parameter \"{label}\" has the unit \"{}\", but here one like \"{unit}\" is expected",
+                "{key} is parameter \"{label}\" in \"{}\", but here a unit like \"{unit}\" is expected",
                 self.parameters[index].file_unit,
             );
-            return self.fail(name, message);
+            return self.fail(reference, message);
         }
         self.parameters[index].unit = kind.unit(self.rotational).into();
         Ok(index)
     }
 
     /// A parameter that cannot be negative; its lower bound is raised to zero where the file gives none.
-    fn positive(&mut self, name: &Name, kind: Kind) -> Result<usize, ModelError> {
-        let index = self.parameter(name, kind)?;
+    fn positive(&mut self, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
+        let key = kind_name(kind);
+        let index = self.parameter(key, reference, kind)?;
         let parameter = &mut self.parameters[index];
         parameter.bounds.0 = parameter.bounds.0.max(0.0);
-        let zero_allowed = kind == Kind::Damping;
-        if parameter.value < 0.0 || (parameter.value == 0.0 && !zero_allowed) {
+        let (allowed, instead) = match kind {
+            Kind::Inertia => ("positive", "; a node without inertia has no key inertia"),
+            Kind::Stiffness => ("positive", "; where nothing joins the two nodes, leave the spring out"),
+            _ => ("zero or more", ""),
+        };
+        if parameter.value < 0.0 || (parameter.value == 0.0 && kind != Kind::Damping) {
+            let value = parameter.value / parameter.file_factor;
             let message = format!(
-                "{} \"{}\" is {}, but it must be positive",
-                kind_name(kind),
-                parameter.name,
-                parameter.value
+                "{key} \"{}\" is {value} {}, but it must be {allowed}{instead}",
+                parameter.name, parameter.file_unit
             );
-            return self.fail(name, message);
+            return self.fail(reference, message);
         }
         Ok(index)
     }
@@ -274,7 +359,7 @@ impl Reader<'_> {
 
     fn gear(&mut self, raw: RawGear) -> Result<Gear, ModelError> {
         self.declare(&raw.name)?;
-        let ratio = self.parameter(&raw.ratio, Kind::Ratio)?;
+        let ratio = self.parameter("ratio", &raw.ratio, Kind::Ratio)?;
         if self.parameters[ratio].value == 0.0 {
             return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
         }
@@ -296,9 +381,9 @@ impl Reader<'_> {
         self.declare(&raw.name)?;
         Ok(Servo {
             node: self.node(&raw.at)?,
-            position_gain: self.parameter(&raw.position_gain, Kind::Gain)?,
-            velocity_gain: self.parameter(&raw.velocity_gain, Kind::Gain)?,
-            drive_gain: self.parameter(&raw.drive_gain, Kind::Gain)?,
+            position_gain: self.parameter("position_gain", &raw.position_gain, Kind::Gain)?,
+            velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, Kind::Gain)?,
+            drive_gain: self.parameter("drive_gain", &raw.drive_gain, Kind::Gain)?,
             name: raw.name.into_inner(),
         })
     }
@@ -377,8 +462,12 @@ impl Reader<'_> {
     }
 
     /// A parameter of an effect; its bounds are narrowed to what makes sense for it.
-    fn effect_parameter(&mut self, name: &Name, own: &effects::EffectParameter) -> Result<usize, ModelError> {
-        let index = self.parameter(name, own.kind)?;
+    fn effect_parameter(
+        &mut self,
+        name: &Reference,
+        own: &effects::EffectParameter,
+    ) -> Result<usize, ModelError> {
+        let index = self.parameter(own.name, name, own.kind)?;
         let parameter = &mut self.parameters[index];
         let (least, most) = own.bounds;
         parameter.bounds = (parameter.bounds.0.max(least), parameter.bounds.1.min(most));
@@ -487,74 +576,6 @@ impl Reader<'_> {
         });
         self.parameters.len() - 1
     }
-
-    fn channel(&mut self, name: Name, raw: RawChannel) -> Result<Channel, ModelError> {
-        let place = raw.at.get_ref();
-        if !self.places.contains(place) {
-            return self.fail(
-                &raw.at,
-                format!("there is no place \"{place}\"; places are {}", self.places.join(", ")),
-            );
-        }
-        if let Some(std) = &raw.noise_std
-            && !(std.get_ref().is_finite() && *std.get_ref() > 0.0)
-        {
-            return self.fail(std, format!("channels.{}.noise_std must be positive", name.get_ref()));
-        }
-        if !(raw.scale.is_finite() && raw.scale != 0.0 && raw.offset.is_finite()) {
-            let message = format!(
-                "channels.{} needs a finite offset and a finite scale other than zero",
-                name.get_ref()
-            );
-            return self.fail(&name, message);
-        }
-        let take =
-            raw.take.map(|take| self.take(&name, raw.role, raw.column.as_deref(), &take)).transpose()?;
-        let gain = raw.gain.map(|name| self.parameter(&name, Kind::Ratio)).transpose()?;
-        let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
-        let name = name.into_inner();
-        Ok(Channel {
-            column: raw.column.unwrap_or_else(|| format!("{name}{suffix}")),
-            name,
-            role: raw.role,
-            quantity: raw.quantity,
-            at: raw.at.into_inner(),
-            take: take.unwrap_or_default(),
-            scale: raw.scale,
-            offset: raw.offset,
-            gain,
-            noise_std: raw.noise_std.map(Spanned::into_inner),
-            estimate_offset: raw.estimate_offset,
-            unit,
-        })
-    }
-
-    /// What a channel takes of its column. Noise of an output is that of its sensor, so outputs are read as recorded.
-    fn take(
-        &self,
-        name: &Name,
-        role: Role,
-        column: Option<&str>,
-        take: &Spanned<Take>,
-    ) -> Result<Take, ModelError> {
-        let label = name.get_ref();
-        if role == Role::Output {
-            return self
-                .fail(take, format!("channels.{label}.take is for inputs; an output is read as recorded"));
-        }
-        if !column.is_some_and(is_angle) {
-            let message = format!(
-                "channels.{label}.take needs the column of an angle or position, such as column = \"encoder_rad\""
-            );
-            return self.fail(take, message);
-        }
-        match *take.get_ref() {
-            Take::Cos(order) | Take::Sin(order) if !order.is_finite() || order == 0.0 => {
-                self.fail(take, format!("channels.{label}.take needs a finite order other than zero"))
-            }
-            taken => Ok(taken),
-        }
-    }
 }
 
 /// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
@@ -613,34 +634,11 @@ pub(crate) fn change_of(channel: &str) -> String {
     format!("{channel} changes")
 }
 
-/// Whether a column holds angles or positions, by its unit's suffix.
-fn is_angle(column: &str) -> bool {
-    column.ends_with("_rad") || column.ends_with("_m")
-}
-
-/// SI unit and column suffix of what a channel measures.
-fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static str) {
-    match (quantity, rotational) {
-        (Quantity::Speed, true) => ("rad/s", "_rad_s"),
-        (Quantity::Speed, false) => ("m/s", "_m_s"),
-        (Quantity::Angle | Quantity::Reference, true) => ("rad", "_rad"),
-        (Quantity::Angle | Quantity::Reference, false) => ("m", "_m"),
-        (Quantity::Acceleration, true) => ("rad/s2", "_rad_s2"),
-        (Quantity::Acceleration, false) => ("m/s2", "_m_s2"),
-        (Quantity::Torque, true) => ("N m", "_Nm"),
-        (Quantity::Torque, false) => ("N", "_N"),
-        (Quantity::Time, _) => ("s", "_s"),
-        (Quantity::Turned, _) => ("rad", "_rad"),
-        (Quantity::Change, _) => ("1/s", ""),
-    }
-}
-
 fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Inertia => "inertia",
         Kind::Stiffness => "stiffness",
-        Kind::Damping => "damping",
-        _ => "parameter",
+        _ => "damping",
     }
 }
 

@@ -24,6 +24,7 @@ mod error;
 mod file;
 mod jet;
 pub mod layout;
+pub mod meanings;
 mod model;
 mod network;
 mod take;
@@ -31,6 +32,7 @@ pub mod units;
 
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
+pub use file::column_unit;
 pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
     Shaft, Site, Spring, Update,

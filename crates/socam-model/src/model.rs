@@ -294,7 +294,7 @@ impl Model {
     pub fn parse(text: &str) -> Result<Self, ModelError> {
         let model = file::read(text)?;
         // A network that cannot move is found here, not in the middle of a fit.
-        model.equations(&model.values())?;
+        model.equations(&model.values()).map_err(|error| file::placed(text, error))?;
         Ok(model)
     }
 

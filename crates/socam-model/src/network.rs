@@ -15,6 +15,7 @@ use crate::{
 use motion::Motion;
 
 mod motion;
+mod wiring;
 
 impl Model {
     /// Equations of motion for parameter values in SI, in the order of [`Model::parameters`].

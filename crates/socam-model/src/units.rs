@@ -1,8 +1,8 @@
 //! Units at the edge of a model file: `N m/deg` in, SI out.
 //!
 //! A unit is written as factors with integer powers, then an optional slash and the divisors:
-//! `kg m2`, `N m s/rad`, `N mm/deg`, `rpm`, `1/rad2`. Angles carry no dimension, so `N m s` and
-//! `N m s/rad` agree; degrees and turns are only factors.
+//! `kg m2`, `N m s/rad`, `N mm/deg`, `rpm`, `1/rad2`. Usual spellings of the same are read too: `kg m^2`, `kg·m²`, `N*m`,
+//! `Nm/rad`, `N/(m/s)`. Angles carry no dimension, so `N m s` and `N m s/rad` agree; degrees and turns are only factors.
 
 /// Exponents of kg, m, s, A and V (volt is kept apart: drives are calibrated in it).
 pub type Dimension = [i8; 5];
@@ -23,43 +23,109 @@ const BASES: &[(&str, f64, Dimension)] = &[
     ("m", 1.0, [0, 1, 0, 0, 0]),
     ("cm", 1e-2, [0, 1, 0, 0, 0]),
     ("mm", 1e-3, [0, 1, 0, 0, 0]),
+    ("um", 1e-6, [0, 1, 0, 0, 0]),
     ("s", 1.0, [0, 0, 1, 0, 0]),
     ("ms", 1e-3, [0, 0, 1, 0, 0]),
+    ("us", 1e-6, [0, 0, 1, 0, 0]),
     ("min", 60.0, [0, 0, 1, 0, 0]),
     ("Hz", 1.0, [0, 0, -1, 0, 0]),
+    ("kHz", 1e3, [0, 0, -1, 0, 0]),
     ("rad", 1.0, [0, 0, 0, 0, 0]),
+    ("mrad", 1e-3, [0, 0, 0, 0, 0]),
     ("deg", std::f64::consts::PI / 180.0, [0, 0, 0, 0, 0]),
     ("turn", std::f64::consts::TAU, [0, 0, 0, 0, 0]),
+    ("rev", std::f64::consts::TAU, [0, 0, 0, 0, 0]),
     ("rpm", std::f64::consts::TAU / 60.0, [0, 0, -1, 0, 0]),
     ("krpm", std::f64::consts::TAU / 0.06, [0, 0, -1, 0, 0]),
     ("N", 1.0, [1, 1, -2, 0, 0]),
     ("kN", 1e3, [1, 1, -2, 0, 0]),
+    ("mN", 1e-3, [1, 1, -2, 0, 0]),
     ("A", 1.0, [0, 0, 0, 1, 0]),
+    ("mA", 1e-3, [0, 0, 0, 1, 0]),
     ("V", 1.0, [0, 0, 0, 0, 1]),
     ("mV", 1e-3, [0, 0, 0, 0, 1]),
     ("%", 1e-2, [0, 0, 0, 0, 0]),
 ];
 
+/// Products that are usually written without a blank. Listed, not taken apart: `mNm` could be anything.
+const RUN_TOGETHER: &[(&str, &str)] = &[
+    ("Nm", "N m"),
+    ("kNm", "kN m"),
+    ("mNm", "mN m"),
+    ("Nmm", "N mm"),
+    ("Ncm", "N cm"),
+    ("Nms", "N m s"),
+    ("Nms2", "N m s2"),
+    ("Ns", "N s"),
+    ("Ns2", "N s2"),
+    ("Vs", "V s"),
+    ("kgm2", "kg m2"),
+    ("kgcm2", "kg cm2"),
+    ("kgmm2", "kg mm2"),
+    ("gm2", "g m2"),
+    ("gcm2", "g cm2"),
+    ("gmm2", "g mm2"),
+];
+
+/// Longest text that is read as a unit, bytes.
+const LONGEST: usize = 100;
+
 /// Reads a unit; `None` if a factor is unknown.
 pub fn parse(text: &str) -> Option<Unit> {
-    let (numerator, denominator) = text.split_once('/').unwrap_or((text, ""));
+    if text.len() > LONGEST {
+        return None;
+    }
+    let plain = text.replace('\u{b2}', "2").replace('\u{b3}', "3").replace(['*', '\u{b7}', '\u{22c5}'], " ");
+    let (numerator, denominator) = plain.split_once('/').unwrap_or((&plain, "1"));
+    let divisor = denominator.trim();
+    let divisor = match divisor.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')) {
+        Some(inner) => parse(inner)?,
+        None => product(divisor)?,
+    };
+    let mut unit = product(numerator)?;
+    unit.multiply(divisor, -1)?;
+    Some(unit)
+}
+
+/// Everything that may stand in a unit: what [`BASES`] and [`RUN_TOGETHER`] name.
+#[cfg(test)]
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    BASES.iter().map(|(name, ..)| *name).chain(RUN_TOGETHER.iter().map(|(name, _)| *name))
+}
+
+/// One unit or more, side by side.
+fn product(text: &str) -> Option<Unit> {
     let mut unit = Unit { factor: 1.0, dimension: [0; 5] };
-    for (factors, sign) in [(numerator, 1), (denominator, -1)] {
-        for factor in factors.split_whitespace() {
-            let (base, power) = split_power(factor)?;
-            let (_, value, dimension) = BASES.iter().find(|(name, ..)| *name == base)?;
-            let power = power * sign;
-            unit.factor *= value.powi(power.into());
-            for (total, exponent) in unit.dimension.iter_mut().zip(dimension) {
-                *total = total.checked_add(exponent.checked_mul(power)?)?;
+    for written in text.split_whitespace() {
+        let plain = written.replacen('^', "", 1);
+        match RUN_TOGETHER.iter().find(|(together, _)| *together == plain) {
+            Some((_, apart)) => unit.multiply(product(apart)?, 1)?,
+            None => {
+                let (base, power) = split_power(written)?;
+                let (_, factor, dimension) = BASES.iter().find(|(name, ..)| *name == base)?;
+                unit.multiply(Unit { factor: *factor, dimension: *dimension }, power)?;
             }
         }
     }
-    (!numerator.trim().is_empty()).then_some(unit)
+    (!text.trim().is_empty()).then_some(unit)
 }
 
-/// `m2` is (`m`, 2); `1` stays itself.
+impl Unit {
+    /// Multiplies by a power of another; `None` beyond the exponents that can be held.
+    fn multiply(&mut self, other: Self, power: i8) -> Option<()> {
+        self.factor *= other.factor.powi(power.into());
+        for (total, exponent) in self.dimension.iter_mut().zip(other.dimension) {
+            *total = total.checked_add(exponent.checked_mul(power)?)?;
+        }
+        Some(())
+    }
+}
+
+/// `m2` and `m^2` are (`m`, 2), `s^-1` is (`s`, -1); `1` stays itself.
 fn split_power(factor: &str) -> Option<(&str, i8)> {
+    if let Some((base, power)) = factor.split_once('^') {
+        return power.parse().ok().map(|power| (base, power));
+    }
     match factor.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "" => (factor == "1").then_some(("1", 1)),
         base if base.len() == factor.len() => Some((base, 1)),
@@ -84,12 +150,25 @@ mod tests {
             ("rpm", 0.104_719_755_119_659_77, [0, 0, -1, 0, 0]),
             ("1", 1.0, [0; 5]),
             ("1/rad2", 1.0, [0; 5]),
+            ("kg m^2", 1.0, [1, 2, 0, 0, 0]),
+            ("kg\u{b7}m\u{b2}", 1.0, [1, 2, 0, 0, 0]),
+            ("kgm2", 1.0, [1, 2, 0, 0, 0]),
+            ("g*cm^2", 1e-7, [1, 2, 0, 0, 0]),
+            ("Nm/rad", 1.0, [1, 2, -2, 0, 0]),
+            ("Nms/rad", 1.0, [1, 2, -1, 0, 0]),
+            ("mN m", 1e-3, [1, 2, -2, 0, 0]),
+            ("mNm", 1e-3, [1, 2, -2, 0, 0]),
+            ("N/(m/s)", 1.0, [1, 0, -1, 0, 0]),
+            ("N m / (rad/s)", 1.0, [1, 2, -1, 0, 0]),
+            ("rad s^-1", 1.0, [0, 0, -1, 0, 0]),
         ] {
             let unit = parse(text).unwrap();
             assert!((unit.factor / factor - 1.0).abs() < 1e-14, "{text}: {unit:?}");
             assert_eq!(unit.dimension, dimension, "{text}");
         }
-        for text in ["", "N m/furlong", "2", "m-2", "/s", "m999"] {
+        for text in
+            ["", "N m/furlong", "2", "m-2", "/s", "m999", "Nm2", "N m/rad/s", "N/", "m^", "N/(m", "^2"]
+        {
             assert_eq!(parse(text), None, "{text}");
         }
     }

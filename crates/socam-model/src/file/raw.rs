@@ -4,7 +4,7 @@ use std::{fmt, marker::PhantomData};
 
 use serde::{
     Deserialize, Deserializer,
-    de::{MapAccess, Visitor},
+    de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor},
 };
 use toml::Spanned;
 
@@ -19,7 +19,9 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
         impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
             type Value = Ordered<T>;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table")
+                f.write_str(
+                    "a table of names, written with single brackets as [parameters] or [channels.NAME]",
+                )
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut entries = Vec::new();
@@ -29,7 +31,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
                 Ok(Ordered(entries))
             }
         }
-        deserializer.deserialize_map(Entries(PhantomData))
+        deserializer.deserialize_any(Entries(PhantomData))
     }
 }
 
@@ -39,7 +41,85 @@ impl<T> Default for Ordered<T> {
     }
 }
 
+/// Tables of one kind, each under its own `[[NAME]]`.
+pub(super) struct List<T>(pub(super) Vec<T>);
+
+/// What stands under `[[NAME]]`.
+pub(super) trait Listed {
+    const NAME: &str;
+}
+
+impl<'de, T: Deserialize<'de> + Listed> Deserialize<'de> for List<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Items<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de> + Listed> Visitor<'de> for Items<T> {
+            type Value = List<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "one [[{0}]] table for each of the {0}", T::NAME)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
+                let mut list = Vec::new();
+                while let Some(item) = items.next_element()? {
+                    list.push(item);
+                }
+                Ok(List(list))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Self::Value, A::Error> {
+                let name = T::NAME;
+                Err(A::Error::custom(format_args!(
+                    "[{name}] is one table, but a model has a list of {name}; write [[{name}]], with two brackets, above each of them"
+                )))
+            }
+        }
+        deserializer.deserialize_any(Items(PhantomData))
+    }
+}
+
+impl<T> Default for List<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
 pub(super) type Name = Spanned<String>;
+
+/// The name of a parameter, where one is expected.
+pub(super) type Reference = Spanned<Written>;
+
+/// What stands where the name of a parameter is expected.
+pub(super) enum Written {
+    Name(String),
+    /// A number: whose unit, bounds and source nobody knows.
+    Number(f64),
+    /// A table or a list.
+    Other,
+}
+
+impl<'de> Deserialize<'de> for Written {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Anything;
+        impl<'de> Visitor<'de> for Anything {
+            type Value = Written;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a parameter in quotes")
+            }
+            fn visit_str<E: Error>(self, name: &str) -> Result<Written, E> {
+                Ok(Written::Name(name.into()))
+            }
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Written, E> {
+                Ok(Written::Number(number as f64))
+            }
+            fn visit_f64<E: Error>(self, number: f64) -> Result<Written, E> {
+                Ok(Written::Number(number))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Written, A::Error> {
+                while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
+                Ok(Written::Other)
+            }
+        }
+        deserializer.deserialize_any(Anything)
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -50,17 +130,17 @@ pub(super) struct RawModel {
     pub(super) description: String,
     pub(super) motion: Motion,
     pub(super) parameters: Ordered<RawParameter>,
-    pub(super) nodes: Vec<RawNode>,
+    pub(super) nodes: List<RawNode>,
     #[serde(default)]
-    pub(super) springs: Vec<RawSpring>,
+    pub(super) springs: List<RawSpring>,
     #[serde(default)]
-    pub(super) gears: Vec<RawGear>,
+    pub(super) gears: List<RawGear>,
     #[serde(default)]
-    pub(super) shafts: Vec<RawShaft>,
+    pub(super) shafts: List<RawShaft>,
     #[serde(default)]
-    pub(super) bearings: Vec<RawBearing>,
+    pub(super) bearings: List<RawBearing>,
     #[serde(default)]
-    pub(super) effects: Vec<RawEffect>,
+    pub(super) effects: List<RawEffect>,
     pub(super) servo: Option<RawServo>,
     pub(super) channels: Ordered<RawChannel>,
 }
@@ -92,7 +172,7 @@ pub(super) struct RawPrior {
 #[serde(deny_unknown_fields, expecting = "a [[nodes]] table")]
 pub(super) struct RawNode {
     pub(super) name: Name,
-    pub(super) inertia: Option<Name>,
+    pub(super) inertia: Option<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -101,8 +181,8 @@ pub(super) struct RawSpring {
     pub(super) name: Name,
     pub(super) from: Name,
     pub(super) to: Name,
-    pub(super) stiffness: Name,
-    pub(super) damping: Option<Name>,
+    pub(super) stiffness: Reference,
+    pub(super) damping: Option<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -111,7 +191,7 @@ pub(super) struct RawGear {
     pub(super) name: Name,
     pub(super) from: Name,
     pub(super) to: Name,
-    pub(super) ratio: Name,
+    pub(super) ratio: Reference,
 }
 
 #[derive(Deserialize)]
@@ -127,7 +207,7 @@ pub(super) struct RawShaft {
 pub(super) struct RawBearing {
     pub(super) name: Name,
     pub(super) at: Name,
-    pub(super) damping: Option<Name>,
+    pub(super) damping: Option<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -135,7 +215,7 @@ pub(super) struct RawBearing {
 pub(super) struct RawEffect {
     pub(super) effect: Name,
     pub(super) at: Name,
-    pub(super) parameters: Ordered<Name>,
+    pub(super) parameters: Ordered<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -143,9 +223,9 @@ pub(super) struct RawEffect {
 pub(super) struct RawServo {
     pub(super) name: Name,
     pub(super) at: Name,
-    pub(super) position_gain: Name,
-    pub(super) velocity_gain: Name,
-    pub(super) drive_gain: Name,
+    pub(super) position_gain: Reference,
+    pub(super) velocity_gain: Reference,
+    pub(super) drive_gain: Reference,
 }
 
 #[derive(Deserialize)]
@@ -154,18 +234,27 @@ pub(super) struct RawChannel {
     pub(super) role: Role,
     pub(super) quantity: Quantity,
     pub(super) at: Name,
-    pub(super) column: Option<String>,
+    pub(super) column: Option<Name>,
+    pub(super) unit: Option<Name>,
     pub(super) take: Option<Spanned<Take>>,
-    #[serde(default = "one")]
-    pub(super) scale: f64,
+    pub(super) scale: Option<f64>,
     #[serde(default)]
     pub(super) offset: f64,
     pub(super) noise_std: Option<Spanned<f64>>,
-    pub(super) gain: Option<Name>,
+    pub(super) gain: Option<Reference>,
     #[serde(default)]
     pub(super) estimate_offset: bool,
 }
 
-fn one() -> f64 {
-    1.0
+macro_rules! listed {
+    ($($table:ty = $name:literal),*) => { $(impl Listed for $table { const NAME: &str = $name; })* };
 }
+
+listed!(
+    RawNode = "nodes",
+    RawSpring = "springs",
+    RawGear = "gears",
+    RawShaft = "shafts",
+    RawBearing = "bearings",
+    RawEffect = "effects"
+);

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use super::Resonance;
+use super::{HeldAt, Resonance};
 use crate::Unit;
 
 /// How far the built-in profiles `multisine` and `chirp` reach, Hz.
@@ -62,7 +62,22 @@ pub enum Finding {
     /// A motion never turns round.
     OneWay { channel: String, parameters: Vec<String> },
     /// A channel stays at its extreme while the truth goes on.
-    Saturated { channel: String, unit: Unit, limit: f64, rows: u64, longest_run_rows: u64 },
+    Saturated {
+        channel: String,
+        unit: Unit,
+        limit: f64,
+        at: HeldAt,
+        rows: u64,
+        share_percent: f64,
+        runs: u64,
+        longest_run_rows: u64,
+    },
+    /// A noisy channel reads one value for a while.
+    Stuck { channel: String, unit: Unit, value: f64, rows: u64, longest_run_rows: u64 },
+    /// Single samples far outside of everything else.
+    Spikes { channel: String, unit: Unit, spikes: u64, farthest: f64, range: [f64; 2] },
+    /// A channel is in another unit than the model takes it for.
+    WrongUnit { channel: String, unit: Unit, expected: String },
     /// A line at the mains frequency or its harmonics.
     MainsHum { channel: String, unit: Unit, frequency_hz: f64, amplitude: f64, harmonics: Vec<u32> },
     /// Two speeds do not keep their ratio.
@@ -80,6 +95,7 @@ impl Finding {
             }
             Self::MissingChannels { .. }
             | Self::TooShort { .. }
+            | Self::WrongUnit { .. }
             | Self::StandsStill { .. }
             | Self::Constant { is_input: true, .. }
             | Self::Buried { is_input: true, .. } => Severity::Prevents,
@@ -154,9 +170,23 @@ impl Finding {
                 "`{channel}` moves one way only, so {} cannot be told apart",
                 listed(parameters.iter().cloned())
             ),
-            Self::Saturated { channel, unit, limit, rows, longest_run_rows } => format!(
-                "`{channel}` sticks at {limit} {unit} in {rows} rows, up to {longest_run_rows} in a row: it is saturated"
+            Self::Saturated { channel, unit, limit, at, rows, share_percent, runs, longest_run_rows } => {
+                let end = if *at == HeldAt::Least { "lower" } else { "upper" };
+                let times = if *runs == 1 { "once".to_owned() } else { format!("{runs} times") };
+                format!(
+                    "`{channel}` is clipped at its {end} end: it sticks at {limit} {unit} {times}, in {rows} rows ({share_percent:.1} %), up to {longest_run_rows} in a row"
+                )
+            }
+            Self::Stuck { channel, unit, value, longest_run_rows, .. } => format!(
+                "`{channel}` is stuck: it reads exactly {value} {unit} in {longest_run_rows} rows, without the noise that it has elsewhere"
             ),
+            Self::Spikes { channel, unit, spikes, farthest, range: [from, to] } => format!(
+                "`{channel}` has {spikes} spike{}, the farthest at {farthest:.4} {unit}, where everything else lies from {from:.4} to {to:.4} {unit}",
+                if *spikes == 1 { "" } else { "s" },
+            ),
+            Self::WrongUnit { channel, unit, expected } => {
+                format!("`{channel}` is recorded in {unit}, but the model takes it for {expected}")
+            }
             Self::MainsHum { channel, unit, frequency_hz, amplitude, harmonics } => format!(
                 "`{channel}` carries what looks like mains hum: {amplitude:.2e} {unit} at {frequency_hz:.1} Hz (harmonics {})",
                 harmonics.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
@@ -199,7 +229,15 @@ impl Finding {
             }
             Self::OneWay { .. } => "record `reversals` or `triangle`, or any motion forward and backward",
             Self::Saturated { .. } => {
-                "lower the amplitude or the sensor's gain, or cut these parts out with RUN@FROM..TO"
+                "lower the amplitude or the sensor's gain, or cut these parts out with RUN@FROM..TO; a command that its own drive \
+                 limits is right as it is"
+            }
+            Self::Stuck { .. } => "check the sensor's cable and bus, or cut this part out with RUN@FROM..TO",
+            Self::Spikes { .. } => {
+                "check the cable and the connector, or remove these samples (an empty cell in a CSV is a missing value)"
+            }
+            Self::WrongUnit { .. } => {
+                "write scale = X in the model's channel, where one of the recorded unit is X of the other, or name another column"
             }
             Self::MainsHum { .. } => {
                 "shield and earth the sensor, twist its leads, or record with the drive's supply off to compare"

@@ -1,11 +1,13 @@
-//! Whether a recording can carry a fit, said before any fit: excitation, saturation, gaps, hum, speeds that break the ratio.
+//! Whether a recording can carry a fit, said before any fit: excitation, clipped and stuck channels, spikes, gaps, hum, speeds that break the ratio.
 //!
 //! One pass over the data. Findings are values with their numbers; what to record instead is part of each.
 
 mod excitation;
 mod finding;
+mod flat;
+mod held;
 mod ratio;
-mod runs;
+mod scatter;
 mod spectrum;
 
 use serde::Serialize;
@@ -15,9 +17,10 @@ use crate::error::Result;
 use crate::{Channel, Unit};
 use excitation::TurningPoints;
 pub use finding::{Finding, Severity};
+use flat::FlatParts;
+pub use held::{Held, HeldAt, Saturation, held, saturations};
 use ratio::RatioFit;
-use runs::ExtremeRuns;
-pub use runs::{Saturation, saturations};
+use scatter::{Scatter, Spikes};
 use spectrum::{Gatherer, Spectrum};
 
 /// Rows below which no dynamic model can be fitted.
@@ -51,6 +54,8 @@ pub struct CheckOptions {
     /// The channels that a model reads, its input among them, by name or column: these are looked at, and those that are not
     /// there are a finding. When empty, all are looked at.
     pub channels: Vec<String>,
+    /// Units of channels that nothing in the model converts: channel and the unit's symbol.
+    pub units: Vec<(String, String)>,
     /// Fixed ratios between two speeds; checked where both channels are there.
     pub ratios: Vec<FixedRatio>,
     /// Resonances of the model.
@@ -162,8 +167,8 @@ pub struct ChannelCheck {
     pub unit: Unit,
     /// Half of peak to peak, in the unit.
     pub amplitude: f64,
-    /// Estimated standard deviation of its noise (white, from the top quarter of the spectrum), in the unit; `None` for an angle
-    /// or a position.
+    /// Estimated standard deviation of its noise (white, from the top quarter of the spectrum and from the scatter of neighbouring
+    /// samples, whichever is less), in the unit; `None` for an angle or a position.
     pub noise_std: Option<f64>,
     /// Signal to noise, dB.
     pub snr_db: Option<f64>,
@@ -195,6 +200,14 @@ pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
         let available = data.channels().iter().map(Channel::column_name).collect();
         findings.push(Finding::MissingChannels { channels: missing, available });
     }
+    findings.extend(options.units.iter().filter_map(|(channel, expected)| {
+        let channel = &data.channels()[data.channel_index(channel).ok()?];
+        (channel.unit.symbol() != expected).then(|| Finding::WrongUnit {
+            channel: channel.name.clone(),
+            unit: channel.unit,
+            expected: expected.clone(),
+        })
+    }));
     let mut channels = Vec::new();
     for (index, probe) in pass.probes.into_iter().enumerate().filter(|(index, _)| looked_at[*index]) {
         let (channel, mut found) = probe.finish(data, index, (Some(index) == input).then_some(options));
@@ -290,12 +303,15 @@ impl Pass {
             .statistics()
             .iter()
             .zip(data.channels())
-            .map(|(statistics, channel)| {
+            .enumerate()
+            .map(|(index, (statistics, channel))| {
                 let min = statistics.min.unwrap_or(0.0);
                 let max = statistics.max.unwrap_or(0.0);
                 Probe {
                     welch: Gatherer::new(longest, data.sample_time_s()),
-                    runs: ExtremeRuns::new(min, max),
+                    flat: FlatParts::of(data, index),
+                    scatter: Scatter::new(),
+                    spikes: Spikes::new(min, max),
                     turning: TurningPoints::new(min, max),
                     segment: 0,
                     rate: matches!(channel.unit, Unit::Rad | Unit::M)
@@ -330,7 +346,9 @@ impl Pass {
 /// What is gathered about one channel.
 struct Probe {
     welch: Gatherer,
-    runs: ExtremeRuns,
+    flat: FlatParts,
+    scatter: Scatter,
+    spikes: Spikes,
     turning: TurningPoints,
     segment: usize,
     /// Turns an angle or a position into its rate for the spectrum.
@@ -345,6 +363,7 @@ struct Rate {
 impl Probe {
     fn interrupt(&mut self) {
         self.welch.interrupt();
+        self.scatter.interrupt();
         if let Some(rate) = &mut self.rate {
             rate.previous = None;
         }
@@ -363,7 +382,9 @@ impl Probe {
                 }
             }
         }
-        self.runs.push(value);
+        self.flat.push(value);
+        self.scatter.push(value);
+        self.spikes.push(value);
         self.turning.push(value);
     }
 
@@ -377,7 +398,12 @@ impl Probe {
         let channel = &data.channels()[index];
         let statistics = &data.statistics()[index];
         let (min, max) = (statistics.min.unwrap_or(0.0), statistics.max.unwrap_or(0.0));
-        let spectrum = self.welch.finish();
+        let mut spectrum = self.welch.finish();
+        if let (Some(spectrum), Some(noise_std)) = (&mut spectrum, self.scatter.noise_std(max - min))
+            && self.rate.is_none()
+        {
+            spectrum.bound_noise(noise_std);
+        }
         let counts = self.turning.finish();
         let check = ChannelCheck {
             name: channel.name.clone(),
@@ -408,7 +434,14 @@ impl Probe {
             });
             return (check, findings);
         }
-        findings.extend(self.runs.finish(channel));
+        findings.extend(self.flat.finish().iter().map(|flat| flat.finding(channel, data.rows())));
+        findings.extend(self.spikes.finish().map(|spiky| Finding::Spikes {
+            channel: channel.name.clone(),
+            unit: channel.unit,
+            spikes: spiky.spikes,
+            farthest: spiky.farthest,
+            range: spiky.range,
+        }));
         findings.extend(excitation_of(channel, &check, statistics, input_of));
         let still = |finding: &Finding| finding.severity() == Severity::Prevents;
         if let (Some(spectrum), Some(options)) = (&spectrum, input_of)
@@ -462,6 +495,10 @@ fn not_excited(
     let band_hz = check.band_hz?;
     let left_alone = |resonance: &&Resonance| {
         let frequency_hz = resonance.frequency_hz;
+        // Slower than the spectrum can tell from the mean.
+        if frequency_hz < spectrum.lowest_hz() {
+            return false;
+        }
         !spectrum.moves_between(frequency_hz / BESIDE_RESONANCE, frequency_hz * BESIDE_RESONANCE)
     };
     let resonances: Vec<Resonance> = resonances.iter().filter(left_alone).cloned().collect();

@@ -91,6 +91,17 @@ impl Spectrum {
         (self.floor * self.step_hz * (self.density.len() - 1) as f64).sqrt()
     }
 
+    /// Noise is at most so large: what a switching input has at high frequencies is no noise.
+    pub(super) fn bound_noise(&mut self, noise_std: f64) {
+        let density = noise_std.powi(2) / (self.step_hz * (self.density.len() - 1) as f64);
+        self.floor = self.floor.min(density);
+    }
+
+    /// The lowest frequency at which motion is seen, Hz.
+    pub(super) fn lowest_hz(&self) -> f64 {
+        3.0 * self.step_hz
+    }
+
     /// Bins that hold motion: the lowest two belong to the mean.
     fn moving(&self) -> impl Iterator<Item = (usize, f64)> {
         self.density.iter().copied().enumerate().skip(2)

@@ -22,7 +22,7 @@ pub enum Warning {
         column: String,
     },
     /// A column whose name has no unit.
-    #[error("column `{column}` names no unit and is left aside (end its name in one of {suffixes})", suffixes = crate::Unit::ALL.map(crate::Unit::suffix).join(" "))]
+    #[error("column `{column}` names no unit and is left aside (end its name in one of {suffixes}; numbers in another unit end in _1, and the model's channel says unit = \"rpm\" or the like)", suffixes = crate::Unit::ALL.map(crate::Unit::suffix).join(" "))]
     ColumnWithoutUnit {
         /// The column's name.
         column: String,

@@ -1,0 +1,212 @@
+//! `[channels.NAME]`: what a recording's column is to the model, its unit checked against what is measured.
+
+use toml::Spanned;
+
+use super::{
+    Reader,
+    raw::{Name, RawChannel},
+};
+use crate::{
+    Channel, ModelError, Quantity, Role, Take,
+    effects::Kind,
+    units::{self, Dimension},
+};
+
+/// Suffixes of a recording's columns and their units, longest first.
+pub(super) const COLUMN_UNITS: [(&str, &str); 12] = [
+    ("_rad_s2", "rad/s2"),
+    ("_rad_s", "rad/s"),
+    ("_rad", "rad"),
+    ("_m_s2", "m/s2"),
+    ("_m_s", "m/s"),
+    ("_m", "m"),
+    ("_Nm", "N m"),
+    ("_N", "N"),
+    ("_V", "V"),
+    ("_A", "A"),
+    ("_K", "K"),
+    ("_1", "1"),
+];
+
+/// Unit of a recording's column by its name's suffix; `None` where the name has none.
+#[must_use]
+pub fn column_unit(column: &str) -> Option<&'static str> {
+    COLUMN_UNITS.iter().find(|(suffix, _)| column.ends_with(suffix)).map(|(_, unit)| *unit)
+}
+
+impl Reader<'_> {
+    pub(super) fn channel(&mut self, name: Name, raw: RawChannel) -> Result<Channel, ModelError> {
+        let label = name.get_ref();
+        let place = raw.at.get_ref();
+        if !self.places.iter().any(|(known, _)| known == place) {
+            let places: Vec<&str> = self.places.iter().map(|(place, _)| place.as_str()).collect();
+            let message = format!("there is no place \"{place}\"; places are {}", places.join(", "));
+            return self.fail(&raw.at, message);
+        }
+        if let Some(std) = &raw.noise_std
+            && !(std.get_ref().is_finite() && *std.get_ref() > 0.0)
+        {
+            return self.fail(std, format!("channels.{label}.noise_std must be positive"));
+        }
+        if !(raw.scale.is_none_or(|scale| scale.is_finite() && scale != 0.0) && raw.offset.is_finite()) {
+            let message =
+                format!("channels.{label} needs a finite offset and a finite scale other than zero");
+            return self.fail(&name, message);
+        }
+        let take = match &raw.take {
+            Some(take) => {
+                let by_name = raw.column.as_ref().is_some_and(|column| is_angle(column.get_ref()));
+                self.take(label, raw.role, by_name || raw.unit.is_some(), take)?
+            }
+            None => Take::Value,
+        };
+        let gain = raw.gain.as_ref().map(|gain| self.parameter("gain", gain, Kind::Ratio)).transpose()?;
+        let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
+        let factor = self.factor(&name, &raw, take, unit)?;
+        let suffix = if raw.unit.is_some() { "_1" } else { suffix };
+        let name = name.into_inner();
+        Ok(Channel {
+            column: raw.column.map_or_else(|| format!("{name}{suffix}"), Spanned::into_inner),
+            name,
+            role: raw.role,
+            quantity: raw.quantity,
+            at: raw.at.into_inner(),
+            take,
+            scale: factor * raw.scale.unwrap_or(1.0),
+            offset: raw.offset,
+            gain,
+            noise_std: raw.noise_std.map(Spanned::into_inner),
+            estimate_offset: raw.estimate_offset,
+            unit,
+        })
+    }
+
+    /// SI units that one unit of what is taken of the column is worth, before `scale`.
+    fn factor(&self, name: &Name, raw: &RawChannel, take: Take, unit: &str) -> Result<f64, ModelError> {
+        let label = name.get_ref();
+        let (what, column) = (quantity_name(raw.quantity, self.rotational), raw.column.as_ref());
+        let own = column.and_then(|column| column_unit(column.get_ref()));
+        let wave = matches!(take, Take::Cos(_) | Take::Sin(_));
+        let Some(given) = &raw.unit else {
+            // Who gives the number by which the column is to be multiplied has thought of its unit.
+            let fits = |own: &str| own != "1" && dimension_of(own, take) == dimension_of(unit, Take::Value);
+            let (Some(column), Some(own)) =
+                (column, own.filter(|own| !wave && raw.scale.is_none() && !fits(own)))
+            else {
+                return Ok(1.0);
+            };
+            let (read, of) = match (own, take) {
+                ("1", _) => ("without a unit".to_owned(), "count".to_owned()),
+                (_, Take::Rate) => {
+                    (format!("in {own}, of which it takes the rate"), format!("{own} per second"))
+                }
+                _ => (format!("in {own}"), own.to_owned()),
+            };
+            let or = if own == "1" { "unit = \"...\" with what it counts, or " } else { "" };
+            let message = format!(
+                "channels.{label} reads the column \"{}\" {read}, but {what} is in {unit}; write {or}scale = X, where one {of} is X {unit}",
+                column.get_ref()
+            );
+            return self.fail(column, message);
+        };
+        if wave {
+            let message = format!(
+                "channels.{label}.unit has no meaning for a wave; take = {{ cos = .. }} reads an angle in rad"
+            );
+            return self.fail(given, message);
+        }
+        if let (Some(column), Some(own)) = (column, own)
+            && own != "1"
+        {
+            let message = format!(
+                "channels.{label}.unit is for a column whose name ends in _1, but \"{}\" is in {own} by its name; leave unit out",
+                column.get_ref()
+            );
+            return self.fail(given, message);
+        }
+        match units::parse(given.get_ref()) {
+            Some(parsed) if dimension_of(given.get_ref(), take) == dimension_of(unit, Take::Value) => {
+                Ok(parsed.factor)
+            }
+            _ => {
+                let before = if take == Take::Rate { "the rate of the column is taken, and " } else { "" };
+                let message = format!(
+                    "channels.{label}.unit is \"{}\", but {before}{what} is in {unit}; write a unit that can be converted to that",
+                    given.get_ref()
+                );
+                self.fail(given, message)
+            }
+        }
+    }
+
+    /// What a channel takes of its column. Noise of an output is that of its sensor, so outputs are read as recorded.
+    fn take(
+        &self,
+        label: &str,
+        role: Role,
+        is_angle: bool,
+        take: &Spanned<Take>,
+    ) -> Result<Take, ModelError> {
+        if role == Role::Output {
+            return self
+                .fail(take, format!("channels.{label}.take is for inputs; an output is read as recorded"));
+        }
+        if !is_angle {
+            let message = format!(
+                "channels.{label}.take needs the column of an angle or position, such as column = \"encoder_rad\""
+            );
+            return self.fail(take, message);
+        }
+        match *take.get_ref() {
+            Take::Cos(order) | Take::Sin(order) if !order.is_finite() || order == 0.0 => {
+                self.fail(take, format!("channels.{label}.take needs a finite order other than zero"))
+            }
+            taken => Ok(taken),
+        }
+    }
+}
+
+/// Whether a column holds angles or positions, by its unit's suffix.
+fn is_angle(column: &str) -> bool {
+    matches!(column_unit(column), Some("rad" | "m"))
+}
+
+/// Dimension of what is taken of values in a unit; `None` for a temperature.
+fn dimension_of(unit: &str, take: Take) -> Option<Dimension> {
+    let mut dimension = units::parse(unit)?.dimension;
+    dimension[2] -= i8::from(take == Take::Rate);
+    Some(dimension)
+}
+
+/// What a quantity is called in a sentence.
+fn quantity_name(quantity: Quantity, rotational: bool) -> &'static str {
+    match (quantity, rotational) {
+        (Quantity::Speed, _) => "a speed",
+        (Quantity::Angle, true) => "an angle",
+        (Quantity::Angle, false) => "a position",
+        (Quantity::Acceleration, _) => "an acceleration",
+        (Quantity::Torque, true) => "a torque",
+        (Quantity::Torque, false) => "a force",
+        (Quantity::Reference, _) => "a reference",
+        (Quantity::Time, _) => "a time",
+        (Quantity::Turned, _) => "a turned angle",
+        (Quantity::Change, _) => "a rate of change",
+    }
+}
+
+/// SI unit and column suffix of what a channel measures.
+fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static str) {
+    match (quantity, rotational) {
+        (Quantity::Speed, true) => ("rad/s", "_rad_s"),
+        (Quantity::Speed, false) => ("m/s", "_m_s"),
+        (Quantity::Angle | Quantity::Reference, true) => ("rad", "_rad"),
+        (Quantity::Angle | Quantity::Reference, false) => ("m", "_m"),
+        (Quantity::Acceleration, true) => ("rad/s2", "_rad_s2"),
+        (Quantity::Acceleration, false) => ("m/s2", "_m_s2"),
+        (Quantity::Torque, true) => ("N m", "_Nm"),
+        (Quantity::Torque, false) => ("N", "_N"),
+        (Quantity::Time, _) => ("s", "_s"),
+        (Quantity::Turned, _) => ("rad", "_rad"),
+        (Quantity::Change, _) => ("1/s", ""),
+    }
+}

@@ -1,0 +1,78 @@
+//! What the parameters of the catalogue's effects mean, for people who write model files.
+
+use crate::effects::{CATALOGUE, Effect, EffectParameter, REFINED};
+
+/// Of any effect that has a parameter of this name.
+const COMMON: &[(&str, &str)] = &[
+    ("transition_speed", "speed within which the sign of a speed is smoothed"),
+    ("transition_torque", "torque within which the sign of a torque is smoothed"),
+    ("contact_damping", "damping of the contact where teeth touch"),
+    ("phase", "phase of the wave at angle 0 (at the start, where it is one over time)"),
+];
+
+/// Of one effect.
+const MEANINGS: &[(&str, &str, &str)] = &[
+    ("coulomb_friction", "torque", "friction torque, the same at any speed"),
+    ("coulomb_friction", "deflection", "elastic deflection before it slips"),
+    ("stribeck_friction", "torque", "friction torque at speed"),
+    ("stribeck_friction", "static_torque", "friction torque at standstill"),
+    ("stribeck_friction", "stribeck_speed", "speed within which it falls from one to the other"),
+    ("stribeck_friction", "deflection", "elastic deflection before it slips"),
+    ("quadratic_drag", "coefficient", "drag torque over speed squared"),
+    (
+        "damping_drift",
+        "rate",
+        "relative change of the bearing's damping per second from the recording's start",
+    ),
+    ("direction_dependence", "torque_difference", "drag torque forward minus backward"),
+    ("direction_dependence", "damping_difference", "damping forward minus backward"),
+    ("constant_load", "torque", "torque against positive motion"),
+    ("mesh_loss", "fraction", "share of the transmitted torque that is lost"),
+    ("backlash", "gap", "whole play between the flanks, at the to node"),
+    ("kinematic_error", "order", "cycles per turn of the from node"),
+    ("kinematic_error", "amplitude", "amplitude of the angle error, at the to node"),
+    ("stiffness_hardening", "cubic", "a in T = k d (1 + a d2); negative where it softens"),
+    ("hysteresis", "torque", "torque at which the inner friction slips"),
+    ("hysteresis", "deflection", "twist at which it slips"),
+    ("missing_compliance", "stiffness", "stiffness of the shaft"),
+    ("missing_compliance", "damping", "damping of the shaft"),
+    ("missing_inertia", "inertia", "inertia that the node has beyond its own"),
+    ("coupling_slip", "torque", "torque at which the coupling slips"),
+    ("gravity_unbalance", "torque", "weight times its distance from the axis"),
+    ("external_disturbance", "torque", "amplitude of the torque"),
+    ("external_disturbance", "frequency", "its frequency"),
+    ("torque_ripple", "order", "cycles per turn of the node"),
+    ("torque_ripple", "torque", "amplitude of the torque"),
+    ("sensor_gain", "gain", "reading over truth"),
+    ("sensor_offset", "offset", "reading at zero"),
+    ("sensor_lag", "time_constant", "time constant of a first-order filter"),
+    ("sensor_delay", "delay", "time by which the reading is late"),
+    ("sensor_saturation", "limit", "reading that is never exceeded, either way"),
+    ("sensor_hum", "amplitude", "amplitude of the wave"),
+    ("sensor_hum", "frequency", "its frequency"),
+    ("sensor_ripple", "amplitude", "amplitude of the wave"),
+    ("sensor_ripple", "order", "cycles per turn of the channel's shaft"),
+];
+
+/// What a parameter of an effect means; empty where nobody has said it.
+#[must_use]
+pub fn meaning(effect: &str, parameter: &str) -> &'static str {
+    let own = MEANINGS.iter().find(|(id, name, _)| *id == effect && *name == parameter);
+    let common = || COMMON.iter().find(|(name, _)| *name == parameter).map(|(_, text)| *text);
+    own.map(|(.., text)| *text).or_else(common).unwrap_or_default()
+}
+
+/// All parameters that a model file may give for an effect, those of its refined law last, and whether each has to be given.
+#[must_use]
+pub fn parameters_of(effect: &Effect) -> Vec<(&'static EffectParameter, bool)> {
+    let mut all: Vec<(&EffectParameter, bool)> = Vec::new();
+    let laws = CATALOGUE.iter().map(|law| (law, true)).chain(REFINED.iter().map(|law| (law, false)));
+    for (law, is_plain) in laws.filter(|(law, _)| law.id == effect.id) {
+        for parameter in law.parameters {
+            if !all.iter().any(|(known, _)| known.name == parameter.name) {
+                all.push((parameter, is_plain && parameter.default.is_none()));
+            }
+        }
+    }
+    all
+}

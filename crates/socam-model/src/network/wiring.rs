@@ -1,0 +1,194 @@
+//! What is odd about a network: it can be computed, and hardly what was meant.
+
+use super::{Assembly, Class};
+use crate::{Channel, Model, Motion, Quantity, Role};
+
+/// Relative difference of two motions that is more than rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Model {
+    /// What is odd about the model, a sentence each: parameters that nothing uses, parts that carry no torque, loops that cannot
+    /// turn, channels that tell nothing. All of it can be computed, and most of it is a slip of the pen.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.unused_parameters();
+        let values = self.values();
+        if let Ok(assembly) = Assembly::new(self, &values, &[]) {
+            warnings.extend(assembly.dead_ends());
+            warnings.extend(assembly.springs_without_load());
+            warnings.extend(assembly.locked_loops());
+            warnings.extend(assembly.idle_channels());
+        }
+        warnings
+    }
+
+    fn unused_parameters(&self) -> Vec<String> {
+        let nodes = self.nodes.iter().filter_map(|node| node.inertia);
+        let springs =
+            self.springs.iter().flat_map(|spring| [Some(spring.stiffness), spring.damping]).flatten();
+        let gears = self.gears.iter().map(|gear| gear.ratio);
+        let bearings = self.bearings.iter().filter_map(|bearing| bearing.damping);
+        let servo =
+            self.servo.iter().flat_map(|servo| [servo.position_gain, servo.velocity_gain, servo.drive_gain]);
+        let effects = self.effects.iter().flat_map(|used| used.parameters.iter().copied());
+        let channels = self.channels.iter().filter_map(|channel| channel.gain);
+        let mut used = vec![false; self.parameters.len()];
+        let all =
+            nodes.chain(springs).chain(gears).chain(bearings).chain(servo).chain(effects).chain(channels);
+        all.for_each(|index| used[index] = true);
+        let unused = self.parameters.iter().zip(used).filter(|(_, used)| !used);
+        let sentence = |name: &str| {
+            format!(
+                "nothing uses the parameter {name}; name it where it belongs (as in damping = \"{name}\"), or remove it"
+            )
+        };
+        unused.map(|(parameter, _)| sentence(&parameter.name)).collect()
+    }
+}
+
+impl Assembly<'_> {
+    /// Massless nodes on one gear or shaft with nothing behind them.
+    fn dead_ends(&self) -> Vec<String> {
+        let model = self.model;
+        let is_dead = |node: usize| {
+            let sprung = model.springs.iter().any(|spring| spring.from == node || spring.to == Some(node));
+            let name = &model.nodes[node].name;
+            let watched = model.channels.iter().any(|channel| channel.at == *name);
+            !sprung && !watched && model.nodes[node].inertia.is_none() && !self.is_held(node)
+        };
+        let gears = model.gears.iter().map(|gear| ("gear", &gear.name, gear.from, gear.to));
+        let shafts = model.shafts.iter().map(|shaft| ("shaft", &shaft.name, shaft.nodes.0, shaft.nodes.1));
+        let links: Vec<_> = gears.chain(shafts).collect();
+        let ties = |node: usize| links.iter().filter(|(_, _, a, b)| *a == node || *b == node).count();
+        let mut found = Vec::new();
+        for (kind, name, from, to) in &links {
+            for node in [*from, *to].into_iter().filter(|node| is_dead(*node) && ties(*node) == 1) {
+                let node = &model.nodes[node].name;
+                found.push(format!(
+                    "the {kind} {name} moves nothing: its node {node} has no inertia, and nothing else is tied to it; tie the part that it moves to {node}"
+                ));
+            }
+        }
+        found
+    }
+
+    /// Whether something acts on a node besides springs, gears and shafts.
+    fn is_held(&self, node: usize) -> bool {
+        let model = self.model;
+        let name = &model.nodes[node].name;
+        let bearing = model.bearings.iter().any(|bearing| bearing.node == node);
+        let servo = model.servo.as_ref().is_some_and(|servo| servo.node == node);
+        let driven = model.inputs().any(|input| input.at == *name && !input.quantity.is_clock());
+        let effect = model.effects.iter().any(|used| used.place == *name);
+        bearing || servo || driven || effect
+    }
+
+    /// Springs with nothing behind them that could load them. A bearing without a law loads nothing, but holds a place for one.
+    fn springs_without_load(&self) -> Vec<String> {
+        let model = self.model;
+        let mut heavy = vec![false; self.class.len()];
+        for node in 0..model.nodes.len() {
+            heavy[self.group[node]] |= model.nodes[node].inertia.is_some() || self.is_held(node);
+        }
+        let ends = |spring: usize| {
+            let spring = &model.springs[spring];
+            (self.group[spring.from], spring.to.map(|to| self.group[to]))
+        };
+        let mut left: Vec<usize> = (0..model.springs.len()).collect();
+        let mut found = Vec::new();
+        loop {
+            let springs_at = |group: usize| {
+                left.iter().filter(|s| ends(**s).0 == group || ends(**s).1 == Some(group)).count()
+            };
+            let loose = |group: usize| !heavy[group] && springs_at(group) == 1;
+            let next = left.iter().position(|s| loose(ends(*s).0) || ends(*s).1.is_some_and(loose));
+            let Some(next) = next else { return found };
+            let spring = left[next];
+            let (from, to) = ends(spring);
+            let group = to.filter(|to| loose(*to)).unwrap_or(from);
+            let behind = (0..model.nodes.len()).filter(|node| self.group[*node] == group);
+            let behind: Vec<&str> = behind.map(|node| model.nodes[node].name.as_str()).collect();
+            found.push(format!(
+                "the spring {} carries no torque: {} behind it has no inertia, and nothing loads it; give it what it moves, or tie the spring to another node",
+                model.springs[spring].name,
+                behind.join(", ")
+            ));
+            left.remove(next);
+        }
+    }
+
+    /// Springs that close a loop whose two ways have different ratios: they hold the drivetrain still.
+    fn locked_loops(&self) -> Vec<String> {
+        let model = self.model;
+        if model.motion != Motion::Rotation || model.springs.iter().any(|spring| spring.to.is_none()) {
+            return Vec::new();
+        }
+        // Motion of each group when the first of its part moves by one; each spring either hands it on or closes a loop.
+        let mut motion: Vec<Option<f64>> = vec![None; self.class.len()];
+        let mut open: Vec<usize> = (0..model.springs.len()).collect();
+        let end =
+            |motion: &[Option<f64>], node: usize| Some(motion[self.group[node]]? * self.lever[node].value);
+        let mut found = Vec::new();
+        while !open.is_empty() {
+            let reaches = |spring: &usize| {
+                let spring = &model.springs[*spring];
+                end(&motion, spring.from).is_some() || spring.to.is_some_and(|to| end(&motion, to).is_some())
+            };
+            let Some(next) = open.iter().position(reaches) else {
+                motion[self.group[model.springs[open[0]].from]] = Some(1.0);
+                continue;
+            };
+            let spring = &model.springs[open.remove(next)];
+            let Some(to) = spring.to else { continue };
+            match (end(&motion, spring.from), end(&motion, to)) {
+                (Some(from), None) => motion[self.group[to]] = Some(from / self.lever[to].value),
+                (None, Some(to)) => {
+                    motion[self.group[spring.from]] = Some(to / self.lever[spring.from].value)
+                }
+                (Some(a), Some(b)) if (a - b).abs() > ROUNDING * a.abs().max(b.abs()) => {
+                    let [from, to] = [spring.from, to].map(|node| &model.nodes[node].name);
+                    found.push(format!(
+                        "nothing can turn: the spring {} asks {from} and {to} to turn alike, but by the other way {from} turns {} times as fast; one spring of this loop is tied to the wrong side of a gear",
+                        spring.name,
+                        (1e4 * a / b).round() / 1e4
+                    ));
+                }
+                _ => {}
+            }
+        }
+        found
+    }
+
+    /// Channels that cannot matter, since a prescribed speed decides everything at their place.
+    fn idle_channels(&self) -> Vec<String> {
+        let group_of = |channel: &Channel| {
+            let node = self.model.nodes.iter().position(|node| node.name == channel.at)?;
+            Some(self.group[node])
+        };
+        let prescribing = |group: usize| {
+            self.model
+                .inputs()
+                .find(|input| input.quantity == Quantity::Speed && group_of(input) == Some(group))
+        };
+        let mut found = Vec::new();
+        for channel in self.model.channels.iter().filter(|channel| !channel.quantity.is_clock()) {
+            let Some(group) = group_of(channel).filter(|group| self.class[*group] == Class::Prescribed)
+            else {
+                continue;
+            };
+            let Some(input) = prescribing(group) else { continue };
+            let (name, by) = (&channel.name, &input.name);
+            match (channel.role, channel.quantity) {
+                (Role::Input, Quantity::Torque) => found.push(format!(
+                    "channel {name} moves nothing: the speed of {} is prescribed by channel {by}; make that one an output, or leave {name} out",
+                    channel.at
+                )),
+                (Role::Output, Quantity::Speed | Quantity::Angle | Quantity::Acceleration) => found.push(format!(
+                    "channel {name} says nothing of the drivetrain: it measures what channel {by} prescribes; leave it out, or measure elsewhere"
+                )),
+                _ => {}
+            }
+        }
+        found
+    }
+}
