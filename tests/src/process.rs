@@ -25,6 +25,7 @@ pub fn program() -> &'static Path {
         let built = Command::new(env!("CARGO"))
             .args(["build", "--quiet", "--workspace", "--profile", profile])
             .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env_remove("RUSTC_BOOTSTRAP")
             .stdin(Stdio::null())
             .output()
             .expect("cargo starts");

@@ -42,7 +42,7 @@ fn a_bad_link_costs_samples_that_are_counted_and_falsifies_none() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
     let _ = board.ask(&json!({ "ask": "keep" }));
-    let _ = board.ask(&json!({ "ask": "damage", "toBoard": 1e-3, "toHost": 1e-3, "seed": 11 }));
+    let _ = board.ask(&json!({ "ask": "damage", "toBoard": 5e-3, "toHost": 5e-3, "seed": 11 }));
     let ran = run([
         "record",
         "-o",
@@ -52,7 +52,7 @@ fn a_bad_link_costs_samples_that_are_counted_and_falsifies_none() {
         "--profile",
         "triangle",
         "--duration",
-        "60s",
+        "12s",
         "--json",
     ]);
     assert_eq!(ran.code, Some(3), "{ran:?}");

@@ -157,6 +157,7 @@ fn an_oscillator_is_found_to_harden() {
 /// does not roll true. The encoder's angle tells where in its turn each recording begins. All recordings ran at one speed, where a load
 /// that swings four times a turn does the same: the line and its shaft are found, either place may come first, and the other is a rival.
 #[test]
+#[ignore = "takes minutes: cargo test --release -p socam-tests -- --ignored"]
 fn a_reduction_is_found_not_to_roll_true() {
     let Some(data) = data_set("aalto") else { return };
     let [train, more, test] =

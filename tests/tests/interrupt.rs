@@ -1,5 +1,4 @@
 //! Ctrl-C during a fit: the first ends the search with what it has, the second ends it at once and leaves nothing half-written.
-#![cfg(unix)]
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

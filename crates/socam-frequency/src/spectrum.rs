@@ -1,14 +1,13 @@
 //! The discrete Fourier transform, and frequencies of its bins.
 
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
 
 /// Bins 0 to N/2 of the transform of `values`, unscaled.
 pub(crate) fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     if values.is_empty() {
         return Vec::new();
     }
-    let plan = RealFftPlanner::new().plan_fft_forward(values.len());
+    let plan = socam_fft::forward(values.len());
     let (mut input, mut output) = (values.to_vec(), plan.make_output_vec());
     // It only fails for buffers of a wrong length, and these are its own.
     if plan.process(&mut input, &mut output).is_err() {
@@ -25,7 +24,7 @@ pub(crate) fn autocorrelation(values: &[f64]) -> Vec<f64> {
     padded.resize((2 * length).next_power_of_two(), 0.0);
     let mut power = transform(&padded);
     power.iter_mut().for_each(|line| *line = Complex::new(line.norm_sqr(), 0.0));
-    let plan = RealFftPlanner::new().plan_fft_inverse(padded.len());
+    let plan = socam_fft::inverse(padded.len());
     if plan.process(&mut power, &mut padded).is_err() {
         return Vec::new();
     }

@@ -1,6 +1,5 @@
 //! How well a channel is predicted within a band of frequencies: what lies beyond it, drift and hum, counts neither for nor against.
 
-use realfft::RealFftPlanner;
 use socam_recording::Dataset;
 
 use crate::{
@@ -166,7 +165,7 @@ fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
     let rows = signal.len();
     let mean = signal.iter().sum::<f64>() / rows as f64;
     signal.iter_mut().for_each(|value| *value -= mean);
-    let fft = RealFftPlanner::new().plan_fft_forward(rows);
+    let fft = socam_fft::forward(rows);
     let mut lines = fft.make_output_vec();
     // It only fails for buffers of a wrong length, and these are its own.
     if fft.process(&mut signal, &mut lines).is_err() {
@@ -178,7 +177,7 @@ fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
         (band.low_hz..=band.high_hz).contains(&hz)
     });
     // Every line stands for a negative frequency too, but the one at half the sampling rate.
-    let square = |(line, value): (usize, &realfft::num_complex::Complex<f64>)| {
+    let square = |(line, value): (usize, &socam_fft::Complex<f64>)| {
         if 2 * line == rows { value.norm_sqr() } else { 2.0 * value.norm_sqr() }
     };
     within.map(square).sum::<f64>() / rows as f64

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use socam_fft::{Complex, RealToComplex};
 
 /// Transforms pieces of one length through a Hann window. How pieces follow each other (half overlapping is usual) and what is
 /// summed up over them is the caller's.
@@ -25,7 +24,7 @@ impl Welch {
     #[must_use]
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
-        let fft = RealFftPlanner::new().plan_fft_forward(length);
+        let fft = socam_fft::forward(length);
         let turn = std::f64::consts::TAU / length as f64;
         Self {
             window: (0..length).map(|k| 0.5 - 0.5 * (turn * (k as f64 + 0.5)).cos()).collect(),
