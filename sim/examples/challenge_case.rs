@@ -16,7 +16,7 @@ fn main() -> Result<(), Failure> {
     for number in words {
         let case = Case::draw(seed, number.parse()?)?;
         write(&case, &Path::new(&dir).join(format!("case-{number}")))?;
-        println!("{number} {:?} {:?}", case.kind, case.hidden);
+        println!("{number} {} {:?} {:?}", case.machine.family, case.kind, case.hidden);
     }
     Ok(())
 }

@@ -9,13 +9,35 @@ use crate::truth::{Concealed, Override};
 /// A sensor's flaw, with its parameters in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Flaw {
-    Gain { gain: f64 },
-    Offset { offset: f64 },
-    Lag { time_constant_s: f64 },
-    Delay { delay_s: f64 },
-    Saturation { limit: f64 },
-    Hum { amplitude: f64, frequency_hz: f64, phase_rad: f64 },
-    Ripple { amplitude: f64, order: f64, phase_rad: f64 },
+    Gain {
+        gain: f64,
+    },
+    Offset {
+        offset: f64,
+    },
+    Lag {
+        time_constant_s: f64,
+    },
+    Delay {
+        delay_s: f64,
+    },
+    Saturation {
+        limit: f64,
+    },
+    Hum {
+        amplitude: f64,
+        frequency_hz: f64,
+        phase_rad: f64,
+    },
+    Ripple {
+        amplitude: f64,
+        order: f64,
+        phase_rad: f64,
+    },
+    /// A gain that creeps: of no id, because the catalogue has no such effect.
+    GainDrift {
+        rate_per_s: f64,
+    },
 }
 
 /// Ids, parameters' names, and how to make a flaw of their values.
@@ -116,6 +138,7 @@ impl FlawedChannel {
             Flaw::Ripple { amplitude, order, phase_rad } => {
                 value + amplitude * (order * angle_rad + phase_rad).sin()
             }
+            Flaw::GainDrift { rate_per_s } => value * (1.0 + rate_per_s * time_s),
             Flaw::Lag { time_constant_s } => self.lag(value, step_s / time_constant_s),
             Flaw::Delay { delay_s } => self.delay(value, time_s, delay_s),
         };

@@ -5,7 +5,7 @@
 //! * [`Setup`]: a whole bench, with [`Drive`] and sensors; [`Setup::record`] runs a profile on it.
 //! * [`Replay`]: a model driven by what was recorded, next to what was measured.
 //! * [`Analog`]: the bench's connectors, for a board that brings converters of its own.
-//! * [`challenge`]: random benches with concealed physics, for a diagnosis to find.
+//! * [`challenge`]: random machines with concealed physics, for a diagnosis to find.
 //! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
 //!
 //! # Conventions

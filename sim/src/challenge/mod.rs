@@ -1,23 +1,42 @@
-//! Concealed physics: random benches with something hidden in them, for a diagnosis to find.
+//! Concealed physics: random machines with something hidden in them, for a diagnosis to find.
 //!
-//! [`Case::draw`] depends on a seed and a number alone. What is hidden obeys other laws than those of the catalogue wherever it
-//! can be written in another way ([`laws`]), the bench has small masses where the model has none, a drive that gives way,
-//! parameters, noise and converters of its own. A diagnosis gets [`Case::record`]'s recordings and [`Case::base`], no more.
+//! [`Case::draw`] depends on a seed and a number alone. A family ([`FAMILY_NAMES`]) draws a machine; from its description come the
+//! truth's equations and, by another way, the model file that a diagnosis begins with, whose open parameters are wrong by up to a
+//! factor of three. What is hidden obeys other laws than those of the catalogue wherever it can be written in another way. Every
+//! second case is realistic: it has a [`Background`] that no case names. A diagnosis gets [`Case::record`]'s recordings and
+//! [`Case::base`], no more.
 
+mod background;
+mod draw;
+mod families;
+mod hidden;
+mod integrate;
 mod laws;
+mod machine;
+mod model_file;
+mod motion;
+mod profile;
 mod random;
-mod runs;
-mod sizes;
-mod truth;
+mod record;
+mod scales;
 
 use serde::{Deserialize, Serialize};
-use socam_core::scaling::Converter;
 use socam_model::Model;
 use socam_recording::Dataset;
 
-use crate::{SimError, calibration_for};
+use crate::SimError;
+pub use background::Background;
+use draw::{noise, outline, runs};
+use families::FAMILIES;
+pub use hidden::Hidden;
+pub use machine::{
+    Bearing, Control, Drive, Input, Machine, Measure, Node, Parameter, Sensor, Sort, Spring, Tie,
+};
+use motion::Motion;
+pub use profile::{Profile, Shape};
 use random::Draw;
-pub use runs::Run;
+pub use record::Run;
+use scales::Scales;
 
 /// What is hidden, by number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -33,7 +52,7 @@ pub enum Kind {
     Outside,
 }
 
-/// Kinds of twenty cases in a row, which are tried, or kept aside, together: so every twenty hold some of each.
+/// Kinds of twenty pairs of cases in a row, of which the first is clean and the second realistic.
 const KINDS: [Kind; 20] = {
     use Kind::{Clean, Double, Outside, Single};
     [
@@ -43,27 +62,34 @@ const KINDS: [Kind; 20] = {
 };
 
 impl Kind {
-    /// Kind of a case, and how many of the same kind come before it.
-    fn of(number: u64) -> (Self, u64) {
-        let (block, place) = (number / KINDS.len() as u64, (number % KINDS.len() as u64) as usize);
+    /// Kind of a case, and how many pairs of the same kind come before it.
+    fn turn(number: u64) -> (Self, u64) {
+        let pair = number / 2;
+        let (block, place) = (pair / KINDS.len() as u64, (pair % KINDS.len() as u64) as usize);
         let kind = KINDS[place];
         let among = |kinds: &[Self]| kinds.iter().filter(|other| **other == kind).count() as u64;
         (kind, block * among(&KINDS) + among(&KINDS[..place]))
     }
+
+    /// Kind of a case.
+    #[must_use]
+    pub fn of(number: u64) -> Self {
+        Self::turn(number).0
+    }
 }
 
-/// An effect at work, with its parameters in SI.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Hidden {
-    /// Its id in the catalogue, or the name of a kind that is not there.
-    pub effect: String,
-    /// Place or channel.
-    pub place: String,
-    /// In the catalogue's names.
-    pub parameters: Vec<(String, f64)>,
-}
+/// Names of the families.
+pub const FAMILY_NAMES: [&str; FAMILIES.len()] = {
+    let mut names = [""; FAMILIES.len()];
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = FAMILIES[index].0;
+        index += 1;
+    }
+    names
+};
 
-/// A random bench with everything that is known of it.
+/// A random machine with everything that is known of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// What it was drawn from.
@@ -72,28 +98,20 @@ pub struct Case {
     pub number: u64,
     /// What kind of thing is hidden.
     pub kind: Kind,
-    /// Kept aside while a diagnosis is tuned.
-    pub locked: bool,
-    /// Name of the built-in model that the diagnosis begins with.
-    pub model: String,
+    /// Whether it has a background.
+    pub realistic: bool,
     /// What is hidden; nothing on a clean bench.
     pub hidden: Vec<Hidden>,
-    /// True values of the model's parameters, SI.
-    pub parameters: Vec<(String, f64)>,
+    /// The machine as its model knows it, with true values.
+    pub machine: Machine,
+    /// What it has beside, and no case names.
+    pub background: Background,
     /// Standard deviations of the sensors' noise, SI.
     pub noise_std: Vec<(String, f64)>,
-    /// Resolution of the converters.
-    pub bits: u8,
-    /// How the drive gives way, (rad/s)/(N m).
-    pub droop: f64,
-    /// Inertia of every node that the model takes to have none, as the slow side feels it, kg m².
-    pub small_mass: f64,
-    /// Ripple of the tachometers, as a part of their noise: too small to be found. 0 where there is none.
-    pub tachometer_ripple: f64,
-    /// Stiffness of the mesh's flanks, N m/rad.
-    pub flank_stiffness: f64,
     /// The recordings, the held-out ones last.
     pub runs: Vec<Run>,
+    /// So many of them are fitted.
+    pub training: usize,
 }
 
 /// What a diagnosis gets.
@@ -105,129 +123,109 @@ pub struct Recordings {
     pub holdout: Vec<Dataset>,
 }
 
-/// Noise of the default bench's sensors and the two-mass drive's, SI.
-const USUAL_NOISE: [(&str, &[(&str, f64)]); 2] = [
-    ("speed-o-cam", &[("output_speed", 0.01), ("torque_in", 2e-3), ("torque_out", 1e-2)]),
-    ("two-mass", &[("motor_torque", 4e-3), ("motor_speed", 0.02), ("load_speed", 0.02)]),
-];
+/// An effect's id and its place.
+type Chosen = (&'static str, String);
+
+/// Whether a case is one of simulated realism.
+#[must_use]
+pub fn is_realistic(number: u64) -> bool {
+    number % 2 == 1
+}
+
+/// The family that a case's machine is of, without drawing the rest.
+#[must_use]
+pub fn family_of(seed: u64, number: u64) -> String {
+    outline(number, &mut Draw::new(seed, number)).0.family
+}
 
 impl Case {
     /// Case `number` of a seed.
     ///
     /// # Errors
-    /// When a model or profile that should be built in is not.
+    /// When the machine runs away, which none should.
     pub fn draw(seed: u64, number: u64) -> Result<Self, SimError> {
         let draw = &mut Draw::new(seed, number);
-        let (kind, turn) = Kind::of(number);
-        let hidden = hide(kind, turn, draw);
-        let two_mass = hidden.iter().any(|hidden| hidden.effect == "torque_ripple");
-        let name = if two_mass { "two-mass" } else { "speed-o-cam" };
-        let model = builtin(name)?;
-        let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
-        let parameters = free.map(|parameter| {
-            let is_damping = parameter.unit == "N m s/rad";
-            let factor = if is_damping { draw.factor(2.0) } else { draw.between(0.7, 1.3) };
-            (parameter.name.clone(), parameter.value * factor)
-        });
+        let (mut machine, chosen) = outline(number, draw);
+        machine.spoil_starts(draw);
+        let (runs, training) = runs(&machine, draw);
+        let scales = Scales::of(&machine, &runs[0])?;
+        let hidden = chosen
+            .iter()
+            .map(|(effect, place)| hidden::hide(effect, place, &machine, &scales, draw))
+            .collect();
+        let noise_std = noise(&machine, &scales, is_realistic(number), draw);
+        let background = if is_realistic(number) {
+            Background::draw(&machine, &scales, draw)
+        } else {
+            Background::default()
+        };
         Ok(Self {
             seed,
             number,
-            kind,
-            locked: number / KINDS.len() as u64 % 2 == 1,
-            model: name.into(),
+            kind: Kind::of(number),
+            realistic: is_realistic(number),
             hidden,
-            parameters: parameters.collect(),
-            noise_std: noise(name, draw),
-            bits: draw.one_of(&[12, 16]),
-            droop: draw.log((0.5, 4.0)),
-            small_mass: draw.log((1e-7, 5e-7)),
-            tachometer_ripple: if draw.chance(0.5) { draw.between(0.0, 0.01) } else { 0.0 },
-            flank_stiffness: draw.log((5e5, 2e6)),
-            runs: runs::draw(draw),
+            machine,
+            background,
+            noise_std,
+            runs,
+            training,
         })
     }
 
     /// The model that a diagnosis begins with: nothing of the truth is in it.
     ///
     /// # Errors
-    /// When it is not built in.
+    /// When it cannot move, which every machine's can.
     pub fn base(&self) -> Result<Model, SimError> {
-        builtin(&self.model)
+        Ok(Model::parse(&self.machine.model_file())?)
     }
 
-    /// Standard deviation of what a sensor's noise and its converter's steps do to a channel together, SI.
-    pub fn noise_floor(&self, channel: &str) -> Option<f64> {
-        let calibration = calibration_for(&self.base().ok()?);
-        let sensor = calibration.channels.iter().find(|known| known.channel.name == channel)?.sensor;
-        let converter = Converter { bits: self.bits, ..calibration.input };
-        let step = converter.volts_per_count() / sensor.volts_per_unit.abs();
+    /// The same machine, background, noise and profiles with nothing hidden.
+    #[must_use]
+    pub fn without_hidden(&self) -> Self {
+        Self { hidden: Vec::new(), kind: Kind::Clean, ..self.clone() }
+    }
+
+    /// Standard deviation of what noise and an encoder's steps do to a channel together, SI.
+    #[must_use]
+    pub fn noise_floor(&self, channel: &str) -> f64 {
         let noise = self.noise_std.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, std)| *std);
-        Some((noise * noise + step * step / 12.0).sqrt())
+        let sensor = self.machine.sensors.iter().find(|sensor| sensor.name == channel);
+        let step = sensor.map_or(0.0, |sensor| sensor.step);
+        (noise * noise + step * step / 12.0).sqrt()
     }
 
     /// Records the case.
     ///
     /// # Errors
-    /// When the bench cannot be simulated, or a sensor reaches its limit however weakly it is driven.
+    /// When the machine runs away.
     pub fn record(&self) -> Result<Recordings, SimError> {
-        let setup = self.setup()?;
-        let each = self.runs.iter().enumerate();
-        let recorded = each.map(|(index, run)| run.record(&setup, &format!("run {}", index + 1)));
-        let mut training = recorded.collect::<Result<Vec<_>, _>>()?;
-        let holdout = training.split_off(runs::TRAINING.min(training.len()));
+        let mut beside = self.background.beside();
+        let flaws = hidden::conceal(&self.machine, &self.hidden, &mut beside)?;
+        let motion = Motion::new(&self.machine, &beside);
+        let one = |(index, run): (usize, &Run)| {
+            let signals = run.simulate(&self.machine, &motion, self.background.hold)?;
+            let name = format!("run {}", index + 1);
+            run.record(&self.machine, &signals, (&flaws, &self.background), &self.noise_std, &name)
+        };
+        let mut training = self.runs.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
+        let holdout = training.split_off(self.training.min(training.len()));
         Ok(Recordings { training, holdout })
     }
-}
 
-fn builtin(name: &str) -> Result<Model, SimError> {
-    Model::builtin(name).ok_or_else(|| SimError::argument(name, "there is no such built-in model"))
-}
-
-fn hide(kind: Kind, turn: u64, draw: &mut Draw) -> Vec<Hidden> {
-    match kind {
-        Kind::Clean => Vec::new(),
-        Kind::Single => vec![sizes::hide_one(&sizes::RANGES, turn, draw)],
-        Kind::Outside => vec![sizes::hide_one(&sizes::OUTSIDE, turn, draw)],
-        Kind::Double => two(turn, draw),
+    /// Whether two places lie on one body, as far as it matters where something outside the catalogue acts: a node, its bearing,
+    /// and what is rigidly tied to it.
+    #[must_use]
+    pub fn is_same_body(&self, a: &str, b: &str) -> bool {
+        let node = |place: &str| {
+            let bearing = self.machine.bearings.iter().find(|bearing| bearing.name == place);
+            let named = self.machine.nodes.iter().position(|node| node.name == place);
+            bearing.map(|bearing| bearing.node).or(named)
+        };
+        let motion = Motion::new(&self.machine, &motion::Beside::default());
+        a == b || node(a).zip(node(b)).is_some_and(|(a, b)| motion.tied_to(a)[b].is_some())
     }
-}
-
-/// Two effects of the default bench that do not act alike: of different kinds, and not both at one place.
-fn two(turn: u64, draw: &mut Draw) -> Vec<Hidden> {
-    let ranges: Vec<_> = sizes::RANGES.into_iter().filter(|(effect, _)| *effect != "torque_ripple").collect();
-    let effects = ranges.len() as u64;
-    // The turn says which effect; all places are as likely.
-    let any_place = |turn: u64, draw: &mut Draw| {
-        let places = effects * draw.whole(0, 59);
-        sizes::hide_one(&ranges, turn + places, draw)
-    };
-    let first = any_place(turn, draw);
-    loop {
-        let other = draw.whole(0, effects - 1);
-        let second = any_place(other, draw);
-        // While the load turns one way, one of these is the other.
-        let alike =
-            |a: &Hidden, b: &Hidden| a.effect == "constant_load" && b.effect == "direction_dependence";
-        if second.effect != first.effect
-            && second.place != first.place
-            && !alike(&first, &second)
-            && !alike(&second, &first)
-        {
-            return vec![first, second];
-        }
-    }
-}
-
-fn noise(model: &str, draw: &mut Draw) -> Vec<(String, f64)> {
-    let usual = USUAL_NOISE.iter().find(|(name, _)| *name == model).map_or(&[][..], |(_, usual)| *usual);
-    let mut noise: Vec<(String, f64)> =
-        usual.iter().map(|(channel, std)| ((*channel).into(), std * draw.factor(2.0))).collect();
-    if model == "speed-o-cam" {
-        // Of the driving speed: none, little, the usual, much.
-        let std = if draw.chance(0.2) { 0.0 } else { draw.log((2e-3, 0.1)) };
-        noise.push(("motor_speed".into(), std));
-    }
-    noise
 }
 
 #[cfg(test)]

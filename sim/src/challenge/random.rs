@@ -48,6 +48,11 @@ impl Draw {
         list[self.whole(0, list.len() as u64 - 1) as usize]
     }
 
+    /// Of mean 0 and standard deviation 1.
+    pub(super) fn normal(&mut self) -> f64 {
+        self.0.sample(rand_distr::StandardNormal)
+    }
+
     pub(super) fn seed(&mut self) -> u64 {
         self.0.next_u64()
     }

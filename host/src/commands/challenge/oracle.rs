@@ -1,13 +1,18 @@
-//! An oracle that is told what is hidden: by how much it predicts the held-out recordings better than a fit that is not.
+//! An oracle that is told what is hidden: by how much it predicts the held-out recordings better than a fit that is not, and whether
+//! another effect would predict them as well.
 
 use socam_identify::compare::{self, Measured, Yardstick};
-use socam_identify::{NoiseLevels, Options, Problem};
+use socam_identify::{Intersample, NoiseLevels, Options, Problem};
 use socam_model::{Model, effects};
 use socam_recording::Dataset;
-use socam_sim::challenge::{Case, Hidden, Kind, Recordings};
+use socam_sim::challenge::{Case, Drive, Hidden, Kind, Recordings};
 
 /// Fits begin at the truth, so that they end soon.
 const MAX_ITERATIONS: usize = 30;
+/// An effect must gain as much in whitened chi-square on the held-out recordings, in units of what is left when all is known.
+pub(super) const DETECTABLE_GAIN: f64 = 25.0;
+/// Another effect is observationally equivalent where it loses no more, in the same units: the 99.8 % point of one degree of freedom.
+const EQUIVALENT_LOSS: f64 = 10.0;
 
 /// What it saw.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -18,42 +23,86 @@ pub(super) struct Oracle {
     pub(super) misfit: Option<f64>,
 }
 
+impl Oracle {
+    /// Whether every hidden effect gains enough to be found, beside a background that nothing explains.
+    pub(super) fn detects_all(&self) -> bool {
+        let unit = self.misfit.unwrap_or(1.0).max(1.0);
+        self.gain.iter().all(|gain| gain.is_some_and(|gain| gain >= DETECTABLE_GAIN * unit))
+    }
+}
+
 /// Asks it.
 pub(super) fn ask(case: &Case, recordings: &Recordings) -> Oracle {
     let nothing = || Oracle { gain: vec![None; case.hidden.len()], misfit: None };
-    answer(case, recordings).unwrap_or_else(|_| nothing())
+    let answer =
+        if case.kind == Kind::Outside { outside(case, recordings) } else { told_all(case, recordings) };
+    answer.unwrap_or_else(|_| nothing())
 }
 
-fn answer(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
+fn told_all(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     let full = told(case, &case.hidden)?;
     let yardstick = yardstick(case, &full, recordings)?;
-    let with_all = left(&full, &yardstick, recordings)?;
+    let with_all = left(case, &full, &yardstick, recordings)?;
     let each = (0..case.hidden.len()).map(|index| {
         let mut others = case.hidden.clone();
         others.remove(index);
-        let without = left(&told(case, &others)?, &yardstick, recordings)?;
+        let without = left(case, &told(case, &others)?, &yardstick, recordings)?;
         Ok(with_all.as_ref().zip(without).map(|(with, without)| without.total() - with.total()))
     });
     let gain = each.collect::<anyhow::Result<_>>()?;
-    let misfit = with_all.map(|with| with.total() / with.count.iter().sum::<f64>());
-    Ok(Oracle { gain, misfit })
+    Ok(Oracle { gain, misfit: with_all.as_ref().map(misfit) })
 }
 
-/// The base model at the true parameters with some of what is hidden: by the catalogue's laws, whose parameters are then fitted,
-/// or by the truth's own where the catalogue has none.
+/// Where the catalogue has no law, the same machine is recorded with nothing hidden: what the base model misses more with it than
+/// without is what could be found.
+fn outside(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
+    let base = told(case, &[])?;
+    let plain = case.without_hidden().record()?;
+    let yardstick = yardstick(case, &base, recordings)?;
+    let (with, without) =
+        (left(case, &base, &yardstick, recordings)?, left(case, &base, &yardstick, &plain)?);
+    let gain = with.as_ref().zip(without.as_ref()).map(|(with, without)| with.total() - without.total());
+    Ok(Oracle { gain: vec![gain], misfit: without.as_ref().map(misfit) })
+}
+
+fn misfit(measured: &Measured) -> f64 {
+    measured.total() / measured.count.iter().sum::<f64>()
+}
+
+/// Whether another effect, in the place of one that is hidden, predicts the held-out recordings as well: then no answer to these
+/// recordings could tell them apart. Computed by fits to the case's own recordings, so it holds for any machine.
+pub(super) fn is_equivalent(
+    case: &Case,
+    recordings: &Recordings,
+    index: usize,
+    (effect, place, parameters): (&str, &str, &[(&str, f64)]),
+) -> bool {
+    let answer = || -> anyhow::Result<bool> {
+        let full = told(case, &case.hidden)?;
+        let yardstick = yardstick(case, &full, recordings)?;
+        let mut others = case.hidden.clone();
+        others.remove(index);
+        let rival = told(case, &others)?.with_effect(effect, place, parameters)?;
+        let (known, other) =
+            (left(case, &full, &yardstick, recordings)?, left(case, &rival, &yardstick, recordings)?);
+        Ok(known.zip(other).is_some_and(|(known, other)| {
+            other.total() - known.total() <= EQUIVALENT_LOSS * misfit(&known).max(1.0)
+        }))
+    };
+    answer().unwrap_or(false)
+}
+
+/// The base model at the true parameters with some of what is hidden, by the catalogue's laws, whose parameters are then fitted.
 fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
     let mut model = case.base()?;
-    if case.kind == Kind::Outside && !hidden.is_empty() {
-        model = case.with_hidden(&model)?;
-    }
     for hidden in hidden.iter().filter(|hidden| effects::find(&hidden.effect).is_some()) {
         let values: Vec<(&str, f64)> =
             hidden.parameters.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         model = model.with_effect(&hidden.effect, &hidden.place, &values)?;
     }
-    for (name, value) in &case.parameters {
-        if let Some(index) = model.parameter(name) {
-            model.parameters[index].value = *value;
+    for parameter in &case.machine.parameters {
+        if let Some(index) = model.parameter(&parameter.name) {
+            model.parameters[index].value = parameter.value;
         }
     }
     Ok(model)
@@ -61,28 +110,40 @@ fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
 
 /// The bench's noise as it is.
 fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<Yardstick> {
-    let of = |name: &str, clock: bool| if clock { 0.0 } else { case.noise_floor(name).unwrap_or(0.0) };
+    let is_measured = case.machine.input.drive == Drive::Speed;
+    let input = |name: &str, clock: bool| if clock || !is_measured { 0.0 } else { case.noise_floor(name) };
     let levels = NoiseLevels {
-        outputs: model.outputs().map(|channel| of(&channel.name, false)).collect(),
-        inputs: model.inputs().map(|channel| of(&channel.name, channel.quantity.is_clock())).collect(),
+        outputs: model.outputs().map(|channel| case.noise_floor(&channel.name)).collect(),
+        inputs: model.inputs().map(|channel| input(&channel.name, channel.quantity.is_clock())).collect(),
     };
-    let training = problem(model, &recordings.training)?;
-    let holdout = problem(model, &recordings.holdout)?;
+    let training = problem(case, model, &recordings.training)?;
+    let holdout = problem(case, model, &recordings.holdout)?;
     Ok(Yardstick::new(&[&training, &holdout], &model.values(), levels)?)
 }
 
 /// Fitted to the training recordings, what a model leaves on the others.
-fn left(model: &Model, yardstick: &Yardstick, recordings: &Recordings) -> anyhow::Result<Option<Measured>> {
-    let training = problem(model, &recordings.training)?;
+fn left(
+    case: &Case,
+    model: &Model,
+    yardstick: &Yardstick,
+    recordings: &Recordings,
+) -> anyhow::Result<Option<Measured>> {
+    let training = problem(case, model, &recordings.training)?;
     let Some(fitted) =
         compare::descend(&training, yardstick, &model.values(), None, (compare::FINE, MAX_ITERATIONS))?
     else {
         return Ok(None);
     };
-    let holdout = problem(model, &recordings.holdout)?;
+    let holdout = problem(case, model, &recordings.holdout)?;
     Ok(compare::measure(&holdout, yardstick, &fitted.values)?)
 }
 
-fn problem<'a>(model: &'a Model, data: &'a [Dataset]) -> anyhow::Result<Problem<'a>> {
-    Ok(Problem::new(model, data, Options::default())?)
+fn problem<'a>(case: &Case, model: &'a Model, data: &'a [Dataset]) -> anyhow::Result<Problem<'a>> {
+    Ok(Problem::new(model, data, options(case))?)
+}
+
+/// What is true of a clean bench: a drive ramps from sample to sample, a motion that is prescribed is smooth.
+pub(super) fn options(case: &Case) -> Options {
+    let ramps = case.machine.input.drive != Drive::Speed;
+    Options { intersample: ramps.then_some(Intersample::Linear), ..Options::default() }
 }

@@ -1,7 +1,7 @@
 //! Shares with their uncertainty.
 
 use serde::Serialize;
-use statrs::distribution::{Beta, ContinuousCDF, DiscreteCDF, Hypergeometric, Normal};
+use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
 /// How often something holds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -48,29 +48,13 @@ fn interval(hits: usize, of: usize) -> [f64; 2] {
     [100.0 * low, 100.0 * high]
 }
 
-/// Chance that the second share comes out as low as it did, or lower, were both the same (normal approximation).
-pub(super) fn lower_by_chance(first: &Rate, second: &Rate) -> Option<f64> {
-    if first.of == 0 || second.of == 0 {
-        return None;
-    }
-    let (n, m) = (first.of as f64, second.of as f64);
-    let (p, q) = (first.hits as f64 / n, second.hits as f64 / m);
-    let both = (first.hits + second.hits) as f64 / (n + m);
-    let spread = (both * (1.0 - both) * (1.0 / n + 1.0 / m)).sqrt();
-    if spread == 0.0 {
-        return Some(1.0);
-    }
-    Some(Normal::standard().cdf((q - p) / spread))
-}
-
-/// The same without the approximation, which takes a few misses for more than they say (Fisher 1935).
-pub(super) fn lower_by_chance_exactly(first: &Rate, second: &Rate) -> Option<f64> {
-    if first.of == 0 || second.of == 0 {
-        return None;
-    }
-    let [all, hits, drawn] = [first.of + second.of, first.hits + second.hits, second.of].map(|n| n as u64);
-    let by_chance = Hypergeometric::new(all, hits, drawn).ok()?;
-    Some(by_chance.cdf(second.hits as u64))
+/// Chance of as many hits or more, were each as likely as stated (binomial).
+pub(super) fn as_many_by_chance(rate: &Rate, stated: f64) -> Option<f64> {
+    let binomial = Binomial::new(stated, rate.of as u64).ok()?;
+    Some(match rate.hits {
+        0 => 1.0,
+        hits => binomial.sf(hits as u64 - 1),
+    })
 }
 
 #[cfg(test)]
@@ -88,23 +72,13 @@ mod tests {
         assert!(none[0] == 0.0 && (none[1] - 0.918).abs() < 1e-3, "{none:?}");
     }
 
+    /// 1 - 0.99^20, and one minus the chance of none or one of 20.
     #[test]
-    fn a_much_lower_share_is_no_chance() {
-        let (high, low) = (Rate::of((0..100).map(|n| n < 95)), Rate::of((0..100).map(|n| n < 80)));
-        assert!(lower_by_chance(&high, &low).unwrap() < 0.01);
-        assert!(lower_by_chance(&low, &high).unwrap() > 0.99);
-        assert_eq!(lower_by_chance(&high, &Rate::of([])), None);
-        assert_eq!(lower_by_chance_exactly(&high, &Rate::of([])), None);
-    }
-
-    /// 3 misses of 48 beside none of 55: C(48, 3) / C(103, 3).
-    #[test]
-    fn a_few_misses_are_counted_exactly() {
-        let (all, most) = (Rate::of([true; 55]), Rate::of((0..48).map(|n| n < 45)));
-        let exactly = lower_by_chance_exactly(&all, &most).unwrap();
-        let expected = (48.0 * 47.0 * 46.0) / (103.0 * 102.0 * 101.0);
-        assert!((exactly - expected).abs() < 1e-9, "{exactly} {expected}");
-        assert!(lower_by_chance(&all, &most).unwrap() < 0.05);
-        assert_eq!(lower_by_chance_exactly(&all, &all), Some(1.0));
+    fn alarms_are_compared_with_the_stated_rate() {
+        let one = as_many_by_chance(&Rate::of((0..20).map(|n| n < 1)), 0.01).unwrap();
+        assert!((one - 0.182_093).abs() < 1e-6, "{one}");
+        let two = as_many_by_chance(&Rate::of((0..20).map(|n| n < 2)), 0.01).unwrap();
+        assert!((two - 0.016_859).abs() < 1e-6, "{two}");
+        assert_eq!(as_many_by_chance(&Rate::of([false; 3]), 0.01), Some(1.0));
     }
 }

@@ -1,4 +1,4 @@
-//! The rates of all cases, for people and as a document.
+//! The rates of all cases, clean and realistic apart, for people and as a document.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -6,11 +6,12 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use socam_sim::challenge::Kind;
 
-use super::rates::{Rate, lower_by_chance, lower_by_chance_exactly};
+use super::probability::{Bin, calibration, log_score};
+use super::rates::{Rate, as_many_by_chance};
 use super::score::Score;
 use crate::table;
 
-const SCHEMA: &str = "socam.challenge/1";
+const SCHEMA: &str = "socam.challenge/2";
 
 /// Nothing named.
 const NOTHING: &str = "nothing";
@@ -20,18 +21,44 @@ const NOTHING: &str = "nothing";
 pub(super) struct Report {
     schema: &'static str,
     seed: u64,
+    clean: Part,
+    realistic: Part,
+    cases: Vec<Score>,
+}
+
+/// Cases without a background, or with one.
+#[derive(Debug, Serialize)]
+struct Part {
+    cases: usize,
     kinds: Vec<KindReport>,
+    /// Right answers by family, of those that can be detected.
+    families: BTreeMap<String, Rate>,
     /// True effect -> what was named first -> cases, of those with one effect that can be detected.
     confusion: BTreeMap<String, BTreeMap<String, usize>>,
-    /// Right answers after whose correction all channels are predicted down to 1.15 times their noise, of benches that hide effects
-    /// of the catalogue; of the others, most of which are called unexplained, nothing is corrected.
-    at_the_floor: Rate,
-    at_the_floor_outside: Rate,
+    false_alarms: FalseAlarms,
     /// Intervals of effects' parameters that hold the truth.
     intervals: Rate,
-    /// Per diagnosis, s.
-    cpu_s: Option<Spread>,
-    cases: Vec<Score>,
+    /// Mean natural logarithm of the probability given to what is hidden, and how many it is the mean of; of effects that can
+    /// be detected.
+    log_score: Option<f64>,
+    log_score_of: usize,
+    /// How often statements of a probability are true.
+    calibration: Vec<Bin>,
+    /// Right answers after whose correction all channels are predicted down to 1.15 times their noise, of benches that hide
+    /// effects of the catalogue.
+    at_the_floor: Rate,
+}
+
+#[derive(Debug, Serialize)]
+struct FalseAlarms {
+    /// Benches with nothing hidden on which something is named, whatever it is.
+    any: Rate,
+    /// The same but for names of what the bench has by its background.
+    beside_background: Rate,
+    /// What a diagnosis says of itself; the largest of all cases.
+    stated_rate: Option<f64>,
+    /// Chance of as many of `beside_background`, or more, at the stated rate.
+    p_value: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -39,17 +66,13 @@ struct KindReport {
     kind: Kind,
     cases: usize,
     detectable: usize,
-    /// Of those that can be detected; of clean benches, of all: no false alarm.
+    /// Of those that can be detected; of benches with nothing hidden, of all: no false alarm.
     right: Rate,
-    right_open: Rate,
-    right_locked: Rate,
-    /// Chance that the locked ones score so low by chance; `None` where either half is empty.
-    locked_lower_p_value: Option<f64>,
-    /// The same by Fisher's exact test.
-    locked_lower_exact_p_value: Option<f64>,
     /// Of all, for where nothing can be detected a name is wrong all the more.
     wrong_name: Rate,
     failed: usize,
+    /// Processor time of a diagnosis, s.
+    cpu_s: Option<Spread>,
 }
 
 #[derive(Debug, Serialize)]
@@ -67,125 +90,177 @@ const KINDS: [(Kind, &str); 4] = [
 
 impl Report {
     pub(super) fn new(seed: u64, cases: Vec<Score>) -> Self {
-        let singles = cases.iter().filter(|score| score.kind == Kind::Single && score.detectable);
-        let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-        for score in singles {
-            *confusion.entry(score.hidden[0].effect.clone()).or_default().entry(first(score)).or_default() +=
-                1;
-        }
-        Self {
-            schema: SCHEMA,
-            seed,
-            kinds: KINDS.iter().map(|(kind, _)| KindReport::new(*kind, &cases)).collect(),
-            confusion,
-            at_the_floor: at_the_floor(&cases, &[Kind::Single, Kind::Double]),
-            at_the_floor_outside: at_the_floor(&cases, &[Kind::Outside]),
-            intervals: Rate::of(
-                cases.iter().flat_map(|score| score.intervals.iter().map(|(_, holds)| *holds)),
-            ),
-            cpu_s: spread(&cases),
-            cases,
-        }
+        let part = |realistic: bool| {
+            let own: Vec<&Score> = cases.iter().filter(|score| score.realistic == realistic).collect();
+            Part::new(&own)
+        };
+        Self { schema: SCHEMA, seed, clean: part(false), realistic: part(true), cases }
     }
 
     pub(super) fn text(&self) -> String {
-        let mut text = format!("challenge, seed {}, {} cases\n\n", self.seed, self.cases.len());
-        let head = ["", "cases", "detectable", "right", "open", "locked", "wrong name"];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        rows.extend(self.kinds.iter().zip(KINDS).map(|(kind, (_, name))| kind.row(name)));
-        text += &table::align(&rows, &[false, true, true, true, true, true, true]);
-        for (kind, (_, name)) in self.kinds.iter().zip(KINDS) {
-            if let Some((p_value, exact)) = kind.locked_lower_p_value.zip(kind.locked_lower_exact_p_value) {
-                let lower = if p_value < 0.05 { "lower" } else { "no lower" };
-                let _ = writeln!(
-                    text,
-                    "  {name}: locked cases score {lower} than open ones (p = {p_value:.3}; exactly {exact:.3})"
-                );
-            }
-            if kind.failed > 0 {
-                let _ = writeln!(text, "  {name}: {} diagnoses failed", kind.failed);
+        let mut text = format!("challenge, seed {}, {} cases\n", self.seed, self.cases.len());
+        for (name, part) in [
+            ("clean benches", &self.clean),
+            ("realistic benches (each with a background that no case names)", &self.realistic),
+        ] {
+            if part.cases > 0 {
+                let _ = write!(text, "\n{name}\n{}", part.text());
             }
         }
-        text += "\nwhat one effect was taken for, where it can be detected\n";
+        text + &self.misses()
+    }
+
+    /// One line for each case that went wrong.
+    fn misses(&self) -> String {
+        let wrong = |score: &&Score| !score.right && (score.detectable || score.error.is_some());
+        let mut text = String::new();
+        for score in self.cases.iter().filter(wrong) {
+            let hidden =
+                score.hidden.iter().map(|hidden| format!("{}@{}", hidden.effect, hidden.place)).collect();
+            let named = score.named.iter().map(|(effect, location)| format!("{effect}@{location}")).collect();
+            let gain = |gain: &Option<f64>| gain.map_or("?".into(), |gain| format!("{gain:.0}"));
+            let gains: Vec<String> = score.oracle_gain.iter().map(gain).collect();
+            let named =
+                score.error.clone().map_or_else(|| or_nothing(named), |error| format!("failed: {error}"));
+            let gains =
+                if gains.is_empty() { String::new() } else { format!(" (gain {})", gains.join(", ")) };
+            let background = if score.realistic { "realistic" } else { "clean" };
+            let _ = writeln!(
+                text,
+                "  case {} ({}, {background}): {}{gains} was called {named}",
+                score.number,
+                score.family,
+                or_nothing(hidden)
+            );
+        }
+        if text.is_empty() { text } else { format!("\ncases that went wrong\n{text}") }
+    }
+}
+
+fn or_nothing(list: Vec<String>) -> String {
+    if list.is_empty() { NOTHING.into() } else { list.join(" + ") }
+}
+
+impl Part {
+    fn new(cases: &[&Score]) -> Self {
+        let named = |score: &&&Score| matches!(score.kind, Kind::Single | Kind::Double);
+        let detectable: Vec<&Score> = cases.iter().filter(|score| score.detectable).copied().collect();
+        let mut families: BTreeMap<String, Vec<bool>> = BTreeMap::new();
+        let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+        for score in &detectable {
+            families.entry(score.family.clone()).or_default().push(score.right);
+            if score.kind == Kind::Single {
+                let effect = confusion.entry(score.hidden[0].effect.clone()).or_default();
+                *effect.entry(first(score)).or_default() += 1;
+            }
+        }
+        let probabilities: Vec<f64> =
+            detectable.iter().flat_map(|score| score.probability.iter().copied()).collect();
+        let floor = cases.iter().filter(named).filter_map(|score| score.at_the_floor);
+        Self {
+            cases: cases.len(),
+            kinds: KINDS.iter().map(|(kind, _)| KindReport::new(*kind, cases)).collect(),
+            families: families.into_iter().map(|(name, right)| (name, Rate::of(right))).collect(),
+            confusion,
+            false_alarms: FalseAlarms::new(cases),
+            intervals: Rate::of(
+                cases.iter().flat_map(|score| score.intervals.iter().map(|(_, holds)| *holds)),
+            ),
+            log_score: log_score(&probabilities),
+            log_score_of: probabilities.len(),
+            calibration: calibration(cases.iter().flat_map(|score| score.statements.iter().copied())),
+            at_the_floor: Rate::of(floor),
+        }
+    }
+
+    fn text(&self) -> String {
+        let head = ["", "cases", "detectable", "right", "wrong name", "CPU s (median, most)"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(self.kinds.iter().zip(KINDS).map(|(kind, (_, name))| kind.row(name)));
+        let mut text = table::align(&rows, &[false, true, true, true, true, true]);
+        for (kind, (_, name)) in self.kinds.iter().zip(KINDS).filter(|(kind, _)| kind.failed > 0) {
+            let _ = writeln!(text, "  {name}: {} diagnoses failed", kind.failed);
+        }
+        text += &self.false_alarms.text();
+        let _ =
+            writeln!(text, "intervals of effects' parameters that hold the truth: {}", self.intervals.text());
+        let _ = writeln!(
+            text,
+            "held-out residuals within 1.15 times the noise after a right answer: {}",
+            self.at_the_floor.text()
+        );
+        if let Some(score) = self.log_score {
+            let _ = writeln!(
+                text,
+                "probability given to the truth: mean logarithm {score:.3} over {} hidden effects",
+                self.log_score_of
+            );
+        }
+        text += &Bin::table(&self.calibration);
+        text += "right by family\n";
+        for (family, rate) in &self.families {
+            let _ = writeln!(text, "  {family:<22}{}", rate.text());
+        }
+        text += "what one effect was taken for, where it can be detected\n";
         for (truth, named) in &self.confusion {
             let mut all: Vec<_> = named.iter().collect();
             all.sort_by_key(|(name, cases)| (std::cmp::Reverse(**cases), (*name).clone()));
             let all: Vec<String> = all.iter().map(|(name, cases)| format!("{name} {cases}")).collect();
             let _ = writeln!(text, "  {truth:<22}{}", all.join(", "));
         }
-        let _ = writeln!(
-            text,
-            "\nheld-out residuals within 1.15 times the noise after a right answer: {}; outside the catalogue {}",
-            self.at_the_floor.text(),
-            self.at_the_floor_outside.text()
-        );
-        let _ =
-            writeln!(text, "intervals of effects' parameters that hold the truth: {}", self.intervals.text());
-        if let Some(Spread { median, largest }) = self.cpu_s {
-            let _ = writeln!(text, "processor time of a diagnosis: {median:.1} s, at most {largest:.1} s");
-        }
-        text + &self.misses()
+        text
+    }
+}
+
+impl FalseAlarms {
+    fn new(cases: &[&Score]) -> Self {
+        let empty = || cases.iter().filter(|score| score.kind == Kind::Clean && score.error.is_none());
+        let any = Rate::of(empty().map(|score| !score.named.is_empty()));
+        let beside_background = Rate::of(empty().map(|score| score.named.len() > score.background_named));
+        let stated_rate = empty().filter_map(|score| score.stated_false_alarm_rate).reduce(f64::max);
+        let p_value = stated_rate.and_then(|stated| as_many_by_chance(&beside_background, stated));
+        Self { any, beside_background, stated_rate, p_value }
     }
 
-    /// One line for each open case that went wrong; those of locked ones stay closed.
-    fn misses(&self) -> String {
-        let wrong = |score: &&Score| !score.right && !score.locked && score.detectable;
-        let mut text = String::new();
-        for score in self.cases.iter().filter(wrong) {
-            let hidden: Vec<String> =
-                score.hidden.iter().map(|hidden| format!("{}@{}", hidden.effect, hidden.place)).collect();
-            let named: Vec<String> =
-                score.named.iter().map(|(effect, location)| format!("{effect}@{location}")).collect();
-            let or_nothing =
-                |list: Vec<String>| if list.is_empty() { NOTHING.into() } else { list.join(" + ") };
-            let gains: Vec<String> = score
-                .oracle_gain
-                .iter()
-                .map(|gain| gain.map_or("?".into(), |gain| format!("{gain:.0}")))
-                .collect();
-            let named =
-                score.error.clone().map_or_else(|| or_nothing(named), |error| format!("failed: {error}"));
-            let gains =
-                if gains.is_empty() { String::new() } else { format!(" (gain {})", gains.join(", ")) };
-            let _ =
-                writeln!(text, "  case {}: {}{gains} was called {named}", score.number, or_nothing(hidden));
-        }
-        if text.is_empty() { text } else { format!("\nopen cases that went wrong\n{text}") }
+    fn text(&self) -> String {
+        let Some((stated, p_value)) = self.stated_rate.zip(self.p_value) else { return String::new() };
+        let holds = if p_value < 0.05 { "more than" } else { "no more than" };
+        format!(
+            "false alarms: {} name something, {} something that is not of the background: {holds} the stated {:.2} % (p = {p_value:.3})\n",
+            self.any.text(),
+            self.beside_background.text(),
+            100.0 * stated
+        )
     }
 }
 
 impl KindReport {
-    fn new(kind: Kind, cases: &[Score]) -> Self {
+    fn new(kind: Kind, cases: &[&Score]) -> Self {
         let of_kind = || cases.iter().filter(move |score| score.kind == kind);
         // Where nothing is hidden there is nothing to be detected.
         let counted = || of_kind().filter(|score| score.detectable);
-        let half = |locked: bool| {
-            Rate::of(counted().filter(|score| score.locked == locked).map(|score| score.right))
-        };
-        let (right_open, right_locked) = (half(false), half(true));
+        let mut times: Vec<f64> = of_kind().filter_map(|score| score.cpu_s).collect();
+        times.sort_by(f64::total_cmp);
+        let median = times.get(times.len() / 2).copied();
         Self {
             kind,
             cases: of_kind().count(),
             detectable: counted().count(),
             right: Rate::of(counted().map(|score| score.right)),
-            locked_lower_p_value: lower_by_chance(&right_open, &right_locked),
-            locked_lower_exact_p_value: lower_by_chance_exactly(&right_open, &right_locked),
-            right_open,
-            right_locked,
             wrong_name: Rate::of(of_kind().map(|score| score.wrong_name)),
             failed: of_kind().filter(|score| score.error.is_some()).count(),
+            cpu_s: median.zip(times.last()).map(|(median, largest)| Spread { median, largest: *largest }),
         }
     }
 
     fn row(&self, name: &str) -> Vec<String> {
-        let percent = |rate: &Rate| rate.percent.map_or("-".into(), |percent| format!("{percent:.1} %"));
+        let times = |times: &Spread| format!("{:.1}, {:.1}", times.median, times.largest);
         let cells = [
             self.cases.to_string(),
             self.detectable.to_string(),
             self.right.text(),
-            percent(&self.right_open),
-            percent(&self.right_locked),
             self.wrong_name.text(),
+            self.cpu_s.as_ref().map_or("-".into(), times),
         ];
         std::iter::once(name.to_owned()).chain(cells).collect()
     }
@@ -199,14 +274,4 @@ fn first(score: &Score) -> String {
     let elsewhere =
         score.hidden.first().is_some_and(|hidden| hidden.effect == *effect && hidden.place != *location);
     if elsewhere { format!("{effect} elsewhere") } else { effect.clone() }
-}
-
-fn at_the_floor(cases: &[Score], kinds: &[Kind]) -> Rate {
-    Rate::of(cases.iter().filter(|score| kinds.contains(&score.kind)).filter_map(|score| score.at_the_floor))
-}
-
-fn spread(cases: &[Score]) -> Option<Spread> {
-    let mut times: Vec<f64> = cases.iter().filter_map(|score| score.cpu_s).collect();
-    times.sort_by(f64::total_cmp);
-    Some(Spread { median: *times.get(times.len() / 2)?, largest: *times.last()? })
 }

@@ -4,19 +4,16 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{Diagnosis, Finding, UNEXPLAINED};
-use socam_model::Model;
-use socam_sim::challenge::{Case, Hidden, Kind};
+use socam_sim::challenge::{Case, Drive, Hidden, Kind};
 
 use super::oracle::Oracle;
-use super::twins::{are_twins, is_place};
 
-pub(super) const SCHEMA: &str = "socam.challenge-case/1";
+pub(super) const SCHEMA: &str = "socam.challenge-case/2";
 
 /// With all findings, curves included, residuals on held-out recordings may be so many times their noise floor.
 const AT_THE_FLOOR: f64 = 1.15;
-
-/// An oracle that is told the effect must gain as much in whitened chi-square on the held-out recordings.
-pub(super) const DETECTABLE_GAIN: f64 = 25.0;
+/// A rival ties with a finding whose weight is no more than so many times its own.
+const TIE: f64 = 2.0;
 
 /// One case, diagnosed and scored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,8 +21,10 @@ pub(super) struct Score {
     pub(super) schema: String,
     pub(super) seed: u64,
     pub(super) number: u64,
+    pub(super) family: String,
     pub(super) kind: Kind,
-    pub(super) locked: bool,
+    /// Whether the bench has a background that no case names.
+    pub(super) realistic: bool,
     pub(super) hidden: Vec<Hidden>,
     /// What was named, strongest first: effect and location.
     pub(super) named: Vec<(String, String)>,
@@ -38,8 +37,16 @@ pub(super) struct Score {
     /// Whether each of them gains enough to be found.
     pub(super) detectable: bool,
     pub(super) right: bool,
-    /// Something is named with confidence that is not there.
+    /// Something is named that is not there, and nothing that is there ties with it.
     pub(super) wrong_name: bool,
+    /// Findings that name what belongs to the bench's background.
+    pub(super) background_named: usize,
+    /// Share of benches with nothing missing on which the diagnosis says that it finds something.
+    pub(super) stated_false_alarm_rate: Option<f64>,
+    /// Probability that the answer gives to each hidden effect of the catalogue; 0 where it is not mentioned.
+    pub(super) probability: Vec<f64>,
+    /// Every named effect and every rival: its weight, and whether it is hidden there.
+    pub(super) statements: Vec<(f64, bool)>,
     /// Whether all channels are predicted down to their noise with all findings, curves included; of right answers only.
     pub(super) at_the_floor: Option<bool>,
     /// Whether the intervals hold the truth; of effects named as they are.
@@ -48,82 +55,166 @@ pub(super) struct Score {
     pub(super) cpu_s: Option<f64>,
 }
 
+/// Whether a finding is observationally equivalent to what is hidden, by its number.
+pub(super) type Equivalent<'a> = dyn Fn(&Finding, usize) -> bool + 'a;
+
 impl Score {
-    pub(super) fn new(case: &Case, answer: &Result<Diagnosis, String>, oracle: Oracle) -> Self {
+    pub(super) fn new(
+        case: &Case,
+        (answer, cpu_s): (&Result<Diagnosis, String>, f64),
+        oracle: Oracle,
+        equivalent: &Equivalent<'_>,
+    ) -> Self {
         let (answer, error) = match answer {
             Ok(diagnosis) => (Some(diagnosis), None),
             Err(error) => (None, Some(error.clone())),
         };
         let findings = answer.map_or(&[][..], |diagnosis| &diagnosis.findings);
-        let right = answer.is_some() && is_right(case, findings);
+        let judge = Judge::new(case, findings, equivalent);
+        let right = answer.is_some() && judge.is_right();
         Self {
             schema: SCHEMA.into(),
             seed: case.seed,
             number: case.number,
+            family: case.machine.family.clone(),
             kind: case.kind,
-            locked: case.locked,
+            realistic: case.realistic,
             hidden: case.hidden.clone(),
             named: findings.iter().map(|f| (f.effect.clone(), f.location.clone())).collect(),
             error,
-            detectable: oracle.gain.iter().all(|gain| gain.is_some_and(|gain| gain >= DETECTABLE_GAIN)),
+            detectable: oracle.detects_all(),
             oracle_gain: oracle.gain,
             oracle_misfit: oracle.misfit,
             right,
-            wrong_name: has_wrong_name(case, findings),
+            wrong_name: judge.has_wrong_name(right),
+            background_named: findings.iter().filter(|finding| judge.is_background(finding)).count(),
+            stated_false_alarm_rate: answer.map(|diagnosis| diagnosis.false_alarm_rate),
+            probability: probabilities(case, findings),
+            statements: findings.iter().flat_map(|finding| statements(case, finding)).collect(),
             at_the_floor: answer.filter(|_| right).and_then(at_the_floor),
             intervals: case.hidden.iter().flat_map(|hidden| intervals(hidden, findings)).collect(),
-            cpu_s: answer.map(|diagnosis| diagnosis.cpu_s),
+            cpu_s: answer.map(|_| cpu_s),
         }
     }
 }
 
-/// Whether a finding is what was hidden, or a twin of it that owns up to it.
-fn is_it(finding: &Finding, hidden: &Hidden) -> bool {
-    let named = (&*finding.effect, &*finding.location);
-    let truth = (&*hidden.effect, &*hidden.place);
-    let owns_up = || finding.rivals.iter().any(|rival| (&*rival.effect, &*rival.location) == truth);
-    named == truth || (are_twins(named, truth) && owns_up())
+/// What a finding gives to itself among its rivals.
+fn own_weight(finding: &Finding) -> f64 {
+    (1.0 - finding.rivals.iter().map(|rival| rival.weight).sum::<f64>()).clamp(0.0, 1.0)
 }
 
-fn is_right(case: &Case, findings: &[Finding]) -> bool {
-    match case.kind {
-        Kind::Clean => findings.is_empty(),
-        Kind::Single => findings.first().is_some_and(|first| is_it(first, &case.hidden[0])),
-        // Both, in any order, before anything else.
-        Kind::Double => {
-            findings.len() >= 2
-                && [[0, 1], [1, 0]].into_iter().any(|order| {
-                    order
-                        .into_iter()
-                        .zip(findings)
-                        .all(|(index, finding)| is_it(finding, &case.hidden[index]))
-                })
+fn is_named((effect, place): (&str, &str), hidden: &Hidden) -> bool {
+    effect == hidden.effect && place == hidden.place
+}
+
+/// Findings beside the truth.
+struct Judge<'a> {
+    case: &'a Case,
+    findings: &'a [Finding],
+    /// For each finding, which of the hidden effects it is.
+    is: Vec<Vec<bool>>,
+}
+
+impl<'a> Judge<'a> {
+    fn new(case: &'a Case, findings: &'a [Finding], equivalent: &Equivalent<'_>) -> Self {
+        let one = |finding: &Finding| -> Vec<bool> {
+            let hidden = case.hidden.iter().enumerate();
+            hidden.map(|(index, hidden)| is_it(finding, hidden, index, equivalent)).collect()
+        };
+        Self { case, findings, is: findings.iter().map(one).collect() }
+    }
+
+    fn is_right(&self) -> bool {
+        let is = |finding: usize, hidden: usize| self.is[finding][hidden];
+        match self.case.kind {
+            Kind::Clean => self.findings.iter().all(|finding| self.is_background(finding)),
+            Kind::Single => !self.findings.is_empty() && is(0, 0),
+            // Both, in any order, before anything else.
+            Kind::Double => self.findings.len() >= 2 && (is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0)),
+            Kind::Outside => self.findings.first().is_some_and(|first| {
+                first.effect == UNEXPLAINED
+                    || self.case.is_same_body(&first.location, &self.case.hidden[0].place)
+            }),
         }
-        Kind::Outside => findings.first().is_some_and(|first| {
-            first.effect == UNEXPLAINED || is_place(&first.location, &case.hidden[0].place)
-        }),
+    }
+
+    /// Whether some name is wrong: for physics outside the catalogue, a name at another place with nothing left unexplained
+    /// beside it; otherwise any that was not hidden and that nothing hidden ties with.
+    fn has_wrong_name(&self, right: bool) -> bool {
+        let outside = self.case.kind == Kind::Outside;
+        if outside && self.findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
+            return false;
+        }
+        let named = self.findings.iter().enumerate().filter(|(_, finding)| finding.effect != UNEXPLAINED);
+        named.filter(|(_, finding)| !self.is_background(finding)).any(|(index, finding)| {
+            if outside {
+                return !self.case.is_same_body(&finding.location, &self.case.hidden[0].place);
+            }
+            let small = right && !self.case.hidden.is_empty() && is_small_mass(self.case, finding);
+            !small && !self.is[index].iter().any(|is| *is) && !has_tying_truth(self.case, finding)
+        })
+    }
+
+    /// Whether a finding names what the bench has by its background.
+    fn is_background(&self, finding: &Finding) -> bool {
+        let named = (finding.effect.as_str(), finding.location.as_str());
+        let wrong_constant = self.case.background.input_gain.is_some()
+            && named == ("sensor_gain", self.case.machine.input.name.as_str());
+        wrong_constant || self.case.background.named().contains(&named)
     }
 }
 
-/// Whether some name is wrong: for physics outside the catalogue, a name at another place with nothing left unexplained beside
-/// it; otherwise any that was not hidden.
-fn has_wrong_name(case: &Case, findings: &[Finding]) -> bool {
-    if case.kind == Kind::Outside && findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
-        return false;
-    }
-    let beside = !case.hidden.is_empty() && is_right(case, findings);
-    findings.iter().filter(|finding| finding.effect != UNEXPLAINED).any(|finding| match case.kind {
-        Kind::Outside => !is_place(&finding.location, &case.hidden[0].place),
-        _ if beside && is_small_mass(case, finding) => false,
-        _ => !case.hidden.iter().any(|hidden| is_it(finding, hidden)),
+/// Whether a finding is what was hidden, or owns up to it among its rivals where no recording tells them apart.
+fn is_it(finding: &Finding, hidden: &Hidden, index: usize, equivalent: &Equivalent<'_>) -> bool {
+    let owns_up = || finding.rivals.iter().any(|rival| is_named((&rival.effect, &rival.location), hidden));
+    is_named((&finding.effect, &finding.location), hidden) || (owns_up() && equivalent(finding, index))
+}
+
+fn has_tying_truth(case: &Case, finding: &Finding) -> bool {
+    let own = own_weight(finding);
+    finding.rivals.iter().any(|rival| {
+        let is_true = case.hidden.iter().any(|hidden| is_named((&rival.effect, &rival.location), hidden));
+        is_true && own <= TIE * rival.weight
     })
 }
 
-/// Benches have some inertia wherever their model has none: where what was hidden has been found, that is no wrong name.
+/// Benches whose model has massless points have some inertia there: where what was hidden has been found, that is no wrong name.
 fn is_small_mass(case: &Case, finding: &Finding) -> bool {
-    let is_bare =
-        |model: Model| model.nodes.iter().any(|node| node.name == finding.location && node.inertia.is_none());
-    finding.effect == "missing_inertia" && case.base().is_ok_and(is_bare)
+    let nodes = &case.machine.nodes;
+    finding.effect == "missing_inertia"
+        && case.machine.input.drive == Drive::Speed
+        && nodes.iter().any(|node| node.name == finding.location && node.inertia.is_none())
+}
+
+/// What an answer gives to each hidden effect of the catalogue, as a finding or as a rival of one.
+fn probabilities(case: &Case, findings: &[Finding]) -> Vec<f64> {
+    if case.kind == Kind::Outside {
+        return Vec::new();
+    }
+    let given = |hidden: &Hidden| {
+        let all = findings.iter().flat_map(weights);
+        let own = all.filter(|(effect, place, _)| is_named((effect, place), hidden));
+        own.map(|(.., weight)| weight).fold(0.0, f64::max)
+    };
+    case.hidden.iter().map(given).collect()
+}
+
+/// Of a finding and its rivals: effect, place and weight.
+fn weights(finding: &Finding) -> impl Iterator<Item = (&str, &str, f64)> {
+    let rivals =
+        finding.rivals.iter().map(|rival| (rival.effect.as_str(), rival.location.as_str(), rival.weight));
+    std::iter::once((finding.effect.as_str(), finding.location.as_str(), own_weight(finding))).chain(rivals)
+}
+
+/// Of each statement with a name, its weight and whether it is true; none where the truth has no name.
+fn statements(case: &Case, finding: &Finding) -> Vec<(f64, bool)> {
+    if case.kind == Kind::Outside {
+        return Vec::new();
+    }
+    let named = weights(finding).filter(|(effect, ..)| *effect != UNEXPLAINED);
+    let is_true =
+        |effect: &str, place: &str| case.hidden.iter().any(|hidden| is_named((effect, place), hidden));
+    named.map(|(effect, place, weight)| (weight, is_true(effect, place))).collect()
 }
 
 /// `None` where the answer does not say how far it is from the noise.
@@ -136,8 +227,11 @@ fn at_the_floor(diagnosis: &Diagnosis) -> Option<bool> {
 
 /// Parameters with an interval, and whether it holds the truth.
 fn intervals(hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
-    let same = |finding: &&Finding| finding.effect == hidden.effect && finding.location == hidden.place;
-    let Some(finding) = findings.iter().find(same) else { return Vec::new() };
+    let Some(finding) =
+        findings.iter().find(|finding| is_named((&finding.effect, &finding.location), hidden))
+    else {
+        return Vec::new();
+    };
     let each = hidden.parameters.iter().filter_map(|(name, truth)| {
         let known = finding.parameters.iter().find(|parameter| parameter.name == *name)?;
         if known.ci95 == [None, None] {

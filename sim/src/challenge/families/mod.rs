@@ -1,0 +1,50 @@
+//! Families of machines, one file each. A family draws a machine; its start values are spoilt afterwards.
+
+mod encoder_only;
+mod geared;
+mod linear_axis;
+mod link;
+mod rigid_servo;
+mod speed_loop;
+mod speed_o_cam;
+mod three_mass_belt;
+mod two_mass;
+
+use std::f64::consts::TAU;
+
+use super::machine::Machine;
+use super::random::Draw;
+
+/// A family: its name, and how it draws a machine.
+pub(super) type Family = (&'static str, fn(&mut Draw) -> Machine);
+
+/// All of them.
+pub(super) const FAMILIES: [Family; 9] = [
+    ("speed-o-cam", speed_o_cam::draw),
+    ("rigid-servo", rigid_servo::draw),
+    ("two-mass", two_mass::draw),
+    ("three-mass-belt", three_mass_belt::draw),
+    ("encoder-only", encoder_only::draw),
+    ("geared", geared::draw),
+    ("link", link::draw),
+    ("speed-loop", speed_loop::draw),
+    ("linear-axis", linear_axis::draw),
+];
+
+/// Stiffness and damping of a spring between two inertias that oscillate against each other at a frequency.
+fn spring_between(inertias: (f64, f64), hz: f64, damping_ratio: f64) -> (f64, f64) {
+    let reduced = 1.0 / (1.0 / inertias.0 + 1.0 / inertias.1);
+    let pace = TAU * hz;
+    (reduced * pace * pace, 2.0 * damping_ratio * reduced * pace)
+}
+
+/// A torque-driven drive: torque amplitude, N m; inertia of the motor, kg m²; viscous damping of all, N m s/rad, of an axis that
+/// has `ratio` times the motor's inertia in all.
+fn servo_numbers(ratio: f64, draw: &mut Draw) -> (f64, f64, f64) {
+    let torque = draw.log((0.2, 20.0));
+    let acceleration = draw.log((300.0, 1500.0));
+    let inertia = torque / acceleration / ratio;
+    // The axis coasts down within so many seconds.
+    let damping = ratio * inertia / draw.log((0.15, 0.8));
+    (torque, inertia, damping)
+}

@@ -1,0 +1,19 @@
+//! Motor and load on a compliant coupling in a speed loop; the loop's torque drives the model.
+
+use super::two_mass;
+use crate::challenge::machine::{Control, Machine};
+use crate::challenge::random::Draw;
+
+pub(super) fn draw(draw: &mut Draw) -> Machine {
+    let mut machine = two_mass::draw(draw);
+    machine.family = "speed-loop".into();
+    let inertia: f64 =
+        (0..3).map(|node| machine.nodes[node].inertia.map_or(0.0, |own| machine.value(own))).sum();
+    let torque = machine.amplitude;
+    // The loop is slower than the coupling, so that it does not shake itself.
+    let pace = draw.between(8.0, 20.0);
+    machine.control = Control::Speed { proportional: inertia * pace, integral: 0.25 * inertia * pace * pace };
+    // At this speed changes of the profile take about the torque that the drive has.
+    machine.amplitude = torque / (inertia * pace);
+    machine
+}

@@ -1,0 +1,233 @@
+//! Laws of the challenge's truth. They are others than the catalogue's wherever an effect can be written in another way, so that a
+//! diagnosis has to name physics and cannot recognise a formula.
+
+use std::f64::consts::TAU;
+
+/// Most states that one law has.
+pub(super) const MOST_STATES: usize = SLIDERS.len();
+
+/// What acts where, with its parameters, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Acting {
+    pub(super) kind: Kind,
+    /// Place name: a node, bearing, spring, shaft or gear.
+    pub(super) place: String,
+    pub(super) parameters: Vec<f64>,
+}
+
+/// Where a law acts, by index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Site {
+    Node(usize),
+    Spring(usize),
+}
+
+/// A law at work.
+#[derive(Debug, Clone)]
+pub(super) struct Law {
+    pub(super) kind: Kind,
+    pub(super) site: Site,
+    pub(super) parameters: Vec<f64>,
+    /// Index of its first state.
+    pub(super) first: usize,
+}
+
+/// What a law sees.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Seen {
+    pub(super) time_s: f64,
+    /// Of the node; of a spring: its driving end.
+    pub(super) angle: f64,
+    /// Of the node; of a spring: its driven end.
+    pub(super) speed: f64,
+    pub(super) twist: f64,
+    pub(super) twist_rate: f64,
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+    pub(super) fast_speed: f64,
+    pub(super) ratio: f64,
+}
+
+/// What a spring passes on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Through {
+    /// Torque that pulls its ends together.
+    pub(super) torque: f64,
+    /// Torque on its driven end alone.
+    pub(super) drag: f64,
+}
+
+impl Through {
+    pub(super) fn plain(seen: &Seen) -> Self {
+        Self { torque: seen.stiffness * seen.twist + seen.damping * seen.twist_rate, drag: 0.0 }
+    }
+}
+
+/// Laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Bristles that bend and slip (Canudas de Wit et al. 1995, "LuGre"): torque at speed, at standstill, Stribeck speed, and
+    /// the angle by which they bend.
+    Bristles,
+    /// Quadratic drag, laminar at low speed: coefficient, laminar speed.
+    Drag,
+    /// Damping that changes with time: damping, rate.
+    WarmingUp,
+    /// Torque and damping that differ by direction: torque difference, damping difference, rounding speed.
+    Direction,
+    /// A constant torque.
+    Constant,
+    /// A torque of its own frequency: torque, frequency, phase.
+    Shake,
+    /// A torque that follows the angle: torque, order, phase.
+    AngleTorque,
+    /// A brake of eddy currents: torque, speed.
+    EddyBrake,
+    /// A pad that begins to rub: torque, time, rounding speed.
+    LatePad,
+    /// A bump that rubs once per turn: torque, phase, rounding speed.
+    AngleDrag,
+    /// A seal that wears in with the angle turned: torque, angle, rounding speed. One state: the angle turned in all.
+    WearingIn,
+    /// A share of the torque is lost: fraction, rounding speed, rounding torque.
+    Loss,
+    /// Play with damped flanks (Hunt and Crossley 1975): gap, restitution time.
+    Play,
+    /// Play that is wide at one angle and none at the other: gap, restitution time, phase.
+    AnglePlay,
+    /// A gear that does not roll true: order, amplitude, phase.
+    Eccentric,
+    /// A spring that stiffens: cubic, quintic.
+    Hardening,
+    /// Springs in parallel that slide, each above a torque of its own (Iwan 1966): torque, deflection.
+    Sliders,
+    /// A friction clutch in series: torque. Its state is the twist of the spring itself.
+    Slip,
+    /// A coupling that comes loose: share, time.
+    Loosening,
+}
+
+/// Deflections at which sliders begin to slide, in units of the law's, and how sharply.
+const SLIDERS: [f64; 5] = [0.2, 0.5, 1.0, 1.8, 3.5];
+const SLIDE_POWER: i32 = 4;
+/// How sharply a clutch slips.
+const SLIP_POWER: i32 = 8;
+/// Bristles are damped with their stiffness times so much, s, at low speed.
+const BRISTLE_DAMPING_S: f64 = 2e-4;
+
+impl Kind {
+    /// How many states of its own a law has.
+    pub(super) fn states(self) -> usize {
+        match self {
+            Self::Bristles | Self::WearingIn | Self::Slip => 1,
+            Self::Sliders => SLIDERS.len(),
+            _ => 0,
+        }
+    }
+}
+
+/// The sign of x, rounded over a width algebraically.
+fn sign(x: f64, width: f64) -> f64 {
+    x / x.hypot(width)
+}
+
+/// From 0 to 1 as x passes 0.
+fn step(x: f64, width: f64) -> f64 {
+    0.5 * (1.0 + (x / width).tanh())
+}
+
+/// Torque on a node.
+pub(super) fn on_node(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]) -> f64 {
+    let (p, speed) = (&law.parameters[..], seen.speed);
+    match law.kind {
+        Kind::Bristles => {
+            let ratio = speed / p[2];
+            let level = p[0] + (p[1] - p[0]) * (-ratio * ratio).exp();
+            let stiffness = p[0] / p[3];
+            let rate = speed - stiffness * speed.abs() / level * state[0];
+            rates[0] = rate;
+            let share = speed / (0.1 * p[2]);
+            -(stiffness * state[0] + stiffness * BRISTLE_DAMPING_S / (1.0 + share * share) * rate)
+        }
+        Kind::Drag => -p[0] * speed * speed.hypot(p[1]),
+        Kind::WarmingUp => -p[0] * p[1] * seen.time_s * speed,
+        Kind::Direction => {
+            let sign = sign(speed, p[2]);
+            -0.5 * (p[0] * sign * sign + p[1] * speed * sign)
+        }
+        Kind::Constant => p[0],
+        Kind::Shake => p[0] * (TAU * p[1] * seen.time_s + p[2]).sin(),
+        Kind::AngleTorque => p[0] * (p[1] * seen.angle + p[2]).sin(),
+        Kind::EddyBrake => {
+            let share = speed / p[1];
+            -2.0 * p[0] * share / (1.0 + share * share)
+        }
+        Kind::LatePad => -p[0] * sign(speed, p[2]) * step(seen.time_s - p[1], 0.05),
+        Kind::AngleDrag => -p[0] * sign(speed, p[2]) * (3.0 * ((seen.angle + p[1]).cos() - 1.0)).exp(),
+        Kind::WearingIn => {
+            rates[0] = speed.abs();
+            -p[0] * sign(speed, p[2]) * (-state[0] / p[1]).exp()
+        }
+        _ => 0.0,
+    }
+}
+
+/// What a law changes of the torque through a spring.
+pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64], through: &mut Through) {
+    let p = &law.parameters[..];
+    match law.kind {
+        Kind::Loss => {
+            let torque = through.torque;
+            through.drag -= p[0] * torque * (torque / p[2]).tanh() * sign(seen.speed, p[1]);
+        }
+        Kind::Play => through.torque = flanks(seen, 0.5 * p[0], p[1]),
+        Kind::AnglePlay => {
+            let half = 0.5 * p[0] * (1.0 + 0.95 * (seen.angle / seen.ratio + p[2]).sin());
+            through.torque = flanks(seen, half, p[1]);
+        }
+        Kind::Eccentric => {
+            let (sin, cos) = (p[0] * seen.angle + p[2]).sin_cos();
+            through.torque += p[1] * (seen.stiffness * sin + seen.damping * cos * p[0] * seen.fast_speed);
+        }
+        Kind::Hardening => {
+            let square = seen.twist * seen.twist;
+            through.torque += seen.stiffness * seen.twist * square * (p[0] + p[1] * square);
+        }
+        Kind::Loosening => {
+            through.torque -= p[0] * step(seen.time_s - p[1], 0.02) * seen.stiffness * seen.twist;
+        }
+        Kind::Sliders => {
+            let stiffness = p[0] / (p[1] * SLIDERS.len() as f64);
+            for ((state, rate), share) in state.iter().zip(rates).zip(SLIDERS) {
+                let full = state / (share * p[1]);
+                *rate = slide(seen.twist_rate, full, SLIDE_POWER);
+                through.torque += stiffness * state;
+            }
+        }
+        Kind::Slip => {
+            let full = seen.stiffness * state[0] / p[0];
+            rates[0] = slide(seen.twist_rate, full, SLIP_POWER);
+            through.torque = seen.stiffness * state[0] + seen.damping * rates[0];
+        }
+        _ => {}
+    }
+}
+
+/// Rate of an element that follows `rate` until it is full and then slides (Bouc and Wen).
+fn slide(rate: f64, full: f64, power: i32) -> f64 {
+    let bent = full.abs().powi(power);
+    if rate * full > 0.0 { rate * (1.0 - bent.min(1.5)) } else { rate }
+}
+
+/// Torque of two flanks that only push, damped by how far they press into each other.
+fn flanks(seen: &Seen, half: f64, restitution_s: f64) -> f64 {
+    let depth = if seen.twist > half {
+        seen.twist - half
+    } else if seen.twist < -half {
+        seen.twist + half
+    } else {
+        return 0.0;
+    };
+    let factor = 1.0 + restitution_s * seen.twist_rate * depth.signum();
+    seen.stiffness * depth * factor.clamp(0.0, 3.0)
+}
