@@ -488,6 +488,15 @@ impl Reader<'_> {
             );
             return self.fail(&name, message);
         }
+        if let Some(between) = &raw.between
+            && raw.role == Role::Output
+        {
+            let message = format!(
+                "channels.{}.between is for inputs: an output is compared at its samples only",
+                name.get_ref()
+            );
+            return self.fail(between, message);
+        }
         let take =
             raw.take.map(|take| self.take(&name, raw.role, raw.column.as_deref(), &take)).transpose()?;
         let gain = raw.gain.map(|name| self.parameter(&name, Kind::Ratio)).transpose()?;
@@ -505,6 +514,7 @@ impl Reader<'_> {
             gain,
             noise_std: raw.noise_std.map(Spanned::into_inner),
             estimate_offset: raw.estimate_offset,
+            between: raw.between.map(Spanned::into_inner),
             unit,
         })
     }
@@ -558,6 +568,7 @@ fn add_clocks(model: &mut Model) {
         gain: None,
         noise_std: None,
         estimate_offset: false,
+        between: None,
         unit: if quantity == Quantity::Time { "s" } else { "rad" },
     };
     let mut clocks = Vec::new();

@@ -8,7 +8,7 @@ use serde::{
 };
 use toml::Spanned;
 
-use crate::{Motion, Quantity, Role, Take};
+use crate::{Intersample, Motion, Quantity, Role, Take};
 
 /// A table whose entries keep the order and the places that they have in the file.
 pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
@@ -164,6 +164,7 @@ pub(super) struct RawChannel {
     pub(super) gain: Option<Name>,
     #[serde(default)]
     pub(super) estimate_offset: bool,
+    pub(super) between: Option<Spanned<Intersample>>,
 }
 
 fn one() -> f64 {
