@@ -246,7 +246,9 @@ fn modes_and_dense_steps_predict_the_same() {
     let mut bent = model(with_friction);
     fix(&mut bent, &[("Tc", 0.0)]);
     // Steps of the nonlinear path take a spline for a parabola.
-    for (intersample, tolerance) in [(Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)] {
+    for (intersample, tolerance) in
+        [(Intersample::Hold, 1e-6), (Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)]
+    {
         let options = Options { intersample: Some(intersample), ..Options::default() };
         let fit = |model: &Model| {
             evaluate(&Problem::new(model, &data, options.clone()).unwrap(), &model.values()).unwrap()
