@@ -210,7 +210,7 @@ impl Run {
     }
 
     fn finish(mut self, carries: &[Carry], out: &mut Out) {
-        while self.next_s() <= self.last_s() + 0.5 * self.step_s {
+        while self.next_s() <= self.last_s() {
             self.point(carries, out);
         }
     }
