@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
-use socam_model::{BUILTIN, Model};
+use socam_model::{BUILTIN, Intersample, Model};
 
 use crate::output::WrongArguments;
 
@@ -27,6 +27,41 @@ pub(crate) fn text(name: &str) -> anyhow::Result<String> {
         return Err(WrongArguments(message).into());
     }
     std::fs::read_to_string(name).with_context(|| format!("cannot read the model file `{name}`"))
+}
+
+/// Help of every `--between`.
+pub(crate) const BETWEEN_HELP: &str = "How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one; may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a force or a reference]";
+
+/// Applies `KIND` and `INPUT=KIND` settings of `--between`.
+pub(crate) fn set_between(model: &mut Model, settings: &[String]) -> anyhow::Result<()> {
+    let inputs = model.inputs().filter(|input| !input.quantity.is_clock());
+    let inputs: Vec<String> = inputs.map(|input| input.name.clone()).collect();
+    for setting in settings {
+        let wrong = |why: String| WrongArguments(format!("--between {setting}: {why}"));
+        let (name, word) = match setting.split_once('=') {
+            Some((name, word)) => (Some(name.trim()), word.trim()),
+            None => (None, setting.trim()),
+        };
+        let kind = match word {
+            "auto" => None,
+            // What `simulate` called them once.
+            "line" => Some(Intersample::Linear),
+            "step" => Some(Intersample::Hold),
+            word => Some(
+                word.parse()
+                    .map_err(|_| wrong(format!("`{word}` is none of auto, hold, linear and band-limited")))?,
+            ),
+        };
+        let named: Vec<&String> =
+            inputs.iter().filter(|input| name.is_none_or(|name| name == *input)).collect();
+        if named.is_empty() {
+            return Err(wrong(format!("inputs of {} are {}", model.name, inputs.join(", "))).into());
+        }
+        for input in named {
+            model.set_intersample(input, kind)?;
+        }
+    }
+    Ok(())
 }
 
 /// Applies `NAME=VALUE` (SI) settings.

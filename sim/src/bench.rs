@@ -115,6 +115,7 @@ impl Setup {
             noise_std: None,
             gain: None,
             estimate_offset: false,
+            between: None,
             unit: "",
         });
         model.channels.extend(tachometers);

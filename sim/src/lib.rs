@@ -32,6 +32,6 @@ pub use bench::{NO_TACHOMETER, Setup, calibration_for};
 pub use drive::{Answer, Drive};
 pub use error::SimError;
 pub use plant::{Effort, Plant, Trajectory};
-pub use replay::{Between, Disturbance, OutputError, Replay, Replayed, Start};
+pub use replay::{Begin, Disturbance, OutputError, Replay, Replayed, Start};
 pub use truth::{Concealed, Override, Truth};
 pub use virtual_board::VirtualBoard;

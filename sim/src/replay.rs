@@ -1,10 +1,11 @@
 //! A model driven by what was recorded, next to what was measured.
 
+mod course;
 mod start;
 
 use std::str::FromStr;
 
-use socam_model::{Channel, Model, Quantity, Role, Since, Take};
+use socam_model::{Channel, Intersample, Model, Quantity, Role, Since, Take};
 use socam_recording::{Channel as Column, Dataset, Segment};
 
 use crate::plant::{Effort, Plant, Trajectory};
@@ -20,22 +21,33 @@ pub struct Disturbance {
     pub place: String,
 }
 
-/// What an input does between two samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Between {
-    /// It moves straight on to the next sample: for what was measured.
-    Line,
-    /// It stays until the next sample: for what a converter put out.
-    Step,
-}
-
 /// Where a drivetrain starts, at the beginning and after every gap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Start {
     /// In the smallest states that agree with the first measured outputs.
     Fitted,
     /// With all states zero.
     Rest,
+    /// As given for those segments that begin at the first row of one; others as [`Start::Fitted`].
+    Given(Vec<Begin>),
+}
+
+/// Where a segment begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begin {
+    /// Its first row.
+    pub first_row: u64,
+    /// States there, in the order of the model's equations, SI.
+    pub states: Vec<f64>,
+    /// What is added to each output, SI.
+    pub offsets: Vec<f64>,
+}
+
+impl Start {
+    fn given(&self, first_row: usize) -> Option<&Begin> {
+        let Self::Given(all) = self else { return None };
+        all.iter().find(|begin| begin.first_row == first_row as u64)
+    }
 }
 
 /// A model to be driven by a recording.
@@ -45,8 +57,6 @@ pub struct Replay {
     pub truth: Truth,
     /// What acts on it beside the model's inputs.
     pub disturbances: Vec<Disturbance>,
-    /// Course of the inputs.
-    pub between: Between,
     /// First states.
     pub start: Start,
 }
@@ -103,6 +113,8 @@ type Mix = Vec<(usize, Channel)>;
 struct Feed {
     time_s: Vec<f64>,
     inputs: Vec<Vec<f64>>,
+    /// How each input moves between its samples.
+    kinds: Vec<Intersample>,
     measured: Vec<Option<Vec<f64>>>,
 }
 
@@ -125,13 +137,17 @@ impl Replay {
         let mut effort = Effort::default();
         for segment in data.segments() {
             let rows = segment_rows(segment);
-            let states = match self.start {
-                Start::Rest => vec![0.0; plant.states()],
-                Start::Fitted => start::fit(self, &plant, &feed, rows.clone())?,
+            let given = self.start.given(rows.start);
+            let states = match (&self.start, given) {
+                (Start::Rest, _) => vec![0.0; plant.states()],
+                (_, Some(begin)) => begin.states.clone(),
+                (Start::Fitted | Start::Given(_), None) => start::fit(self, &plant, &feed, rows.clone())?,
             };
+            let offsets = given.map_or_else(|| vec![0.0; outputs], |begin| begin.offsets.clone());
             let mut trajectory = plant.start_at(&states)?;
-            self.follow(&mut trajectory, &feed, rows, |outputs| {
-                predicted.iter_mut().zip(outputs).for_each(|(column, value)| column.push(*value));
+            self.follow(&mut trajectory, &feed, rows.clone(), rows.len(), |outputs| {
+                let read = outputs.iter().zip(&offsets).map(|(value, offset)| value + offset);
+                predicted.iter_mut().zip(read).for_each(|(column, value)| column.push(value));
             })?;
             effort = effort + trajectory.effort();
         }
@@ -188,29 +204,41 @@ impl Replay {
         Ok((input, 1.0 / gain))
     }
 
-    /// Drives a trajectory through some rows; `take` gets the outputs at each.
+    /// Drives a trajectory through the first `count` of rows without a gap; `take` gets the outputs at each.
     fn follow(
         &self,
         trajectory: &mut Trajectory<'_>,
         feed: &Feed,
         rows: std::ops::Range<usize>,
+        count: usize,
         mut take: impl FnMut(&[f64]),
     ) -> Result<(), SimError> {
         let from_s = feed.time_s[rows.start];
-        let mut input: Vec<f64> = feed.inputs.iter().map(|column| column[rows.start]).collect();
         let mut outputs = vec![0.0; feed.measured.len()];
-        trajectory.set_input(&input);
-        for row in rows {
-            let to_s = feed.time_s[row] - from_s;
-            let before = input.clone();
-            input.iter_mut().zip(&feed.inputs).for_each(|(value, column)| *value = column[row]);
-            match self.between {
-                Between::Line => trajectory.ramp(to_s, &input)?,
-                Between::Step => trajectory.hold(to_s, &before)?,
+        // Straight lines need no parts.
+        let parts = if feed.kinds.contains(&Intersample::BandLimited) { course::PARTS } else { 1 };
+        let mut input = vec![0.0; feed.inputs.len()];
+        for row in rows.clone().take(count) {
+            let inputs = || feed.inputs.iter().zip(&feed.kinds);
+            if row > rows.start {
+                let before_s = feed.time_s[row - 1] - from_s;
+                let step_s = feed.time_s[row] - feed.time_s[row - 1];
+                let knots: Vec<_> =
+                    inputs().map(|(column, kind)| course::knots(column, &rows, row, *kind)).collect();
+                for part in 1..=parts {
+                    let knot = part * course::PARTS / parts - 1;
+                    input.iter_mut().zip(&knots).for_each(|(value, knots)| *value = knots[knot]);
+                    trajectory.ramp(before_s + step_s * part as f64 / parts as f64, &input)?;
+                }
             }
+            // What passes through at once is read as measured.
+            input.iter_mut().zip(inputs()).for_each(|(value, (column, _))| *value = column[row]);
             trajectory.set_input(&input);
             trajectory.outputs(&mut outputs);
             take(&outputs);
+            let begin = |(column, kind): (&Vec<f64>, &Intersample)| course::first(column, &rows, row, *kind);
+            input.iter_mut().zip(inputs()).for_each(|(value, input)| *value = begin(input));
+            trajectory.set_input(&input);
         }
         Ok(())
     }
@@ -255,6 +283,7 @@ fn torque_on(disturbance: &Disturbance) -> Channel {
         noise_std: None,
         gain: None,
         estimate_offset: false,
+        between: None,
         unit: "",
     }
 }
@@ -267,6 +296,7 @@ impl Feed {
         let mut feed = Self {
             time_s: Vec::new(),
             inputs: vec![Vec::new(); mixes.len()],
+            kinds: model.inputs().map(Channel::intersample).collect(),
             measured: outputs.iter().map(|(column, ..)| column.map(|_| Vec::new())).collect(),
         };
         for block in data.blocks()? {

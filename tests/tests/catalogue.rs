@@ -39,7 +39,7 @@ fn predicted(model: &Model) -> Vec<Vec<f64>> {
     let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
     let predictor = Predictor::new(model, &model.values(), STEP_S).unwrap();
     let still = vec![0.0; predictor.states()];
-    predictor.run(&slices, Intersample::Linear, Start::State(&still)).unwrap().outputs
+    predictor.run(&slices, &vec![Intersample::Linear; slices.len()], Start::State(&still)).unwrap().outputs
 }
 
 fn simulated(model: &Model) -> Vec<Vec<f64>> {

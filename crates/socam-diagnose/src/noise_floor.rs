@@ -2,8 +2,8 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
-use socam_identify::{Intersample, NoiseLevels, Predictor, Start, compare::Traces};
-use socam_model::{Model, Take};
+use socam_identify::{NoiseLevels, Predictor, Start, compare::Traces};
+use socam_model::{Channel, Model, Take};
 
 use crate::spectrum;
 
@@ -52,7 +52,8 @@ pub(crate) fn floor(
             })
             .collect();
         let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
-        let Ok(run) = predictor.run(&slices, Intersample::BandLimited, Start::State(&still)) else {
+        let kinds: Vec<_> = linear.inputs().map(Channel::intersample).collect();
+        let Ok(run) = predictor.run(&slices, &kinds, Start::State(&still)) else {
             return own;
         };
         for (sum, output) in squares.iter_mut().zip(&run.outputs) {

@@ -283,6 +283,7 @@ fn sensor(at: &str, quantity: Quantity) -> Channel {
         gain: None,
         noise_std: None,
         estimate_offset: false,
+        between: None,
         unit: "",
     }
 }

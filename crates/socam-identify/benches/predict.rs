@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run = |tolerance: f64| {
         Predictor::new(&model, &values, step_s)?.with_tolerance(tolerance).run(
             &[&input],
-            Intersample::Linear,
+            &[Intersample::Linear],
             Start::Equilibrium,
         )
     };

@@ -111,7 +111,7 @@ fn run(
     let stretch = &problem.stretches[index];
     let dataset = &problem.datasets[stretch.recording];
     let mut whole = Chunk::default();
-    feed::read(problem.model, dataset, stretch, problem.intersample, |chunk| {
+    feed::read(problem.model, dataset, stretch, &problem.intersample, |chunk| {
         append(&mut whole.inputs, &chunk.inputs);
         append(&mut whole.outputs, &chunk.outputs);
     })?;
@@ -121,7 +121,7 @@ fn run(
         StartState::Equilibrium => Start::Equilibrium,
     };
     let inputs: Vec<&[f64]> = whole.inputs.iter().map(Vec::as_slice).collect();
-    let prediction = predictor.run(&inputs, problem.intersample, start)?;
+    let prediction = predictor.run(&inputs, &problem.intersample, start)?;
     Ok((whole.outputs, prediction.outputs))
 }
 

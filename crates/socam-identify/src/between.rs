@@ -1,4 +1,4 @@
-//! What an input does between its samples: straight lines, or a spline that moves as a band-limited signal does.
+//! What an input does between its samples: it is held, moves in straight lines, or is a spline that moves as a band-limited signal does.
 //!
 //! A tone at x rad per sample that is drawn in straight lines loses (sin(x/2)/(x/2))^2 of itself and gains images at
 //! all frequencies that differ from it by the sampling rate, which excite the drivetrain too: at a seventh of the
@@ -27,12 +27,16 @@ const QUINTIC: [Piece; 6] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
 ];
 
+/// The sample before, until the one after.
+const HELD: [Piece; 2] = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]];
+
 /// Second differences that sharpening goes up to.
 const POWERS: usize = 8;
 
 /// What each coefficient about an interval contributes within it, the earliest first.
 pub(crate) fn pieces(intersample: Intersample) -> Vec<Piece> {
     match intersample {
+        Intersample::Hold => HELD.to_vec(),
         Intersample::Linear => LINEAR.to_vec(),
         Intersample::BandLimited => QUINTIC.iter().map(|piece| piece.map(|c| c / 120.0)).collect(),
     }
@@ -71,7 +75,7 @@ impl Course {
 /// Coefficients before the interval's first sample that matter within it, and as many after its last.
 pub(crate) const fn margin(intersample: Intersample) -> usize {
     match intersample {
-        Intersample::Linear => 0,
+        Intersample::Hold | Intersample::Linear => 0,
         Intersample::BandLimited => QUINTIC.len() / 2 - 1,
     }
 }
@@ -79,18 +83,21 @@ pub(crate) const fn margin(intersample: Intersample) -> usize {
 /// Samples to either side of some rows that their coefficients and the margin's depend on.
 pub(crate) const fn reach(intersample: Intersample) -> usize {
     match intersample {
-        Intersample::Linear => 1,
+        Intersample::Hold | Intersample::Linear => 1,
         Intersample::BandLimited => POWERS + margin(intersample) + 1,
     }
 }
 
 /// Coefficients for the intervals that end at each of some rows of `values`: from [`margin`] + 1 before the first row to
-/// [`margin`] after the last. Beyond its ends `values` is taken to go on point-symmetrically.
+/// [`margin`] after the last. Beyond its ends `values` is taken to go on point-symmetrically; a held input is what its first sample
+/// says before that too.
 pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Intersample) -> Vec<f64> {
     let margin = margin(intersample) as i64;
     let last = values.len() as i64 - 1;
     let at = |k: i64| {
-        if k < 0 {
+        if k < 0 && intersample == Intersample::Hold {
+            values[0]
+        } else if k < 0 {
             2.0 * values[0] - values[(-k).min(last) as usize]
         } else if k > last {
             2.0 * values[last as usize] - values[(2 * last - k).max(0) as usize]
@@ -100,7 +107,7 @@ pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Inte
     };
     let wanted = rows.start as i64 - margin - 1..rows.end as i64 + margin;
     match intersample {
-        Intersample::Linear => wanted.map(at).collect(),
+        Intersample::Hold | Intersample::Linear => wanted.map(at).collect(),
         Intersample::BandLimited => {
             let reach = POWERS as i64;
             let around: Vec<f64> = (wanted.start - reach..wanted.end + reach).map(at).collect();
@@ -119,7 +126,7 @@ pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Inte
 /// What a sample contributes to the coefficients about it: from this many coefficients before it to as many after it.
 pub(crate) fn sharpening(intersample: Intersample) -> Vec<f64> {
     match intersample {
-        Intersample::Linear => vec![1.0],
+        Intersample::Hold | Intersample::Linear => vec![1.0],
         Intersample::BandLimited => {
             let kernel = &*SHARPENING;
             (0..=2 * POWERS).map(|i| kernel[i.abs_diff(POWERS)]).collect()

@@ -60,14 +60,14 @@ pub(crate) fn all(
     let times_s = sample_times(problem);
     let with_neighbours = |colour: Colour| {
         let filter = |equations: &Equations| {
-            Whitener::new(equations, &levels, &levels.outputs, colour.sample_time_s, problem.intersample)
+            Whitener::new(equations, &levels, &levels.outputs, colour.sample_time_s, &problem.intersample)
         };
         let more = sides.iter().map(|(more, ..)| filter(more));
         let filters: Option<Vec<_>> = more.chain(sides.iter().map(|(_, less, _)| filter(less))).collect();
         let neighbours = Bank::new(&filters?.iter().collect::<Vec<_>>());
         Some(Colour { neighbours, factors: sides.iter().map(|(.., factor)| *factor).collect(), ..colour })
     };
-    let colours = fixed(equations, &levels, &times_s, problem.intersample)?;
+    let colours = fixed(equations, &levels, &times_s, &problem.intersample)?;
     colours.into_iter().map(with_neighbours).collect()
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn fixed(
     equations: &Equations,
     levels: &NoiseLevels,
     times_s: &[f64],
-    intersample: Intersample,
+    intersample: &[Intersample],
 ) -> Option<Vec<Colour>> {
     if !levels.in_the_input() {
         return Some(Vec::new());
@@ -98,7 +98,7 @@ pub(crate) fn fixed(
 pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels) -> bool {
     let Ok(equations) = problem.model.equations(&point.values) else { return false };
     let filter =
-        |time_s: f64| Whitener::new(&equations, levels, &levels.outputs, time_s, problem.intersample);
+        |time_s: f64| Whitener::new(&equations, levels, &levels.outputs, time_s, &problem.intersample);
     sample_times(problem).into_iter().all(|time_s| filter(time_s).is_some_and(|filter| filter.memory() < 1.0))
 }
 

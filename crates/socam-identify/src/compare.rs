@@ -62,7 +62,7 @@ impl Yardstick {
         times.sort_by(f64::total_cmp);
         times.dedup();
         let exact = NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels.clone() };
-        let colours = colour::fixed(&equations, &levels, &times, first.intersample);
+        let colours = colour::fixed(&equations, &levels, &times, &first.intersample);
         Ok(match colours {
             Some(mut colours) => {
                 for colour in &mut colours {
@@ -453,7 +453,7 @@ pub fn traces(
             predicted: Vec::new(),
         };
         let dataset = &problem.datasets[stretch.recording];
-        feed::read(problem.model, dataset, stretch, problem.intersample, |chunk| {
+        feed::read(problem.model, dataset, stretch, &problem.intersample, |chunk| {
             own.inputs.iter_mut().zip(&chunk.inputs).for_each(|(all, more)| all.extend(more));
             own.measured.iter_mut().zip(&chunk.outputs).for_each(|(all, more)| all.extend(more));
         })?;
@@ -466,7 +466,7 @@ pub fn traces(
             StartState::Free => Start::State(&locals[..predictor.states()]),
             StartState::Equilibrium => Start::Equilibrium,
         };
-        own.predicted = predictor.run(&inputs, problem.intersample, start)?.outputs;
+        own.predicted = predictor.run(&inputs, &problem.intersample, start)?.outputs;
         if observer.is_some() {
             return Ok(own);
         }

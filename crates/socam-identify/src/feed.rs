@@ -148,12 +148,12 @@ fn runs(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Stretc
     Ok(found.into_iter().map(|(segment, rows)| run(segment, rows)).collect())
 }
 
-/// Calls `use_chunk` with the rows of a stretch, in order.
+/// Calls `use_chunk` with the rows of a stretch, in order; `intersample` says of each input how it moves between samples.
 pub(crate) fn read(
     model: &Model,
     dataset: &Dataset,
     stretch: &Stretch,
-    intersample: Intersample,
+    intersample: &[Intersample],
     mut use_chunk: impl FnMut(&Chunk),
 ) -> Result<(), IdentifyError> {
     let channels: Vec<&Channel> = model.inputs().chain(model.outputs()).collect();
@@ -162,7 +162,8 @@ pub(crate) fn read(
     let inputs = model.inputs().count();
     // A spline or a rate needs the samples before and after; a piece of a run has those of its neighbours.
     let taken = channels.iter().map(|channel| channel.take.reach()).max().unwrap_or(0);
-    let reach = (between::reach(intersample) + taken) as u64;
+    let around = intersample.iter().map(|kind| between::reach(*kind)).max().unwrap_or(0);
+    let reach = (around + taken) as u64;
     let end = stretch.first_row + stretch.rows;
     let first = stretch.run.start.max(stretch.first_row.saturating_sub(reach));
     let last = stretch.run.end.min(end + reach);
@@ -201,10 +202,11 @@ pub(crate) fn read(
             .collect();
         let part =
             |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
-        let held = |values: &Vec<f64>| between::coefficients(values, rows.clone(), intersample);
+        let held =
+            |(values, kind): (&Vec<f64>, &Intersample)| between::coefficients(values, rows.clone(), *kind);
         use_chunk(&Chunk {
             inputs: part(&si[..inputs]),
-            held: si[..inputs].iter().map(held).collect(),
+            held: si[..inputs].iter().zip(intersample).map(held).collect(),
             outputs: part(&si[inputs..]),
         });
         next = ready;
@@ -281,7 +283,7 @@ mod tests {
         let pieces = stretches(&model, std::slice::from_ref(&data), 2500, &mut Vec::new()).unwrap();
         let mut row = 0;
         for piece in &pieces {
-            read(&model, &data, piece, Intersample::BandLimited, |chunk| {
+            read(&model, &data, piece, &[Intersample::BandLimited; 3], |chunk| {
                 for k in 0..chunk.rows() {
                     let t = time_s[row];
                     let tolerance = if (8..8992).contains(&row) { 1e-5 } else { 0.3 };
@@ -305,7 +307,7 @@ mod tests {
         let mut all = [const { Vec::new() }; 3];
         for stretch in stretches {
             let before = all[0].len();
-            read(model, data, stretch, intersample, |chunk| {
+            read(model, data, stretch, &[intersample], |chunk| {
                 assert!(chunk.outputs.iter().all(|column| column.len() == chunk.rows()));
                 let before = between::margin(intersample) + 1;
                 assert_eq!(chunk.held[0].len(), chunk.rows() + 2 * before - 1);

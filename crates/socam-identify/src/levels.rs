@@ -65,7 +65,7 @@ fn without_slopes<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Probl
         free: Vec::new(),
         stretches: kept.iter().map(shortened).collect(),
         options: problem.options.clone(),
-        intersample: problem.intersample,
+        intersample: problem.intersample.clone(),
         warnings: Vec::new(),
         left_out: Vec::new(),
         misfits: Vec::new(),
@@ -87,6 +87,9 @@ fn climb(
         let noisy = |level: &usize| *level < outputs || levels.inputs[*level - outputs] > 0.0;
         let open = |level: &usize| channels[*level].noise_std.is_none();
         let sought: Vec<usize> = (0..channels.len()).filter(noisy).filter(open).collect();
+        if sought.is_empty() {
+            break;
+        }
         let Some(mut score) = score(problem, point, &equations, &levels, &sought)? else { break };
         let is_full = |level: usize| of(&levels, level) > (1.0 - 1e-9) * of(most, level);
         (0..sought.len()).filter(|k| is_full(sought[*k])).for_each(|k| score.hold_if_rising(k));
@@ -114,7 +117,7 @@ fn score(
     let probes: Option<Vec<_>> = sample_times(problem)
         .into_iter()
         .map(|time_s| {
-            Some((time_s, Probe::new(equations, levels, sought, units, time_s, problem.intersample)?))
+            Some((time_s, Probe::new(equations, levels, sought, units, time_s, &problem.intersample)?))
         })
         .collect();
     let Some(probes) = probes else { return Ok(None) };
@@ -195,7 +198,7 @@ impl Probe {
         sought: &[usize],
         units: &[f64],
         sample_time_s: f64,
-        intersample: Intersample,
+        intersample: &[Intersample],
     ) -> Option<Self> {
         let filter =
             |levels: &NoiseLevels| Whitener::new(equations, levels, units, sample_time_s, intersample);

@@ -36,6 +36,7 @@ mod listeners;
 mod modal;
 mod modes;
 mod noise_in_slopes;
+mod other_intersample;
 mod outliers;
 mod pass;
 mod phi;
@@ -68,11 +69,12 @@ pub use foretell::Information;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use outliers::outliers;
 pub use predict::{Prediction, Predictor, Start};
-pub use problem::{Constraint, Intersample, Noise, Options, Problem, StartState};
+pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
-pub use solver::{at_minimum, evaluate, output_error};
+pub use socam_model::Intersample;
+pub use solver::{Local, at_minimum, evaluate, output_error, start_states};
 pub use walker::DEFAULT_TOLERANCE;
 pub use watch::{Observer, Progress, Stage, Watch};
 pub use whitener::NoiseLevels;

@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use socam_model::Equations;
 
 use crate::{
-    IdentifyError, between,
+    IdentifyError, Intersample, between,
     combine::{Combination, Signals},
     feed::{self, Chunk},
     modes::{Mode, diagonalise, representatives},
@@ -194,7 +194,7 @@ impl Modal {
             problem.model,
             &problem.datasets[stretch.recording],
             stretch,
-            problem.intersample,
+            &problem.intersample,
             |chunk| {
                 if run.row == 0 {
                     run.start = self.start_combinations(problem, &point.locals[index], point, chunk, weights);
@@ -284,8 +284,8 @@ struct Run<'m> {
     modal: &'m Modal,
     /// Per input, one for each mode.
     recursions: Vec<Vec<Recursion>>,
-    /// Coefficients of an input beyond its samples.
-    around: usize,
+    /// Per input, coefficients beyond its samples.
+    around: Vec<usize>,
     /// What is left of the start.
     decays: Vec<Recursion>,
     row: usize,
@@ -301,14 +301,19 @@ struct Run<'m> {
 
 impl<'m> Run<'m> {
     fn new(modal: &'m Modal, problem: &Problem<'_>, step_s: f64, capacity: usize) -> Self {
-        let hold = |pole| Hold::new(pole, step_s, problem.intersample);
-        let at_rest: Vec<Recursion> =
-            modal.modes.iter().map(|mode| Recursion::new(hold(mode.pole), mode.real)).collect();
+        let at_rest = |kind: Intersample| -> Vec<Recursion> {
+            let one = |mode: &Mode| Recursion::new(Hold::new(mode.pole, step_s, kind), mode.real);
+            modal.modes.iter().map(one).collect()
+        };
+        let lines = at_rest(Intersample::Linear);
+        // The constant 1 comes last.
+        let kinds = || (0..modal.inputs).map(|input| problem.intersample.get(input).copied());
+        let recursions = kinds().map(|kind| kind.map_or_else(|| lines.clone(), at_rest)).collect();
         Self {
             modal,
-            decays: at_rest.iter().map(Recursion::left_at_one).collect(),
-            recursions: vec![at_rest; modal.inputs],
-            around: 2 * between::margin(problem.intersample) + 1,
+            decays: lines.iter().map(Recursion::left_at_one).collect(),
+            recursions,
+            around: kinds().map(|kind| 2 * kind.map_or(0, between::margin) + 1).collect(),
             row: 0,
             start: Vec::new(),
             decaying: true,
@@ -376,16 +381,17 @@ impl<'m> Run<'m> {
         let mut signals: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
         for (input, signals) in signals.chunks_mut(per_input).enumerate() {
             let (own, responses) = signals.split_at_mut(1);
+            let around = self.around[input];
             match (chunk.inputs.get(input), chunk.held.get(input)) {
                 (Some(values), Some(held)) => {
                     own[0].copy_from_slice(&values[from..from + count]);
-                    let held = &held[from..from + count + self.around];
+                    let held = &held[from..from + count + around];
                     respond(&mut self.recursions[input], self.row, held, responses);
                 }
                 _ => {
                     // The constant 1.
                     own[0].fill(1.0);
-                    let ones = vec![1.0; count + self.around];
+                    let ones = vec![1.0; count + around];
                     respond(&mut self.recursions[input], self.row, &ones, responses);
                 }
             }
@@ -395,7 +401,7 @@ impl<'m> Run<'m> {
     /// Decaying start terms and the same times t, which is their derivative with respect to the pole.
     fn starts(&mut self, count: usize) {
         let mut signals: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
-        self.silence.resize(count + self.around, 0.0);
+        self.silence.resize(count + 1, 0.0);
         respond(&mut self.decays, self.row, &self.silence, &mut signals);
     }
 }

@@ -57,7 +57,7 @@ fn per_sample(
     let Ok(equations) = model.equations(&point.values) else { return Ok(None) };
     let levels = weights.levels();
     let Some(filter) =
-        Whitener::new(&equations, &levels, &levels.outputs, sample_time_s, problem.intersample)
+        Whitener::new(&equations, &levels, &levels.outputs, sample_time_s, &problem.intersample)
     else {
         return Ok(None);
     };
@@ -82,7 +82,7 @@ fn per_sample(
         free: problem.free.clone(),
         stretches: stretches.collect(),
         options: Options { start_state: StartState::Free, ..problem.options.clone() },
-        intersample: problem.intersample,
+        intersample: problem.intersample.clone(),
         warnings: Vec::new(),
         left_out: Vec::new(),
         misfits: Vec::new(),

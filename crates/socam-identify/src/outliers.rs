@@ -6,7 +6,7 @@
 use std::{ops::Range, sync::Arc};
 
 use crate::{
-    IdentifyError, Intersample, Problem,
+    IdentifyError, Problem,
     amends::{LeftOut, Reason},
     feed::{self, Stretch},
     levels,
@@ -291,7 +291,7 @@ fn is_in_the_data(
     let near = Stretch { first_row, rows: rows.end - rows.start + 2 * reach, ..stretch.clone() };
     let mut values = Vec::new();
     let dataset = &problem.datasets[stretch.recording];
-    feed::read(problem.model, dataset, &near, Intersample::Linear, |chunk| {
+    feed::read(problem.model, dataset, &near, &problem.intersample, |chunk| {
         values.extend_from_slice(&chunk.outputs[output]);
     })?;
     let gap = spikes::REACH..values.len() - spikes::REACH;

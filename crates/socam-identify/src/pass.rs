@@ -277,7 +277,7 @@ fn first_samples(
 ) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
     let mut first = (Vec::new(), Vec::new());
     let head = feed::Stretch { rows: 2, ..stretch.clone() };
-    feed::read(problem.model, &problem.datasets[stretch.recording], &head, problem.intersample, |chunk| {
+    feed::read(problem.model, &problem.datasets[stretch.recording], &head, &problem.intersample, |chunk| {
         if first.0.is_empty() {
             first.0 = chunk.inputs.iter().map(|input| input[0]).collect();
             first.1 = chunk.outputs.iter().map(|output| output[0]).collect();

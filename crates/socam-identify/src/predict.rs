@@ -91,7 +91,8 @@ impl Predictor {
         self.equations().state.nrows()
     }
 
-    /// Predicts the outputs for `inputs`, one slice per input in the order of [`Model::inputs`], SI, of equal lengths.
+    /// Predicts the outputs for `inputs`, one slice per input in the order of [`Model::inputs`], SI, of equal lengths, that move
+    /// between their samples as `intersample` says of each.
     ///
     /// # Errors
     /// When their number or lengths, or those of the start state, do not fit; when the model has no state of rest, but is
@@ -99,17 +100,19 @@ impl Predictor {
     pub fn run(
         &self,
         inputs: &[&[f64]],
-        intersample: Intersample,
+        intersample: &[Intersample],
         start: Start<'_>,
     ) -> Result<Prediction, IdentifyError> {
         let rows = inputs.first().map_or(0, |input| input.len());
-        self.check(inputs, rows)?;
-        let pieces = between::pieces(intersample);
-        let held: Vec<Vec<f64>> =
-            inputs.iter().map(|input| between::coefficients(input, 0..rows, intersample)).collect();
+        self.check(inputs, intersample.len(), rows)?;
+        let held: Vec<_> = inputs
+            .iter()
+            .zip(intersample)
+            .map(|(input, kind)| (between::pieces(*kind), between::coefficients(input, 0..rows, *kind)))
+            .collect();
         let along = |k: usize, course: &mut Vec<Course>| {
             course.clear();
-            course.extend(held.iter().map(|held| Course::new(&pieces, &held[k..])));
+            course.extend(held.iter().map(|(pieces, held)| Course::new(pieces, &held[k..])));
         };
         let (mut course, mut raw) = (Vec::new(), Vec::new());
         along(0, &mut course);
@@ -136,11 +139,14 @@ impl Predictor {
         Ok(Prediction { outputs, end, steps, unresolved: walker.unresolved })
     }
 
-    fn check(&self, inputs: &[&[f64]], rows: usize) -> Result<(), IdentifyError> {
+    fn check(&self, inputs: &[&[f64]], kinds: usize, rows: usize) -> Result<(), IdentifyError> {
         let refuse = |text: String| Err(IdentifyError::Option(text));
         let (given, expected) = (inputs.len(), self.equations().input.ncols());
         if given != expected {
             return refuse(format!("{given} inputs for the {expected} of {}", self.name));
+        }
+        if kinds != expected {
+            return refuse(format!("{kinds} kinds of motion between samples for the {expected} inputs"));
         }
         if rows == 0 || inputs.iter().any(|input| input.len() != rows) {
             return refuse("inputs need equal numbers of samples, at least one".into());
@@ -162,7 +168,8 @@ impl Predictor {
                 .ok_or_else(|| IdentifyError::Unsuited {
                     method: "a start from rest",
                     model: self.name.clone(),
-                    why: "it has no state of rest at a constant input; give a start state".into(),
+                    why: "nothing holds its position, so that it has no state of rest; give a start state"
+                        .into(),
                 }),
         }
     }

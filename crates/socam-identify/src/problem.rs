@@ -1,26 +1,16 @@
 //! What is to be identified, from what, and under which assumptions.
 
-use socam_model::{Model, Quantity};
+use socam_model::{Intersample, Model};
 use socam_recording::Dataset;
 
 use crate::{
     IdentifyError,
     amends::{self, LeftOut},
     feed::{self, Stretch},
+    start,
     watch::Watch,
     whitener::NoiseLevels,
 };
-
-/// How an input moves between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Intersample {
-    /// Straight lines. Right for a signal that was generated so; on a sampled motion it acts as a low-pass that
-    /// biases dampings (by several per cent for content up to a sixth of the sampling rate).
-    Linear,
-    /// A band-limited motion: the samples are sharpened by second, fourth and sixth differences before straight
-    /// lines are drawn, which makes the hold exact to eighth order in frequency.
-    BandLimited,
-}
 
 /// What is assumed of sensor noise: white, independent between channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,8 +50,10 @@ pub struct Options {
     pub noise: Noise,
     /// Start state of each stretch.
     pub start_state: StartState,
-    /// Input between samples; `None`: straight lines for a servo's reference, band-limited for what was measured.
+    /// Every input between its samples; `None`: each as [`socam_model::Channel::intersample`] says.
     pub intersample: Option<Intersample>,
+    /// Whether to warn where the answer hangs on what inputs do between their samples.
+    pub try_other_intersamples: bool,
     /// Number of starts: the file's values first, then values spread by factors of up to three around them.
     pub starts: usize,
     /// Seed of that spread.
@@ -80,6 +72,7 @@ impl Default for Options {
             noise: Noise::Estimated,
             start_state: StartState::Free,
             intersample: None,
+            try_other_intersamples: false,
             starts: 6,
             seed: 1,
             max_iterations: 150,
@@ -98,7 +91,8 @@ pub struct Problem<'a> {
     pub(crate) free: Vec<usize>,
     pub(crate) stretches: Vec<Stretch>,
     pub(crate) options: Options,
-    pub(crate) intersample: Intersample,
+    /// One per input.
+    pub(crate) intersample: Vec<Intersample>,
     pub(crate) warnings: Vec<String>,
     /// Samples that are not used as measured.
     pub(crate) left_out: Vec<LeftOut>,
@@ -112,16 +106,37 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// When a recording lacks a channel or is too short, when nothing is free, or when a file cannot be read.
     pub fn new(model: &'a Model, datasets: &'a [Dataset], options: Options) -> Result<Self, IdentifyError> {
-        if datasets.is_empty() {
-            return Err(IdentifyError::NoRecordings);
-        }
-        // Blocks are small, and a factorisation that is split between threads has other digits with every number of them.
-        faer::set_global_parallelism(faer::Par::Seq);
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
         if free.is_empty() {
             return Err(IdentifyError::NothingFree { model: model.name.clone() });
         }
+        Self::bound(model, datasets, options, free)
+    }
+
+    /// The same with all parameters held: for [`crate::evaluate`] and [`crate::start_states`].
+    ///
+    /// # Errors
+    /// As those of [`Problem::new`].
+    pub fn of_known(
+        model: &'a Model,
+        datasets: &'a [Dataset],
+        options: Options,
+    ) -> Result<Self, IdentifyError> {
+        Self::bound(model, datasets, options, Vec::new())
+    }
+
+    fn bound(
+        model: &'a Model,
+        datasets: &'a [Dataset],
+        options: Options,
+        free: Vec<usize>,
+    ) -> Result<Self, IdentifyError> {
+        if datasets.is_empty() {
+            return Err(IdentifyError::NoRecordings);
+        }
+        // Blocks are small, and a factorisation that is split between threads has other digits with every number of them.
+        faer::set_global_parallelism(faer::Par::Seq);
         for parameter in free.iter().map(|index| &model.parameters[*index]) {
             let (value, (low, high)) = (parameter.value, parameter.bounds);
             if !(low..=high).contains(&value) {
@@ -134,6 +149,9 @@ impl<'a> Problem<'a> {
             }
         }
         check(model, &options)?;
+        if options.start_state == StartState::Equilibrium {
+            start_at_rest(model)?;
+        }
         let mut warnings = Vec::new();
         // A piece in the middle of a motion is not in equilibrium.
         let longest = match options.start_state {
@@ -143,9 +161,8 @@ impl<'a> Problem<'a> {
         let mut stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
         let (inputs, outputs): (Vec<_>, Vec<_>) = (model.inputs().collect(), model.outputs().collect());
         let left_out = amends::screen(&inputs, &outputs, datasets, &mut stretches)?;
-        let reference = model.inputs().all(|channel| channel.quantity == Quantity::Reference);
-        let default = if reference { Intersample::Linear } else { Intersample::BandLimited };
-        let intersample = options.intersample.unwrap_or(default);
+        let intersample =
+            inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
         Ok(Self {
             model,
             datasets,
@@ -162,6 +179,21 @@ impl<'a> Problem<'a> {
     /// Number of outputs of the model.
     pub(crate) fn outputs(&self) -> usize {
         self.model.outputs().count()
+    }
+}
+
+/// Whether the model has a state of rest to start from.
+fn start_at_rest(model: &Model) -> Result<(), IdentifyError> {
+    let values = model.values();
+    let inputs = vec![0.0; model.inputs().count()];
+    match start::equilibrium(&model.equations(&values)?, &values, &inputs) {
+        Some(_) => Ok(()),
+        None => Err(IdentifyError::Unsuited {
+            method: "a start from equilibrium",
+            model: model.name.clone(),
+            why: "nothing holds its position, so that it has no state of rest; let the start state be fitted (--start free)"
+                .into(),
+        }),
     }
 }
 

@@ -9,8 +9,9 @@ use crate::{
     amends::{self, LeftOut},
     combinations::{self, Combination},
     feed::Stretch,
+    input_noise,
     modal::offset_channels,
-    noise_in_slopes,
+    noise_in_slopes, other_intersample,
     pass::{self, ChannelSums, StretchResult},
     problem::Problem,
     solver::{Descent, Race},
@@ -29,6 +30,11 @@ const LARGEST_HALF_WIDTH: f64 = 0.5;
 const ENTANGLED: f64 = 0.9;
 /// 95 % quantile of chi-square with one degree of freedom: a cost difference below it may be chance.
 const CHANCE: f64 = 3.84;
+/// A model that misses a channel by so many times its noise, and by such a share of its movement, does not explain it.
+const UNEXPLAINED_NOISE: f64 = 10.0;
+const UNEXPLAINED_SHARE: f64 = 0.2;
+/// An estimate whose whole interval is within this share of what is usual for it is known to be nearly zero.
+const NEARLY_ZERO: f64 = 0.05;
 /// Share of samples with unresolved steps that is worth a word.
 const MOST_UNRESOLVED: f64 = 1e-4;
 
@@ -201,6 +207,7 @@ pub(crate) fn identification(
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     descent.passed = pass::run(problem, &descent.point, &weights)?.ok_or_else(diverged)?;
     let results = &descent.passed;
+    let channels = crate::solver::channel_sums(results);
     let noise = noise_in_slopes::products(problem, &descent.point, &weights, results)?;
     let uncertainty = Uncertainty::new(problem, &descent.point, &weights.scales, results, &noise);
     let cost = 0.5 * crate::solver::squares(results);
@@ -211,10 +218,17 @@ pub(crate) fn identification(
     let mut warnings = problem.warnings.clone();
     warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
     warnings.extend(problem.misfits.iter().cloned());
-    warnings.extend(dead_channels(problem.model, &crate::solver::channel_sums(results)));
+    warnings.extend(dead_channels(problem.model, &channels));
+    let unexplained = unexplained(problem, &channels, &weights.noise_std)?;
+    // To record more of what the model does not explain would not help.
+    let advice = if unexplained.is_some() { Vec::new() } else { advice::advice(problem.model, &parameters) };
+    warnings.extend(unexplained);
     warnings.extend(unresolved(results));
     if let Some(warning) = race_warning(races) {
         warnings.push(warning);
+    }
+    if problem.options.try_other_intersamples && end != End::Interrupted {
+        warnings.extend(other_intersample::warnings(problem, &descent, &parameters)?);
     }
     if end == End::Interrupted {
         warnings.push("the search was interrupted: values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is".into());
@@ -231,12 +245,12 @@ pub(crate) fn identification(
         end,
         iterations: descent.iterations,
         cpu_s,
-        advice: advice::advice(problem.model, &parameters),
+        advice,
         parameters,
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.locals, results, &uncertainty, &weights.scales),
-        fit: fit(problem.model, &crate::solver::channel_sums(results), &weights.noise_std),
-        input_noise_std: input_noise(problem.model, &weights.input_std),
+        fit: fit(problem.model, &channels, &weights.noise_std),
+        input_noise_std: input_noise_std(problem.model, &weights.input_std),
         left_out: problem.left_out.clone(),
         warnings,
         point: descent.point.values,
@@ -245,7 +259,7 @@ pub(crate) fn identification(
 }
 
 /// By channel name; no level was sought for inputs that no sensor measures.
-fn input_noise(model: &Model, levels: &[f64]) -> Vec<(String, f64)> {
+fn input_noise_std(model: &Model, levels: &[f64]) -> Vec<(String, f64)> {
     let levels = levels.iter().copied().chain(std::iter::repeat(0.0));
     model.inputs().zip(levels).map(|(channel, std)| (channel.name.clone(), std)).collect()
 }
@@ -263,6 +277,33 @@ fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {
         }
     });
     dead.collect()
+}
+
+/// Channels of which so much is left that no answer can be relied on, in words.
+fn unexplained(
+    problem: &Problem<'_>,
+    channels: &[ChannelSums],
+    noise_std: &[f64],
+) -> Result<Option<String>, IdentifyError> {
+    let most = input_noise::most(problem)?.outputs;
+    let each = problem.model.outputs().zip(channels).zip(noise_std.iter().zip(most));
+    let missed = each.filter_map(|((channel, sums), (noise_std, most))| {
+        let noise_std = channel.noise_std.unwrap_or_else(|| noise_std.min(most));
+        let left = sums.count > 0.0
+            && sums.rms() > UNEXPLAINED_NOISE * noise_std
+            && sums.rms() > UNEXPLAINED_SHARE * sums.spread();
+        left.then(|| {
+            let unit = channel.unit;
+            format!("{:.3} {unit} rms of {} beside noise of {noise_std:.2} {unit}", sums.rms(), channel.name)
+        })
+    });
+    let missed: Vec<String> = missed.collect();
+    Ok((!missed.is_empty()).then(|| {
+        format!(
+            "the model does not explain these recordings: it leaves {}; its parameters and their intervals mean little: `diagnose` says what it leaves out",
+            missed.join(", ")
+        )
+    }))
 }
 
 /// Steps that missed their tolerance, if they are more than a few.
@@ -385,10 +426,13 @@ fn parameter_estimates(
         // Not finite counts as not determined.
         let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * value.abs();
         let inside = from >= low && to <= high;
+        let zero = low <= 0.0
+            && high >= 0.0
+            && from.abs().max(to.abs()) <= NEARLY_ZERO * usual(problem.model, values, index);
         // Not determined if it could as well be what its counterpart is.
         let twin = twins.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
         let twin = twin.filter(|other| (values[*other] - value).abs() > half);
-        let identifiable = narrow && inside && !stuck && twin.is_none();
+        let identifiable = (zero || narrow && inside && !stuck) && twin.is_none();
         let mut determined_with = if identifiable { Vec::new() } else { entangled(problem, uncertainty, j) };
         if let Some(other) = twin.map(|other| &problem.model.parameters[other].name)
             && !determined_with.contains(other)
@@ -396,7 +440,8 @@ fn parameter_estimates(
             determined_with.push(other.clone());
         }
         let (ci, note) = if identifiable {
-            ([Some(from), Some(to)], String::new())
+            let note = if zero { "nearly zero beside what is usual for it" } else { "" };
+            ([Some(from.max(low)), Some(to.min(high))], note.into())
         } else {
             let ends = [Some(from).filter(|end| *end > low), Some(to).filter(|end| *end < high)];
             let ends = ends.map(|end| end.filter(|_| narrow && twin.is_none()));
@@ -417,6 +462,15 @@ fn parameter_estimates(
     });
     let estimates = estimates.collect();
     (estimates, at_bound)
+}
+
+/// What is usual for a parameter: its value in the model file, or the largest of the other parameters of its unit where that is less.
+fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
+    let own = &model.parameters[index];
+    let others = model.parameters.iter().zip(values).enumerate();
+    let others = others.filter(|(other, (parameter, _))| *other != index && parameter.unit == own.unit);
+    let largest = others.map(|(_, (_, value))| value.abs()).fold(0.0, f64::max);
+    if largest > 0.0 { own.value.abs().min(largest) } else { own.value.abs() }
 }
 
 fn entangled(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {

@@ -163,6 +163,7 @@ impl<'s> Sensitivity<'s> {
             _ if self.columns == 0 => {}
             Event::Step(taken) => self.advance(taken),
             Event::Turn(turn) => self.turn(turn),
+            Event::Jump(at) => self.settle(at),
         }
     }
 

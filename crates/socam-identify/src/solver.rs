@@ -10,7 +10,10 @@ use rayon::prelude::*;
 use crate::{
     IdentifyError, colour,
     compare::{self, Measured, Yardstick},
-    input_noise, levels, outliers,
+    feed::Stretch,
+    input_noise, levels,
+    modal::offset_channels,
+    outliers,
     pass::{self, ChannelSums, Point, StretchResult, Weights},
     problem::{Noise, Problem},
     report::{self, End, Fit, Identification},
@@ -53,6 +56,8 @@ const SETTLED_LOCALS: f64 = 1e-9;
 /// Share of such a step that is taken when the whole of it leads up, again and again down to the least.
 const SHORTER: f64 = 0.25;
 const LEAST_SHARE: f64 = 1e-2;
+/// Residuals of so many times a known noise are plausible: an input's noise adds to them.
+const PLAUSIBLE: f64 = 1.5;
 /// Samples per recording, and recordings, on which starts compete.
 const RACE_ROWS: u64 = 4000;
 const RACE_STRETCHES: usize = 4;
@@ -122,6 +127,36 @@ pub fn evaluate(problem: &Problem<'_>, values: &[f64]) -> Result<Fit, IdentifyEr
     let channels = with_locals(problem, values)?.channels();
     let noise: Vec<f64> = channels.iter().map(ChannelSums::rms).collect();
     Ok(report::fit(problem.model, &channels, &noise))
+}
+
+/// What is local to an uninterrupted part of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Local {
+    /// Index of the recording.
+    pub recording: usize,
+    /// Its first row there.
+    pub first_row: u64,
+    /// States at that row, in the order of [`socam_model::Equations::state_names`], SI.
+    pub states: Vec<f64>,
+    /// What is added to each output, SI: zero where no offset is estimated.
+    pub offsets: Vec<f64>,
+}
+
+/// The start states and offsets that [`evaluate`] fits: with them the model, running free, has the residuals that it reports.
+///
+/// # Errors
+/// As those of [`evaluate`].
+pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>, IdentifyError> {
+    let fitted = fitted_locals(problem, values)?;
+    let estimated = offset_channels(problem);
+    let local = |(stretch, own): (&Stretch, Vec<f64>)| {
+        let (states, shifts) = own.split_at(own.len() - estimated.len());
+        let mut offsets = vec![0.0; problem.outputs()];
+        estimated.iter().zip(shifts).for_each(|(output, shift)| offsets[*output] = *shift);
+        let Stretch { recording, first_row, .. } = *stretch;
+        Local { recording, first_row, states: states.to_vec(), offsets }
+    };
+    Ok(problem.stretches.iter().zip(fitted).map(local).collect())
 }
 
 /// For each stretch what [`evaluate`] fits to it.
@@ -200,7 +235,7 @@ fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyE
 }
 
 /// What moving a stretch's local unknowns alone would take from its sum of squares, were the motion linear in them.
-fn promised_by_locals(result: &StretchResult) -> f64 {
+pub(crate) fn promised_by_locals(result: &StretchResult) -> f64 {
     let residual = result.factor.col(result.factor.ncols() - 1);
     result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum()
 }
@@ -370,7 +405,8 @@ pub(crate) struct Race {
     pub(crate) cost: f64,
 }
 
-/// Lets the file's values and spread ones compete on a part of the data; the best goes on to all of it.
+/// Lets the file's values and spread ones compete on a part of the data; the best goes on to all of it. Where the file's values lead to
+/// a fit that leaves no more than noise, there is no better one to be found.
 fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
     let with_locals = |values: Vec<f64>| -> Result<Point, IdentifyError> {
@@ -387,7 +423,7 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
         datasets: problem.datasets,
         free: problem.free.clone(),
         options: problem.options.clone(),
-        intersample: problem.intersample,
+        intersample: problem.intersample.clone(),
         warnings: Vec::new(),
         left_out: Vec::new(),
         misfits: Vec::new(),
@@ -406,16 +442,35 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
         let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
         descend(&short, Point { values, locals }, weights, COARSE_TOLERANCE, 15, stage).ok()
     };
-    let candidates: Vec<_> = candidates.enumerate().collect();
-    let descents: Vec<_> = candidates.into_par_iter().map(one).collect();
+    let mut candidates = candidates.enumerate();
+    let own = candidates.next().and_then(one);
+    let rest: Vec<_> = match &own {
+        Some(own) if leaves_noise(&short, own)? => Vec::new(),
+        _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
+    };
     let mut best: Option<(f64, Vec<f64>)> = None;
-    for descent in descents.into_iter().flatten() {
+    for descent in std::iter::once(own).chain(rest).flatten() {
         races.push(Race { cost: descent.cost });
         if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
             best = Some((descent.cost, descent.point.values));
         }
     }
     with_locals(best.map_or(first, |(_, values)| values))
+}
+
+/// Whether a descent ended in a fit that leaves no more of any channel than its noise can be.
+fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
+    let most = match &problem.options.noise {
+        Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
+        Noise::Estimated => {
+            let known = problem.model.outputs().map(|channel| channel.noise_std);
+            let most = input_noise::most(problem)?.outputs.into_iter().zip(known);
+            most.map(|(most, known)| known.map_or(most, |known| PLAUSIBLE * known)).collect::<Vec<_>>()
+        }
+    };
+    let channels = descent.channels();
+    let noise = |(channel, most): (&ChannelSums, &f64)| most.is_finite() && channel.rms() <= *most;
+    Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
 }
 
 fn feed_head(stretch: &crate::feed::Stretch, rows: u64) -> crate::feed::Stretch {

@@ -61,7 +61,7 @@ impl<'a> Stepper<'a> {
         let stretch = &problem.stretches[index];
         let offsets = offset_channels(problem);
         let mut run: Option<Run<'_>> = None;
-        let pieces = between::pieces(problem.intersample);
+        let pieces: Vec<_> = problem.intersample.iter().map(|kind| between::pieces(*kind)).collect();
         let mut raw = vec![0.0; self.equations.input.ncols()];
         let (mut course, mut now) = (Vec::new(), Vec::new());
         let mut finite = true;
@@ -69,7 +69,7 @@ impl<'a> Stepper<'a> {
             problem.model,
             &problem.datasets[stretch.recording],
             stretch,
-            problem.intersample,
+            &problem.intersample,
             |chunk| {
                 let capacity = rows.capacity();
                 for from in (0..chunk.rows()).step_by(capacity) {
@@ -80,7 +80,8 @@ impl<'a> Stepper<'a> {
                     for k in from..from + count {
                         raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
                         course.clear();
-                        course.extend(chunk.held.iter().map(|held| Course::new(&pieces, &held[k..])));
+                        let along = chunk.held.iter().zip(&pieces);
+                        course.extend(along.map(|(held, pieces)| Course::new(pieces, &held[k..])));
                         now.clear();
                         now.extend(course.iter().map(|course| course.at(1.0)));
                         match &mut run {

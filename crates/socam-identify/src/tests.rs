@@ -246,7 +246,9 @@ fn modes_and_dense_steps_predict_the_same() {
     let mut bent = model(with_friction);
     fix(&mut bent, &[("Tc", 0.0)]);
     // Steps of the nonlinear path take a spline for a parabola.
-    for (intersample, tolerance) in [(Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)] {
+    for (intersample, tolerance) in
+        [(Intersample::Hold, 1e-6), (Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)]
+    {
         let options = Options { intersample: Some(intersample), ..Options::default() };
         let fit = |model: &Model| {
             evaluate(&Problem::new(model, &data, options.clone()).unwrap(), &model.values()).unwrap()
@@ -325,7 +327,7 @@ fn at_a_minimum_intervals_are_those_of_a_search() {
     let problem = Problem::new(&model, &data, options).unwrap();
     let yardstick = Yardstick::new(&[&problem], &sought.point, levels).unwrap();
     let at = compare::measure(&problem, &yardstick, &sought.point).unwrap().unwrap();
-    let there = at_minimum(&problem, &at).unwrap();
+    let there = at_minimum(&problem, &yardstick, &at).unwrap();
     assert!(there.converged && there.point == sought.point);
     assert!((there.cost / sought.cost - 1.0).abs() < 1e-6, "{} {}", there.cost, sought.cost);
     for (there, sought) in there.parameters.iter().zip(&sought.parameters) {

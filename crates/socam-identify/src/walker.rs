@@ -51,6 +51,8 @@ pub(crate) enum Event<'w> {
     Step(&'w Taken<'w>),
     /// Teeth met or parted within the step before; all has followed.
     Turn(&'w Turn),
+    /// A held input jumped, and with it what a law sees.
+    Jump(&'w Instant),
 }
 
 /// A step.
@@ -94,6 +96,7 @@ impl<'a> Walker<'a> {
         let sizes = Sizes::new(equations, 0);
         let mut xi = vec![0.0; sizes.width()];
         xi[..sizes.states].copy_from_slice(state);
+        xi[sizes.states + 2 * sizes.inputs..][..sizes.inputs].copy_from_slice(inputs);
         let mut walker = Self {
             regimes,
             side,
@@ -176,6 +179,11 @@ impl<'a> Walker<'a> {
         let n = self.sizes.states;
         let finest = self.motion().levels.len() - 1;
         let whole = 1_usize << finest;
+        if self.jumps(course) && !self.ran_away {
+            let inputs: Vec<f64> = course.iter().map(|course| course.at(0.0)).collect();
+            self.settle(&inputs);
+            follow(&Event::Jump(&self.instant(&inputs)));
+        }
         // Nothing is lost by trying a step twice as long as the last.
         let mut level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
@@ -207,6 +215,17 @@ impl<'a> Walker<'a> {
                 level -= 1;
             }
         }
+    }
+
+    /// Whether an input that a law sees at once goes on from another value than it had.
+    fn jumps(&self, course: &[Course]) -> bool {
+        let seen = &self.motion().equations.port_input;
+        let last = &self.xi[self.sizes.states + 2 * self.sizes.inputs..];
+        course.iter().zip(last).enumerate().any(|(input, (course, last))| {
+            let next = course.at(0.0);
+            (next - last).abs() > 1e-9 * next.abs().max(last.abs())
+                && seen.column(input).iter().any(|factor| *factor != 0.0)
+        })
     }
 
     /// The longest step from here, where `done` parts of the `whole` of a sample are over, of `level` or further, in which the laws do

@@ -80,7 +80,7 @@ impl Whitener {
         levels: &NoiseLevels,
         units: &[f64],
         sample_time_s: f64,
-        intersample: Intersample,
+        intersample: &[Intersample],
     ) -> Option<Self> {
         let noise = NoiseModel::new(equations, levels, units, sample_time_s, intersample)?;
         let (n, p) = (noise.transition.nrows(), noise.output.nrows());
@@ -290,7 +290,7 @@ impl NoiseModel {
         levels: &NoiseLevels,
         units: &[f64],
         sample_time_s: f64,
-        intersample: Intersample,
+        intersample: &[Intersample],
     ) -> Option<Self> {
         let noisy: Vec<usize> = (0..levels.inputs.len()).filter(|i| levels.inputs[*i] > 0.0).collect();
         let seen = observed(equations);
@@ -298,12 +298,14 @@ impl NoiseModel {
             equations.input[(seen[i], noisy[j])] * levels.inputs[noisy[j]]
         });
         let state = equations.state.select_rows(&seen).select_columns(&seen);
-        let (step, taps) = response(&state, &drive, sample_time_s, intersample);
+        let kinds: Vec<Intersample> = noisy.iter().map(|input| intersample[*input]).collect();
+        let (step, taps) = response(&state, &drive, sample_time_s, &kinds);
         let kernels: Vec<Vec<f64>> = noisy.iter().map(|input| equations.takes[*input].noise()).collect();
         let (n, m, p) = (step.nrows(), noisy.len(), units.len());
         // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
         // last sample that matters for the coming interval.
-        let remembered: Vec<usize> = kernels.iter().map(|kernel| taps.len() + kernel.len() - 2).collect();
+        let remembered: Vec<usize> =
+            kernels.iter().zip(&taps).map(|(kernel, taps)| taps.len() + kernel.len() - 2).collect();
         let size = n + remembered.iter().sum::<usize>();
         let (mut transition, mut entering) = (DMatrix::zeros(size, size), DMatrix::zeros(size, m));
         transition.view_mut((0, 0), (n, n)).copy_from(&step);
@@ -313,7 +315,7 @@ impl NoiseModel {
         }
         let mut first = n;
         for (j, (input, kernel)) in noisy.iter().zip(&kernels).enumerate() {
-            let of_column = of_columns(&taps, j, kernel);
+            let of_column = convolved(&taps[j], kernel);
             entering.view_mut((0, j), (n, 1)).copy_from(&of_column[remembered[j]]);
             entering[(first, j)] = 1.0;
             for age in 0..remembered[j] {
@@ -354,16 +356,15 @@ fn observed(equations: &Equations) -> Vec<usize> {
     seen
 }
 
-/// What the state becomes in an interval: of itself, and of the input's samples about it, the earliest first.
+/// What the state becomes in an interval: of itself, and, input by input, of its samples about it, the earliest first.
 fn response(
     state: &DMatrix<f64>,
     drive: &DMatrix<f64>,
     sample_time_s: f64,
-    intersample: Intersample,
-) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
+    intersample: &[Intersample],
+) -> (DMatrix<f64>, Vec<Vec<DVector<f64>>>) {
     let (n, m) = drive.shape();
-    let pieces = between::pieces(intersample);
-    let degrees = if intersample == Intersample::Linear { 2 } else { 6 };
+    let degrees = if intersample.contains(&Intersample::BandLimited) { 6 } else { 2 };
     let size = n + degrees * m;
     let mut generator = DMatrix::zeros(size, size);
     generator.view_mut((0, 0), (n, n)).copy_from(&(state * sample_time_s));
@@ -379,34 +380,32 @@ fn response(
             step.view((0, n + degree * m), (n, m)) * factorial
         })
         .collect();
-    let of_coefficients: Vec<DMatrix<f64>> = pieces
-        .iter()
-        .map(|piece| piece.iter().zip(&powers).fold(DMatrix::zeros(n, m), |sum, (c, power)| sum + power * *c))
-        .collect();
-    let sharpening = between::sharpening(intersample);
-    let mut of_samples = vec![DMatrix::zeros(n, m); of_coefficients.len() + sharpening.len() - 1];
-    for (i, tap) in of_coefficients.iter().enumerate() {
-        for (j, weight) in sharpening.iter().enumerate() {
-            of_samples[i + j] += tap * *weight;
-        }
-    }
-    (step.view((0, 0), (n, n)).into_owned(), shortened(of_samples))
+    let of_samples = |(input, kind): (usize, &Intersample)| {
+        let of_coefficient = |piece: &[f64; 6]| {
+            let powers = piece.iter().zip(&powers);
+            powers.fold(DVector::zeros(n), |sum, (c, power)| sum + power.column(input) * *c)
+        };
+        let of_coefficients: Vec<_> = between::pieces(*kind).iter().map(of_coefficient).collect();
+        shortened(convolved(&of_coefficients, &between::sharpening(*kind)))
+    };
+    let taps = intersample.iter().enumerate().map(of_samples).collect();
+    (step.view((0, 0), (n, n)).into_owned(), taps)
 }
 
-/// What samples of an input's column do, from what those of the input do, the earliest first.
-fn of_columns(taps: &[DMatrix<f64>], input: usize, kernel: &[f64]) -> Vec<DVector<f64>> {
-    let states = taps.first().map_or(0, DMatrix::nrows);
+/// Of what a coefficient does, what a sample does; or of that, what a sample of the column does.
+fn convolved(taps: &[DVector<f64>], kernel: &[f64]) -> Vec<DVector<f64>> {
+    let states = taps.first().map_or(0, DVector::nrows);
     let mut each = vec![DVector::zeros(states); taps.len() + kernel.len() - 1];
     for (i, tap) in taps.iter().enumerate() {
         for (k, weight) in kernel.iter().enumerate() {
-            each[i + k] += tap.column(input) * *weight;
+            each[i + k] += tap * *weight;
         }
     }
     each
 }
 
 /// Leaves out the samples beyond [`REACH`], and gives what they would do to those beside the interval.
-fn shortened(taps: Vec<DMatrix<f64>>) -> Vec<DMatrix<f64>> {
+fn shortened(taps: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
     let beyond = (taps.len() / 2).saturating_sub(REACH + 1);
     let mut kept = taps[beyond..taps.len() - beyond].to_vec();
     let middle = kept.len() / 2;
@@ -487,7 +486,7 @@ mod tests {
                 inputs: vec![0.05; model.inputs().count()],
             };
             let equations = model.equations(&model.values()).unwrap();
-            Whitener::new(&equations, &levels, &levels.outputs, 1e-3, Intersample::BandLimited).unwrap()
+            Whitener::new(&equations, &levels, &levels.outputs, 1e-3, &[Intersample::BandLimited]).unwrap()
         });
         assert_eq!(rubbing.states, plain.states);
         assert!(rubbing.memory() < 1.0);

@@ -2,7 +2,7 @@
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
 
-use crate::{Model, ModelError, Parameter, Prior, Update, effects};
+use crate::{Intersample, Model, ModelError, Parameter, Prior, Update, effects};
 
 /// The text with updated parameters, values in the file's own units.
 pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
@@ -61,6 +61,22 @@ pub(crate) fn write_priors(
         entry.remove("ci95");
         entry.insert("source", value(source));
         entry.insert("prior", value(known));
+    }
+    Ok(document.to_string())
+}
+
+/// The text with what an input does between its samples, or without a word about it.
+pub(crate) fn write_intersample(
+    text: &str,
+    channel: &str,
+    between: Option<Intersample>,
+) -> Result<String, ModelError> {
+    let mut document = parsed(text)?;
+    let entry = document["channels"].get_mut(channel).and_then(Item::as_table_like_mut);
+    let entry = entry.ok_or_else(|| fault(format!("there is no channel {channel}")))?;
+    match between {
+        Some(kind) => drop(entry.insert("between", value(kind.name()))),
+        None => drop(entry.remove("between")),
     }
     Ok(document.to_string())
 }

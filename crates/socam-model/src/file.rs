@@ -599,6 +599,7 @@ fn add_clocks(model: &mut Model) {
         gain: None,
         noise_std: None,
         estimate_offset: false,
+        between: None,
         unit: match quantity {
             Quantity::Time => "s",
             Quantity::Change => "1/s",

@@ -22,6 +22,7 @@ pub mod effects;
 mod equations;
 mod error;
 mod file;
+mod intersample;
 mod jet;
 pub mod layout;
 pub mod meanings;
@@ -33,6 +34,7 @@ pub mod units;
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
 pub use file::column_unit;
+pub use intersample::Intersample;
 pub use model::{
     BUILTIN, Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo,
     Shaft, Site, Spring, Update,

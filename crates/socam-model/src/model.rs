@@ -1,7 +1,7 @@
 //! The drivetrain as its file describes it, checked and in SI.
 
 use crate::{
-    ModelError, Take, edit,
+    Intersample, ModelError, Take, edit,
     effects::{ActsAt, Borrowed, Effect, Form, Kind, Places, Sight},
     file,
 };
@@ -251,6 +251,8 @@ pub struct Channel {
     pub noise_std: Option<f64>,
     /// Whether its offset is to be estimated for each recording.
     pub estimate_offset: bool,
+    /// How it moves between its samples, where the file says so; inputs only.
+    pub between: Option<Intersample>,
     /// SI unit.
     pub unit: &'static str,
 }
@@ -315,6 +317,18 @@ impl Model {
     /// For a parameter that the file does not have.
     pub fn text_with_priors(&self, priors: &[(&str, Prior)], source: &str) -> Result<String, ModelError> {
         edit::write_priors(&self.text, &self.parameters, priors, source)
+    }
+
+    /// Says what an input does between its samples, in the file's text too; `None`: what its kind of input does.
+    ///
+    /// # Errors
+    /// For an input that the file does not have.
+    pub fn set_intersample(&mut self, input: &str, between: Option<Intersample>) -> Result<(), ModelError> {
+        let text = edit::write_intersample(&self.text, input, between)?;
+        let named = self.channels.iter_mut().filter(|c| c.role == Role::Input && c.name == input);
+        named.for_each(|channel| channel.between = between);
+        self.text = text;
+        Ok(())
     }
 
     /// The model with one effect more, as a model file; its parameters are named after place and effect.

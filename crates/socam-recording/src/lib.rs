@@ -33,7 +33,7 @@ mod welch;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
-pub use dataset::{Block, Blocks, Column, Cut, Dataset, Loaded, Warning};
+pub use dataset::{Block, Blocks, Carry, Column, Cut, Dataset, Loaded, Steps, Warning};
 pub use error::{LineProblem, RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;

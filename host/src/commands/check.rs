@@ -55,7 +55,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         None => CheckOptions { input: args.input.clone(), ..CheckOptions::default() },
     };
     let check_one = |run: &String| {
-        let data = output::open(run)?;
+        let data = output::open_regular(run)?;
         if let Some(model) = &model {
             require_common_ground(&data, model)?;
         }

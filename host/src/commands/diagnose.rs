@@ -50,6 +50,8 @@ pub(crate) struct Args {
     /// as missing physics
     #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
     tolerance: f64,
+    #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
+    between: Vec<String>,
     /// Most effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: u8,
@@ -73,6 +75,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
     model_file::set(&mut model, &args.fix, true)?;
+    model_file::set_between(&mut model, &args.between)?;
     if !(args.false_alarm_rate > 0.0 && args.false_alarm_rate < 1.0) {
         let message =
             format!("--false-alarm-rate {}: expected a number between 0 and 1", args.false_alarm_rate);
@@ -86,8 +89,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     interrupt.end_after(0);
     let target = args.write_model.as_deref().map(output::create).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    let open =
-        |runs: &[String]| runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<Dataset>>>();
+    let open = |runs: &[String]| {
+        // Outputs that are missing at most points of a grid would leave a diagnosis without their spectra.
+        let each = runs.iter().map(|run| output::open_for(run, &model, 1));
+        each.collect::<anyhow::Result<Vec<Dataset>>>()
+    };
     let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
     let mut fit = socam_identify::Options::default();
     let answer = watch::fit(&interrupt, args.progress, &mut fit, |fit| {

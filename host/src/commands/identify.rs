@@ -12,8 +12,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use socam_identify::{
-    Band, End, Fit, Identification, IdentifyError, Intersample, Noise, NoiseLevels, Options, Problem,
-    StartState,
+    Band, End, Fit, Identification, IdentifyError, Noise, NoiseLevels, Options, Problem, StartState,
 };
 use socam_model::{Model, Update};
 use socam_recording::{Dataset, OutputFile, RecordingError};
@@ -66,9 +65,8 @@ pub(crate) struct Args {
     /// Where each recording starts from
     #[arg(long, value_enum, default_value = "free")]
     start: Start,
-    /// How the input moves between samples [default: band-limited for a measured speed, linear for the rest]
-    #[arg(long, value_enum)]
-    between: Option<Between>,
+    #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
+    between: Vec<String>,
     /// Known standard deviation of a channel's noise (SI); repeated for every output channel, and for inputs that are noisy
     #[arg(long, value_name = "CHANNEL=STD")]
     noise: Vec<String>,
@@ -125,18 +123,11 @@ impl Start {
     }
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Between {
-    /// In straight lines
-    Linear,
-    /// As a band-limited signal does
-    BandLimited,
-}
-
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
     model_file::set(&mut model, &args.set, false)?;
     model_file::set(&mut model, &args.fix, true)?;
+    model_file::set_between(&mut model, &args.between)?;
     let uncalibrated = model.clone();
     if let Some(calibration) = calibrated::of(&args.runs, args.calibration.as_deref())?
         && args.method == Method::OutputError
@@ -164,8 +155,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let message = format!("`{}` is named twice; its samples would count double", twice.1);
         return Err(WrongArguments(message).into());
     }
-    let datasets = open_all(&args.runs)?;
-    let held_out = open_all(&args.validate)?;
+    let datasets = open_all(&args.runs, &model)?;
+    let held_out = open_all(&args.validate, &model)?;
     args.band.map_or(Ok(()), |band| band::check(band, &held_out))?;
     let result = match args.method {
         Method::OutputError => watch::fit(&interrupt, args.progress, &mut options, |options| {
@@ -192,13 +183,19 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 /// An option that a method over frequency would not use is refused rather than ignored.
 fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
     if matches!(args.method, Method::OutputError | Method::InverseDynamics) {
-        return Ok(());
+        return match args.frequency.report {
+            Some(_) => Err(WrongArguments(
+                "--report belongs to the methods over frequency (frf, etf, coefficient-match); this method's results are written by --json and --write-model, and `diagnose --report` draws measured against predicted"
+                    .into(),
+            )),
+            None => Ok(()),
+        };
     }
     let unused = [
         ("--validate", !args.validate.is_empty()),
         ("--write-model", args.write_model.is_some()),
         ("--noise", !args.noise.is_empty()),
-        ("--between", args.between.is_some()),
+        ("--between", !args.between.is_empty()),
     ];
     match unused.iter().find(|(_, given)| *given) {
         Some((option, _)) => Err(WrongArguments(format!(
@@ -226,20 +223,16 @@ struct Validation {
     force_error_percent: Option<f64>,
 }
 
-fn open_all(runs: &[String]) -> anyhow::Result<Vec<Dataset>> {
-    runs.iter().map(|run| output::open(run)).collect()
+fn open_all(runs: &[String], model: &Model) -> anyhow::Result<Vec<Dataset>> {
+    runs.iter().map(|run| output::open_for(run, model, output::GRID_PARTS)).collect()
 }
 
 fn options(args: &Args, model: &Model) -> anyhow::Result<Options> {
-    let intersample = args.between.map(|between| match between {
-        Between::Linear => Intersample::Linear,
-        Between::BandLimited => Intersample::BandLimited,
-    });
     let noise = noise(&args.noise, model)?;
     Ok(Options {
         noise,
         start_state: args.start.state(),
-        intersample,
+        try_other_intersamples: true,
         starts: args.starts.into(),
         seed: args.seed,
         ..Options::default()

@@ -1,11 +1,13 @@
 //! `simulate`: the bench without a bench, or a model driven by what was recorded.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::Serialize;
+use socam_identify::{Local, Options, Problem};
 use socam_recording::{Dataset, OutputFile, Selection, export_csv, import_mcap};
-use socam_sim::{Between, Disturbance, OutputError, Replay, Replayed, Start};
+use socam_sim::{Begin, Disturbance, OutputError, Replay, Replayed, Start, Truth};
 
 use super::Outcome;
 use super::record::{self, CourseArgs, attachment};
@@ -39,10 +41,9 @@ pub(crate) struct Args {
     /// A column of that recording that acts beside the model's inputs: a torque or force on a node, or volts on a servo's drive
     #[arg(long, value_name = "COLUMN@PLACE", requires = "input")]
     disturb: Vec<Disturbance>,
-    /// What an input does between two samples
-    #[arg(long, value_enum, default_value_t = Hold::Line, requires = "input")]
-    between: Hold,
-    /// Start at rest; otherwise in the smallest states that meet the first 50 samples
+    #[arg(long, value_name = "[INPUT=]KIND", requires = "input", help = model_file::BETWEEN_HELP)]
+    between: Vec<String>,
+    /// Start at rest; otherwise in the states from which the whole recording is met best
     #[arg(long, requires = "input")]
     from_rest: bool,
     #[command(flatten)]
@@ -50,14 +51,6 @@ pub(crate) struct Args {
     /// Print one JSON document and nothing else
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Hold {
-    /// Straight on to the next sample (first-order hold)
-    Line,
-    /// Stays until the next sample (zero-order hold)
-    Step,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -132,16 +125,13 @@ pub(crate) fn simulate_into(course: &CourseArgs, bench: &BenchArgs, path: &Path)
 
 /// The model driven by a recording.
 fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outcome> {
-    let data = output::open(input)?;
-    let replay = Replay {
-        truth: args.bench.truth()?,
-        disturbances: args.disturb.clone(),
-        between: match args.between {
-            Hold::Line => Between::Line,
-            Hold::Step => Between::Step,
-        },
-        start: if args.from_rest { Start::Rest } else { Start::Fitted },
-    };
+    let mut truth = args.bench.truth()?;
+    model_file::set_between(&mut truth.model, &args.between)?;
+    let data = output::open_for(input, &truth.model, output::GRID_PARTS)?;
+    let kinds = truth.model.inputs().filter(|input| !input.quantity.is_clock());
+    let between = kinds.map(|input| (input.name.clone(), input.intersample().name())).collect();
+    let start = if args.from_rest { Start::Rest } else { start(&truth, &data, &args.disturb) };
+    let replay = Replay { truth, disturbances: args.disturb.clone(), start };
     let replayed = replay.run(&data)?;
     if let (Some(path), Some(kind)) = (&args.output, kind) {
         write(&replayed, path, kind)?;
@@ -151,10 +141,7 @@ fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outco
         model: replay.truth.model.name.clone(),
         input: input.to_owned(),
         output: args.output.as_ref().map(|path| path.display().to_string()),
-        between: match args.between {
-            Hold::Line => "line",
-            Hold::Step => "step",
-        },
+        between,
         start: if args.from_rest { "rest" } else { "fitted" },
         rows: replayed.time_s.len(),
         channels: replayed.errors.iter().map(ChannelError::from).collect(),
@@ -165,6 +152,24 @@ fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outco
         output::print(&comparison.to_text())?;
     }
     Ok(Outcome::Done)
+}
+
+/// The states from which the whole recording is met best, as `identify` fits them; where it cannot, as for a recording without the
+/// model's outputs, those that the simulator finds by itself.
+fn start(truth: &Truth, data: &Dataset, disturbances: &[Disturbance]) -> Start {
+    let Truth { model, values, .. } = truth;
+    let fitted = || {
+        let datasets = std::slice::from_ref(data);
+        let problem = Problem::of_known(model, datasets, Options::default()).ok()?;
+        socam_identify::start_states(&problem, values).ok()
+    };
+    // A disturbance is none of that model's inputs.
+    let fitted = if disturbances.is_empty() { fitted() } else { None };
+    let begin = |local: Local| {
+        let Local { first_row, states, offsets, .. } = local;
+        Begin { first_row, states, offsets }
+    };
+    fitted.map_or(Start::Fitted, |fitted| Start::Given(fitted.into_iter().map(begin).collect()))
 }
 
 fn write(replayed: &Replayed, path: &Path, kind: Kind) -> anyhow::Result<()> {
@@ -188,7 +193,7 @@ struct Comparison {
     model: String,
     input: String,
     output: Option<String>,
-    between: &'static str,
+    between: BTreeMap<String, &'static str>,
     start: &'static str,
     rows: usize,
     channels: Vec<ChannelError>,
@@ -219,12 +224,12 @@ impl From<&OutputError> for ChannelError {
 
 impl Comparison {
     fn to_text(&self) -> String {
-        let course = if self.between == "line" {
-            "straight from sample to sample"
-        } else {
-            "held from sample to sample"
-        };
-        let mut text = format!("{} driven by {} ({} rows, {course})\n", self.model, self.input, self.rows);
+        let course: Vec<_> = self.between.iter().map(|(input, kind)| format!("{input} {kind}")).collect();
+        let course = course.join(", ");
+        let mut text = format!(
+            "{} driven by {} ({} rows; between samples: {course})\n",
+            self.model, self.input, self.rows
+        );
         if self.channels.is_empty() {
             text.push_str("  it holds none of the model's outputs to compare with\n");
             return text;

@@ -14,8 +14,8 @@ const WINDOW: usize = 50;
 /// Gauss-Newton steps; the problem is nearly linear.
 const STEPS: usize = 3;
 
-/// Directions in which the outputs hardly answer stay at rest.
-const RANK_TOLERANCE: f64 = 1e-3;
+/// Directions in which the outputs hardly answer, beside how they answer to the states that make them up, stay at rest.
+const RANK_TOLERANCE: f64 = 1e-4;
 
 /// Sizes that states usually have, for differences and for "smallest": rad and rad/s, m and m/s.
 const ROTATION_SIZES: (f64, f64) = (0.1, 10.0);
@@ -28,7 +28,6 @@ pub(super) fn fit(
     feed: &Feed,
     rows: std::ops::Range<usize>,
 ) -> Result<Vec<f64>, SimError> {
-    let rows = rows.start..rows.end.min(rows.start + WINDOW);
     let weights = weights(feed);
     let misses = |states: &[f64]| misses(replay, plant, feed, rows.clone(), &weights, states);
     let sizes = sizes(replay, plant);
@@ -44,13 +43,16 @@ pub(super) fn fit(
             moved[index] += 1e-3 * size;
             slopes.set_column(index, &((misses(&moved)? - &miss) / 1e-3));
         }
+        // A hundredth of a radian in a stiff spring is felt a thousand times as much as a rad/s: each state by what it does.
+        let lengths: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
+        let unit = |length: f64| if length > 0.0 { 1.0 / length } else { 0.0 };
+        slopes.column_iter_mut().zip(&lengths).for_each(|(mut column, length)| column *= unit(*length));
         let svd = slopes.svd(true, true);
         let least = RANK_TOLERANCE * svd.singular_values.max();
         let Ok(change) = svd.solve(&-miss, least) else { break };
-        states
-            .iter_mut()
-            .zip(change.iter().zip(&sizes))
-            .for_each(|(state, (change, size))| *state += change * size);
+        for (index, state) in states.iter_mut().enumerate() {
+            *state += change[index] * unit(lengths[index]) * sizes[index];
+        }
     }
     Ok(states)
 }
@@ -77,7 +79,7 @@ fn misses(
     let mut misses = Vec::new();
     let mut row = rows.start;
     let mut trajectory = plant.start_at(states)?;
-    replay.follow(&mut trajectory, feed, rows, |outputs| {
+    replay.follow(&mut trajectory, feed, rows, WINDOW, |outputs| {
         for ((output, measured), weight) in outputs.iter().zip(&feed.measured).zip(weights) {
             let measured = measured.as_ref().map(|values| values[row]).filter(|value| !value.is_nan());
             misses.extend(measured.map(|measured| weight * (output - measured)));

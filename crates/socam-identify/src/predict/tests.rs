@@ -69,7 +69,7 @@ fn small_explicit_steps_say_the_same() {
     let run = |tolerance: f64| {
         let predictor = Predictor::new(&model, &model.values(), step_s).unwrap().with_tolerance(tolerance);
         let still = vec![0.0; predictor.states()];
-        predictor.run(&[&input], Intersample::Linear, Start::State(&still)).unwrap()
+        predictor.run(&[&input], &[Intersample::Linear], Start::State(&still)).unwrap()
     };
     let (usual, fine) = (run(DEFAULT_TOLERANCE), run(1e-12));
     assert!(difference(&usual.outputs, &expected) < 1e-6, "{}", difference(&usual.outputs, &expected));
@@ -88,7 +88,7 @@ fn teeth_meet_and_part_when_they_should() {
     let expected = plain(&model, &input, step_s, 4000);
     let predictor = Predictor::new(&model, &model.values(), step_s).unwrap();
     let still = vec![0.0; predictor.states()];
-    let got = predictor.run(&[&input], Intersample::Linear, Start::State(&still)).unwrap();
+    let got = predictor.run(&[&input], &[Intersample::Linear], Start::State(&still)).unwrap();
     let error = difference(&got.outputs, &expected);
     assert!(error < 1e-3 && got.steps < 10 * input.len(), "{error} in {} steps", got.steps);
 }
@@ -103,7 +103,7 @@ fn stiff_models_and_steep_laws_converge() {
         let run = |tolerance: f64| {
             let predictor =
                 Predictor::new(&model, &model.values(), step_s).unwrap().with_tolerance(tolerance);
-            predictor.run(&[&input], Intersample::Linear, Start::Equilibrium).unwrap().outputs
+            predictor.run(&[&input], &[Intersample::Linear], Start::Equilibrium).unwrap().outputs
         };
         let error = difference(&run(DEFAULT_TOLERANCE), &run(1e-13));
         assert!(error < 1e-6, "width {width}: {error}");
@@ -116,7 +116,8 @@ fn pieces_make_the_whole() {
     let model = rubbing("speed-o-cam", "load_bearing", 0.6, 0.05);
     let predictor = Predictor::new(&model, &model.values(), step_s).unwrap();
     let input = swinging(300, step_s);
-    let run = |input: &[f64], start: Start<'_>| predictor.run(&[input], Intersample::Linear, start).unwrap();
+    let run =
+        |input: &[f64], start: Start<'_>| predictor.run(&[input], &[Intersample::Linear], start).unwrap();
     let whole = run(&input, Start::Equilibrium);
     let first = run(&input[..101], Start::Equilibrium);
     let second = run(&input[100..], Start::State(&first.end));
@@ -132,7 +133,7 @@ fn what_does_not_fit_is_refused() {
     assert!(Predictor::new(&model, &values, 0.0).is_err());
     let predictor = Predictor::new(&model, &values, 1e-3).unwrap();
     let run = |inputs: &[&[f64]], start: Start<'_>| {
-        predictor.run(inputs, Intersample::BandLimited, start).map_err(|error| error.to_string())
+        predictor.run(inputs, &[Intersample::BandLimited], start).map_err(|error| error.to_string())
     };
     assert!(run(&[&[1.0, 2.0]], Start::Equilibrium).is_ok());
     assert!(run(&[&[1.0], &[1.0]], Start::Equilibrium).unwrap_err().starts_with("2 inputs for the 1 of"));

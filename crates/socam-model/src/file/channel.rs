@@ -53,6 +53,13 @@ impl Reader<'_> {
                 format!("channels.{label} needs a finite offset and a finite scale other than zero");
             return self.fail(&name, message);
         }
+        if let Some(between) = &raw.between
+            && raw.role == Role::Output
+        {
+            let message =
+                format!("channels.{label}.between is for inputs: an output is compared at its samples only");
+            return self.fail(between, message);
+        }
         let take = match &raw.take {
             Some(take) => {
                 let by_name = raw.column.as_ref().is_some_and(|column| is_angle(column.get_ref()));
@@ -77,6 +84,7 @@ impl Reader<'_> {
             gain,
             noise_std: raw.noise_std.map(Spanned::into_inner),
             estimate_offset: raw.estimate_offset,
+            between: raw.between.map(Spanned::into_inner),
             unit,
         })
     }

@@ -8,7 +8,7 @@ use serde::{
 };
 use toml::Spanned;
 
-use crate::{Motion, Quantity, Role, Take};
+use crate::{Intersample, Motion, Quantity, Role, Take};
 
 /// A table whose entries keep the order and the places that they have in the file.
 pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
@@ -244,6 +244,7 @@ pub(super) struct RawChannel {
     pub(super) gain: Option<Reference>,
     #[serde(default)]
     pub(super) estimate_offset: bool,
+    pub(super) between: Option<Spanned<Intersample>>,
 }
 
 macro_rules! listed {

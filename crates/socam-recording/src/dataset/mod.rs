@@ -3,6 +3,7 @@
 mod block;
 mod blocks;
 mod keep;
+mod regular;
 mod scan;
 mod spill;
 #[cfg(test)]
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 pub use block::{Block, Column, Loaded};
 pub use blocks::Blocks;
+pub use regular::{Carry, Steps};
 pub use warning::{Cut, Warning};
 
 use crate::calibration_file::Calibration;
@@ -51,6 +53,8 @@ pub struct Dataset {
     segments: Vec<Segment>,
     sample_time_s: f64,
     rows: u64,
+    /// Rows a sample.
+    parts: u32,
     lost_samples: u64,
     cut: Option<Cut>,
     contents: Option<Arc<LogContents>>,
@@ -221,6 +225,13 @@ impl Dataset {
     #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
+    }
+
+    /// Rows for each sample as recorded: more than one where irregular samples were put on a finer grid
+    /// ([`Dataset::on_regular_grid`]).
+    #[must_use]
+    pub fn rows_per_sample(&self) -> u32 {
+        self.parts
     }
 
     /// Time of the first row, s.

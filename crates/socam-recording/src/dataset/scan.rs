@@ -14,18 +14,18 @@ use crate::statistics::Running;
 use crate::table::Table;
 
 /// What a first pass gathers.
-struct Tally {
-    finder: SegmentFinder,
-    running: Vec<Running>,
-    rows: u64,
+pub(super) struct Tally {
+    pub(super) finder: SegmentFinder,
+    pub(super) running: Vec<Running>,
+    pub(super) rows: u64,
 }
 
 impl Tally {
-    fn new(columns: usize) -> Self {
+    pub(super) fn new(columns: usize) -> Self {
         Self { finder: SegmentFinder::new(), running: vec![Running::new(); columns], rows: 0 }
     }
 
-    fn take(&mut self, table: &Table) {
+    pub(super) fn take(&mut self, table: &Table) {
         table.time_s.iter().for_each(|t| self.finder.push(*t));
         for (running, column) in self.running.iter_mut().zip(&table.columns) {
             running.take(column);
@@ -57,6 +57,7 @@ impl Dataset {
             segments,
             sample_time_s,
             rows: table.rows() as u64,
+            parts: 1,
             lost_samples: 0,
             cut: None,
             contents: None,
@@ -133,6 +134,7 @@ impl Dataset {
             segments,
             sample_time_s,
             rows: tally.rows,
+            parts: 1,
             lost_samples: end.lost_samples,
             cut: end.cut,
             contents: end.contents.map(Arc::new),

@@ -11,7 +11,7 @@ use socam_dashboard::live::{self, Batch, Bench, Connector, Health, News, Order, 
 use socam_dashboard::recording::Recording;
 use socam_model::Model;
 use socam_recording::{Attachment, Calibration, Dataset};
-use socam_sim::{Between, Replay, Start, Truth};
+use socam_sim::{Replay, Start, Truth};
 use socam_wire::{BoardStatus, SampleBatch};
 
 use crate::commands::record::{attachment, now_unix_ns};
@@ -349,7 +349,7 @@ pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
     let replay = || -> anyhow::Result<Dataset> {
         let data = Dataset::open(run)?;
         let truth = Truth::new(model, &[], &[])?;
-        let replay = Replay { truth, disturbances: Vec::new(), between: Between::Line, start: Start::Fitted };
+        let replay = Replay { truth, disturbances: Vec::new(), start: Start::Fitted };
         let done = replay.run(&data)?;
         let name = format!("{} simulated by {}", data.name(), model.name);
         Ok(Dataset::from_columns(name, done.columns, done.time_s, done.values)?)

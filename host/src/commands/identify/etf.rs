@@ -115,7 +115,8 @@ pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
     {
         return Ok(Measured::new(output, model, &lines));
     }
-    let datasets = super::open_all(&args.runs)?;
+    let each = args.runs.iter().map(|run| output::open_regular(run));
+    let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
     let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
     let lines: Vec<Line> = answers.into_iter().flat_map(|answer| answer.response.lines).collect();
     Ok(Measured::new(output, model, &lines))

@@ -33,7 +33,8 @@ pub(super) struct Answer<'m> {
 }
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
-    let datasets = super::open_all(&args.runs)?;
+    let each = args.runs.iter().map(|run| output::open_regular(run));
+    let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
     let answers = estimate(args, model, &datasets, &args.frequency.output)?;
     let document = json(args, model, &answers);
     if let Some(dir) = &args.frequency.report {

@@ -45,12 +45,11 @@ fn friction() -> Finding {
             text: "Most of it where the cam shaft reverses, below 12 rad/s.".into(),
             ..Region::default()
         },
-        evidence: Proof {
+        evidence: FindingEvidence {
             p_value: Some(3.2e-41),
             chi2_gain: Some(8123.4),
             holdout_gain_percent: Some(91.2),
-            misfit_percent: Some(78.0),
-        },
+            misfit_percent: Some(78.0), ..FindingEvidence::default() },
         rivals: vec![
             rival("stribeck_friction", "cam_bearing", 0.21),
             rival("mesh_loss", "mesh", 0.06),
@@ -77,7 +76,7 @@ fn kinematic_error() -> Finding {
         components: [order(1.0, 4.12e-4), order(0.125, 1.9e-4)].map(|parameters| Component { parameters }).into(),
         curve: None,
         region: Region { frequency_hz: Some([2.0, 16.0]), text: "At one cycle per turn of the cam shaft.".into(), ..Region::default() },
-        evidence: Proof { p_value: Some(2.0e-9), chi2_gain: Some(312.0), holdout_gain_percent: Some(34.0), misfit_percent: None },
+        evidence: FindingEvidence { p_value: Some(2.0e-9), chi2_gain: Some(312.0), holdout_gain_percent: Some(34.0), misfit_percent: None, ..FindingEvidence::default() },
         rivals: Vec::new(),
         sentence: "The reducer does not roll true: its output runs ahead and behind by 0.41 mrad once per turn of the cam shaft.".into(),
         equation: "e = amplitude sin(order a + phase)".into(),
@@ -101,7 +100,7 @@ pub(super) fn unexplained() -> Finding {
             torque_unit: "N m".into(),
         }),
         region: Region { speed_rad_s: Some([-40.0, 40.0]), text: "Strongest near 25 rad/s.".into(), ..Region::default() },
-        evidence: Proof { p_value: Some(1e-12), chi2_gain: Some(420.0), holdout_gain_percent: Some(55.0), misfit_percent: Some(61.0) },
+        evidence: FindingEvidence { p_value: Some(1e-12), chi2_gain: Some(420.0), holdout_gain_percent: Some(55.0), misfit_percent: Some(61.0), ..FindingEvidence::default() },
         rivals: Vec::new(),
         sentence: "Something brakes the load that grows with speed and then gives way; no effect of the catalogue does.".into(),
         equation: String::new(),
@@ -187,6 +186,8 @@ pub(super) fn diagnosis() -> Diagnosis {
         ((*name).to_owned(), fit)
     });
     Diagnosis {
+        selection: Some(Validation::LeaveOneOut),
+        held_out: None,
         schema: SCHEMA.into(),
         verdict: Verdict::MissingPhysics,
         false_alarm_rate: 0.01,
