@@ -8,9 +8,9 @@ use crate::{
     candidates::Candidate,
     context::Context,
     document::{
-        ChannelFit, CombinationChange, Component, EffectParameter, Finding, FindingEvidence, Fit, HeldOut, NotFound,
-        ParameterChange, ProofOutcome, RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment, UNEXPLAINED,
-        Validation, Verdict,
+        ChannelFit, CombinationChange, Component, EffectParameter, Finding, FindingEvidence, Fit, HeldOut,
+        NotFound, ParameterChange, ProofOutcome, RecordingUse, Region, Rival, SCHEMA, SuggestedExperiment,
+        UNEXPLAINED, Validation, Verdict,
     },
     experiment, materiality,
     nonparametric::Unexplained,
@@ -117,7 +117,9 @@ fn cautions(made: &Made<'_>, findings: &[Finding]) -> Vec<String> {
     let mut all = Vec::new();
     if proof.is_none() && !findings.is_empty() {
         let how = match context.validation() {
-            Validation::Blocks => "blocks of the recordings were left out in turn; whole recordings, three or more, would say more",
+            Validation::Blocks => {
+                "blocks of the recordings were left out in turn; whole recordings, three or more, would say more"
+            }
             _ => "each recording was left out in turn",
         };
         all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); name one with --holdout"));
@@ -125,10 +127,11 @@ fn cautions(made: &Made<'_>, findings: &[Finding]) -> Vec<String> {
     let left = path.noise.excess();
     if !path.terms.is_empty() && path.unexplained.is_none() && left > INADEQUATE {
         all.push(format!(
-            "the corrected model still leaves {left:.1} times the power of sensor noise in the recordings that were fitted; intervals allow for that"
+            "the corrected model still leaves {} the power of sensor noise in the recordings that were fitted; intervals allow for that",
+            times(left)
         ));
     }
-    if path.terms.len() == context.options.most_effects && left > EXCESS {
+    if path.effects() >= context.options.most_effects && left > EXCESS {
         all.push(format!("stopped after {} effects, the most that --most allows", path.terms.len()));
     }
     all
@@ -152,7 +155,8 @@ fn held_out(made: &Made<'_>) -> Option<HeldOut> {
     } else {
         format!("residuals (rms) rise in {}", each.join(", "))
     };
-    let sentence = format!("The proof failed: on the held-out recordings {what}. Do not rely on the corrected model.");
+    let sentence =
+        format!("The proof failed: on the held-out recordings {what}. Do not rely on the corrected model.");
     Some(HeldOut { outcome: ProofOutcome::Failed, sentence })
 }
 
@@ -246,9 +250,12 @@ fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof<'_>>) -> F
 /// What is left above sensor noise although nothing that was tried predicts better: no model explains it.
 fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
     let (last, left) = (&path.last, path.noise.excess());
-    let each = last.model.outputs().zip(floor).zip(&last.at.rms).map(|((channel, floor), missed)| {
-        (channel, *missed, missed / floor)
-    });
+    let each = last
+        .model
+        .outputs()
+        .zip(floor)
+        .zip(&last.at.rms)
+        .map(|((channel, floor), missed)| (channel, *missed, missed / floor));
     let finite = each.filter(|(.., times)| times.is_finite());
     let (channel, missed, times) = finite.max_by(|a, b| a.2.total_cmp(&b.2))?;
     if times < CONTRADICTION && left < INADEQUATE {
@@ -265,11 +272,17 @@ fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
         evidence: FindingEvidence::default(),
         rivals: Vec::new(),
         sentence: format!(
-            "The model misses {name} by {missed} {unit} (rms), {times:.1} times its noise floor (all channels: {left:.1} times the power of \
-             sensor noise), and no effect and no curve that was tried predicts it better"
+            "The model misses {name} by {missed} {unit} (rms), {times:.1} times its noise floor (all channels: {} the power of \
+             sensor noise), and no effect and no curve that was tried predicts it better",
+            self::times(left)
         ),
         equation: String::new(),
     })
+}
+
+/// So many times, in words where the number says nothing.
+fn times(power: f64) -> String {
+    if power < 1e4 { format!("{power:.1} times") } else { "more than 10,000 times".into() }
 }
 
 /// Those that a file gives; a phase within a turn.
@@ -299,14 +312,14 @@ fn effect_parameters(path: &Path, term: usize, after: &Identification) -> Vec<Ef
 /// none.
 fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
     let is_equivalent = |rival: &Candidate| equivalent.iter().any(|twin| twin.is_same(rival));
-    let others: Vec<&(Candidate, f64)> = term
-        .rivals
-        .iter()
-        .filter(|(rival, _)| !is_equivalent(rival) && !path.has(rival))
-        .collect();
+    let others: Vec<&(Candidate, f64)> =
+        term.rivals.iter().filter(|(rival, _)| !is_equivalent(rival) && !path.has(rival)).collect();
     let own = 1.0 - others.iter().map(|(_, weight)| weight).sum::<f64>();
     let share = own / (1 + equivalent.len()) as f64;
-    let all = equivalent.iter().map(|twin| (twin, share)).chain(others.iter().map(|(rival, weight)| (rival, *weight)));
+    let all = equivalent
+        .iter()
+        .map(|twin| (twin, share))
+        .chain(others.iter().map(|(rival, weight)| (rival, *weight)));
     let named = all.map(|(candidate, weight)| Rival {
         effect: candidate.effect.id.into(),
         location: candidate.place.clone(),
@@ -328,7 +341,8 @@ fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
 fn fit(made: &Made<'_>) -> Fit {
     let Made { path, proof, floor, .. } = *made;
     let last = path.corrected().unwrap_or(&path.base);
-    let rms = |measured: &Measured, output: usize| (measured.read[output] > 0.0).then(|| measured.rms[output]);
+    let rms =
+        |measured: &Measured, output: usize| (measured.read[output] > 0.0).then(|| measured.rms[output]);
     let channels = path.base.model.outputs().enumerate().map(|(output, channel)| {
         let fit = ChannelFit {
             noise_std: Some(floor[output]),
@@ -433,7 +447,11 @@ mod tests {
             components: Vec::new(),
             curve: None,
             region: Region::default(),
-            evidence: FindingEvidence { chi2_gain: Some(gain), holdout_gain_percent: Some(50.0), ..FindingEvidence::default() },
+            evidence: FindingEvidence {
+                chi2_gain: Some(gain),
+                holdout_gain_percent: Some(50.0),
+                ..FindingEvidence::default()
+            },
             rivals: Vec::new(),
         }
     }

@@ -208,7 +208,8 @@ pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
 
 /// Starts with amplitudes as large as they usually are, for effects of which a little says nothing.
 pub(crate) fn large(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
-    let all = USUAL_SHARES.iter().flat_map(|share| candidate.effect.large_starts(rig, &candidate.place, *share));
+    let all =
+        USUAL_SHARES.iter().flat_map(|share| candidate.effect.large_starts(rig, &candidate.place, *share));
     all.map(|values| candidate.with_all(&values)).collect()
 }
 

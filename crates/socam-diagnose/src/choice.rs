@@ -46,14 +46,14 @@ pub(crate) fn best(
     let noise = context.noise_at(&leader.model, &leader.at, path.noise.levels())?;
     let noise = noise.unwrap_or_else(|| path.noise.clone());
     let Some(before) = context.compared(&path.last.model, &path.last.at, &noise)? else { return Ok(None) };
-    let refitted = finalists.par_iter().map(|one| {
-        Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted)))
-    });
+    let refitted = finalists
+        .par_iter()
+        .map(|one| Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted))));
     let refitted: Result<Vec<Option<(usize, Fitted)>>, IdentifyError> = refitted.collect();
     let fits = refitted?.into_iter().flatten();
     // What cannot be is no candidate.
-    let fits: Vec<(usize, Fitted)> = fits.filter(|(_, fitted)| path.known.log_prior(fitted).is_finite()).collect();
-    eprintln!("TRACE fits before {:.1} excess {:.2}: {:?}", before.deviance(), noise.excess(), fits.iter().map(|(i, f)| (tried[*i].0.effect.id, tried[*i].0.place.clone(), f.deviance(), f.validation.log_score(), path.known.log_prior(f))).collect::<Vec<_>>());
+    let fits: Vec<(usize, Fitted)> =
+        fits.filter(|(_, fitted)| path.known.log_prior(fitted).is_finite()).collect();
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
     let gained = path.gain(fitted, &before);
@@ -79,7 +79,8 @@ fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<us
         let worse = path.gain(&fits[best].1, &fits[*other].1);
         worse.log_score <= worse.std.max(LAW_DISCREPANCY * gained)
     };
-    let free = |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
+    let free =
+        |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
     let order = |a: &usize, b: &usize| {
         free(*a).cmp(&free(*b)).then(score(&fits[*b].1).total_cmp(&score(&fits[*a].1)))
     };

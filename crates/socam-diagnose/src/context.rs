@@ -20,6 +20,8 @@ use crate::{Options, candidates::Candidate, document::Validation, preprocessing:
 const FEW: usize = 3;
 /// Blocks that each of fewer recordings is cut into.
 const BLOCKS: usize = 4;
+/// Mean square of the residuals in units of sensor noise from which on inputs are taken as exact.
+const FAR_BEYOND_NOISE: f64 = 100.0;
 /// Most iterations of a fit, and of one without a block, which begins at the fit with it.
 const ITERATIONS: usize = 25;
 const REFIT_ITERATIONS: usize = 6;
@@ -100,7 +102,13 @@ impl<'a> Context<'a> {
     ) -> Result<Option<Yardstick>, IdentifyError> {
         let problem = self.problem(model)?;
         let levels = compare::noise(&problem, at, before)?;
-        self.sensor_noise(model, &at.values, levels)?.with_discrepancy(&problem, at)
+        let sensors = self.sensor_noise(model, &at.values, levels)?;
+        let noise = sensors.with_discrepancy(&problem, at)?;
+        if noise.as_ref().is_none_or(|noise| noise.excess() < FAR_BEYOND_NOISE) {
+            return Ok(noise);
+        }
+        // What the inputs' noise makes of the outputs is nothing beside that, and its filter need not resemble the residuals.
+        sensors.with_exact_inputs().with_discrepancy(&problem, at)
     }
 
     /// Fits a model, beginning at `values`, and cross-validates it.
@@ -116,12 +124,21 @@ impl<'a> Context<'a> {
     }
 
     /// The same under another noise model: it is fitted on from where it is.
-    pub(crate) fn refitted(&self, fitted: &Fitted, noise: &Yardstick) -> Result<Option<Fitted>, IdentifyError> {
+    pub(crate) fn refitted(
+        &self,
+        fitted: &Fitted,
+        noise: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
         self.fitted(&fitted.model, &fitted.at.values, Some((&fitted.model, &fitted.at)), noise)
     }
 
     /// The same, but only as near as a comparison of models needs it.
-    pub(crate) fn compared(&self, model: &Model, at: &Measured, noise: &Yardstick) -> Result<Option<Fitted>, IdentifyError> {
+    pub(crate) fn compared(
+        &self,
+        model: &Model,
+        at: &Measured,
+        noise: &Yardstick,
+    ) -> Result<Option<Fitted>, IdentifyError> {
         let leg = (compare::COARSE, REFIT_ITERATIONS);
         let at = compare::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), leg)?;
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
@@ -175,7 +192,11 @@ fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, Recordi
 }
 
 /// A recording without the outputs of a block, and one with those only. Inputs stay: angles, time and the start are those of the whole.
-fn without_block(model: &Model, dataset: &Dataset, block: usize) -> Result<(Dataset, Dataset), RecordingError> {
+fn without_block(
+    model: &Model,
+    dataset: &Dataset,
+    block: usize,
+) -> Result<(Dataset, Dataset), RecordingError> {
     let edge = |block: usize| dataset.rows() * block as u64 / BLOCKS as u64;
     let (from, to) = (edge(block), edge(block + 1));
     let missing = |rows: &[Range<u64>]| {

@@ -10,14 +10,17 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, Exp1};
 use socam_identify::cross_validation::CrossValidation;
 
-/// Blocks of the evaluation (0.2 s each) that are one block here.
+/// Blocks of the evaluation (0.2 s each) that are one block here, at most; and blocks that a recording is to have at least.
 const TOGETHER: usize = 5;
+const LEAST_BLOCKS: usize = 10;
 /// Draws of the bootstrap.
 const DRAWS: usize = 500;
 /// A law is a simplification: its real counterpart differs from it by about this share of its own contribution to the outputs (tanh against
 /// bristle friction: 2 to 8 %; fixed against load-dependent stiffness likewise). Differences of log scores below that share of what a law
 /// gains say nothing for or against it.
 pub(crate) const LAW_DISCREPANCY: f64 = 0.05;
+/// The part of that which shows at other places.
+pub(crate) const DISCREPANCY_ELSEWHERE: f64 = 0.02;
 
 /// What a comparison needs to know of a model.
 #[derive(Debug, Clone, Copy)]
@@ -37,9 +40,10 @@ pub(crate) struct Difference {
 /// How much better `a` predicts than `b`, priors not counted.
 pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference {
     let strata = a.blocks.iter().zip(&b.blocks).map(|(a, b)| {
+        let together = together(a);
         let blocks: Vec<f64> = a
-            .chunks(TOGETHER)
-            .zip(b.chunks(TOGETHER))
+            .chunks(together)
+            .zip(b.chunks(together))
             .map(|(a, b)| -0.5 * (a.iter().sum::<f64>() - b.iter().sum::<f64>()))
             .collect();
         let n = blocks.len() as f64;
@@ -48,6 +52,11 @@ pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference
         if n > 1.0 { n / (n - 1.0) * squares } else { 0.0 }
     });
     Difference { log_score: a.log_score() - b.log_score(), std: strata.sum::<f64>().sqrt() }
+}
+
+/// Blocks of a recording that are one: a second, or less where it is short.
+fn together(blocks: &[f64]) -> usize {
+    (blocks.len() / LEAST_BLOCKS).clamp(1, TOGETHER)
 }
 
 /// Weights of competing models, in their order; they sum to one. `gain` is what the best of them gains in log score over having none.
@@ -65,8 +74,7 @@ pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
         .collect();
     let mut sums = vec![0.0; models.len()];
     for _ in 0..DRAWS {
-        let draws = count.div_ceil(TOGETHER) + models.first().map_or(0, |m| m.validation.blocks.len());
-        let multipliers: Vec<f64> = (0..draws).map(|_| Exp1.sample(&mut random)).collect();
+        let multipliers: Vec<f64> = (0..count).map(|_| Exp1.sample(&mut random)).collect();
         let scores: Vec<f64> = models
             .iter()
             .zip(&fixed)
@@ -83,8 +91,11 @@ pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
 fn reweighted(validation: &CrossValidation, multipliers: &[f64]) -> f64 {
     let mut next = multipliers.iter();
     let each = validation.blocks.iter().map(|blocks| {
-        let own: Vec<(f64, f64)> =
-            blocks.chunks(TOGETHER).zip(&mut next).map(|(block, m)| (block.iter().sum(), *m)).collect();
+        let own: Vec<(f64, f64)> = blocks
+            .chunks(together(blocks))
+            .zip(&mut next)
+            .map(|(block, m)| (block.iter().sum(), *m))
+            .collect();
         let total: f64 = own.iter().map(|(_, m)| m).sum();
         let weighted: f64 = own.iter().map(|(squares, m)| squares * m).sum();
         -0.5 * weighted * own.len() as f64 / total.max(f64::MIN_POSITIVE)

@@ -153,7 +153,14 @@ pub fn diagnose(
     let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::shown(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
-    let made = answer::Made { context: &context, path: &path, proof: proof.as_ref(), before: &before, after: &after, floor: &floor };
+    let made = answer::Made {
+        context: &context,
+        path: &path,
+        proof: proof.as_ref(),
+        before: &before,
+        after: &after,
+        floor: &floor,
+    };
     let mut diagnosis = answer::document(&made, cpu_s)?;
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
@@ -173,8 +180,12 @@ fn determined(
             break before.clone();
         }
         let found = intervals::estimates(context, path)?;
-        for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found)) {
-            if let Some(without) = path.fitted_without(context, term)? {
+        for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
+        {
+            let near = path.fitted_without(context, term)?;
+            if let Some(without) =
+                near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?
+            {
                 path.remove(context, term, without)?;
                 continue 'determined;
             }

@@ -9,8 +9,8 @@ use socam_identify::{
 use crate::{
     candidates::{self, Candidate},
     context::{Context, Fitted},
-    selection::{EXCESS, Path},
     score_test::carried,
+    selection::{EXCESS, Path},
 };
 
 /// Legs of a fit without a term: iterations, and how near it must come to the fit with it to be gone on with.
@@ -43,7 +43,13 @@ impl Path {
         let mut at: Option<Measured> = None;
         for (iterations, hopeful) in WITHOUT {
             let (begin, from) = at.as_ref().map_or((&values, None), |at| (&at.values, Some((&model, at))));
-            at = compare::descend(&context.problem(&model)?, &self.noise, begin, from, (compare::COARSE, iterations))?;
+            at = compare::descend(
+                &context.problem(&model)?,
+                &self.noise,
+                begin,
+                from,
+                (compare::COARSE, iterations),
+            )?;
             if at.as_ref().is_none_or(|at| at.total() > hopeful * self.last.deviance()) {
                 return Ok(None);
             }
@@ -52,8 +58,22 @@ impl Path {
         context.fitted(&model, &at.values, Some((&model, &at)), &self.noise)
     }
 
+    /// The last model without a term, fitted from the file's values however far that ends from the fit with it.
+    pub(crate) fn refitted_without(
+        &self,
+        context: &Context<'_>,
+        index: usize,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let Some((model, _)) = self.begun_without(index) else { return Ok(None) };
+        context.fitted(&model, &model.values(), None, &self.noise)
+    }
+
     /// The last model with a term's amplitude at its null value, everything else as it is.
-    pub(crate) fn without(&self, context: &Context<'_>, index: usize) -> Result<Option<Fitted>, IdentifyError> {
+    pub(crate) fn without(
+        &self,
+        context: &Context<'_>,
+        index: usize,
+    ) -> Result<Option<Fitted>, IdentifyError> {
         let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
         let at = compare::measure(&context.problem(&model)?, &self.noise, &values)?;
         at.map_or(Ok(None), |at| context.validated(&model, at, &self.noise))

@@ -50,7 +50,10 @@ pub(crate) fn run(
     tried: &[Candidate],
     noise: &Yardstick,
 ) -> Result<Vec<Finalist>, IdentifyError> {
-    let begun = tried.par_iter().enumerate().map(|(index, candidate)| begin(context, before, noise, index, candidate));
+    let begun = tried
+        .par_iter()
+        .enumerate()
+        .map(|(index, candidate)| begin(context, before, noise, index, candidate));
     let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
     let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
     for leg in 0..LEGS {
@@ -92,12 +95,17 @@ fn begin(
     let problem = context.problem(&begun)?;
     let at = if candidate.is_always_tried() {
         // What knocks is far from linear in how the discrepancy's filter sees it, and near to it in the residuals themselves.
-        let first = compare::descend(&problem, &noise.of_sensors(), &values, None, (compare::COARSE, UNWHITENED_LEG))?;
+        let first = compare::descend(
+            &problem,
+            &noise.of_sensors(),
+            &values,
+            None,
+            (compare::COARSE, UNWHITENED_LEG),
+        )?;
         first.map_or(Ok(None), |first| compare::measure(&problem, noise, &first.values))?
     } else {
         compare::descend(&problem, noise, &values, None, leg)?
     };
-    eprintln!("TRACE   halving {} {} {:?} -> {:?} of {:.0}", candidate.effect.id, candidate.place, candidate.values, at.as_ref().map(|a| a.total()), before.deviance());
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
 }
 

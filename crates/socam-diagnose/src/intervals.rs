@@ -55,8 +55,7 @@ pub(crate) fn is_determined(path: &Path, term: usize, found: &Identification) ->
     let mut amplitudes = path.parameters(term).filter(|(name, _)| strength.contains(name)).peekable();
     let is_some = |index: usize| {
         let ParameterEstimate { value, ci95: [low, high], .. } = &found.parameters[index];
-        let may_be_nothing =
-            low.is_none_or(|low| low <= nothing) && high.is_none_or(|high| nothing <= high);
+        let may_be_nothing = low.is_none_or(|low| low <= nothing) && high.is_none_or(|high| nothing <= high);
         value.is_some() && !may_be_nothing
     };
     amplitudes.peek().is_none() || amplitudes.any(|(_, index)| is_some(index))

@@ -39,8 +39,12 @@ fn difference(a: &[Traces], b: &[Traces], output: usize) -> f64 {
 
 /// Standard deviation of what was measured.
 fn spread(traces: &[Traces], output: usize) -> f64 {
-    let values: Vec<f64> =
-        traces.iter().flat_map(|trace| &trace.measured[output]).copied().filter(|value| !value.is_nan()).collect();
+    let values: Vec<f64> = traces
+        .iter()
+        .flat_map(|trace| &trace.measured[output])
+        .copied()
+        .filter(|value| !value.is_nan())
+        .collect();
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }

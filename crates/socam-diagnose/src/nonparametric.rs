@@ -239,7 +239,8 @@ fn all(context: &Context<'_>, path: &Path, free: &[Free]) -> Result<Vec<Shape>, 
     let found: Vec<(Free, Promise)> = found?.into_iter().flatten().collect();
     let promises: Vec<&Promise> = found.iter().map(|(_, promise)| promise).collect();
     let p_values = score_test::family_wise(&promises);
-    let each = found.into_iter().zip(p_values).map(|((free, promise), p_value)| Shape { free, promise, p_value });
+    let each =
+        found.into_iter().zip(p_values).map(|((free, promise), p_value)| Shape { free, promise, p_value });
     let mut found: Vec<Shape> = each.collect();
     found.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
     Ok(found)
@@ -431,10 +432,16 @@ impl Unexplained {
 
     /// Whether it predicts better than what has a name, by more than a standard error and by more than a law's discrepancy makes. Both are
     /// compared under the noise model of the one that leaves less.
-    pub(crate) fn beats(&self, context: &Context<'_>, path: &Path, named: &Choice) -> Result<bool, IdentifyError> {
+    pub(crate) fn beats(
+        &self,
+        context: &Context<'_>,
+        path: &Path,
+        named: &Choice,
+    ) -> Result<bool, IdentifyError> {
         let Fitted { model, at, .. } = &self.fitted;
         let own = context.noise_at(model, at, path.noise.levels())?;
-        let noise = own.filter(|own| own.excess() < named.noise.excess()).unwrap_or_else(|| named.noise.clone());
+        let noise =
+            own.filter(|own| own.excess() < named.noise.excess()).unwrap_or_else(|| named.noise.clone());
         let again = |fitted: &Fitted| context.compared(&fitted.model, &fitted.at, &noise);
         let all = [again(&self.fitted)?, again(&named.fitted)?, again(&named.before)?];
         let [Some(curve), Some(named), Some(before)] = all else { return Ok(false) };

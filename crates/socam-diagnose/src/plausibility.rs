@@ -1,6 +1,9 @@
 //! What is known before any recording: how plausible a model's parameters are.
 
-use socam_model::{Model, effects::Rig};
+use socam_model::{
+    Model,
+    effects::{Kind, Prior, Rig},
+};
 
 use crate::context::Fitted;
 
@@ -36,8 +39,21 @@ impl Known {
                 Some(fitted.at.values[used.parameters[index]])
             };
             let priors = (used.effect.priors)(&self.rig, &used.place);
-            priors.iter().filter_map(|(name, prior)| Some(prior.plausibility(value(name)?))).sum::<f64>()
+            let each = priors.iter().filter_map(|(name, prior)| {
+                let own = used.effect.parameters.iter().find(|own| own.name == *name)?;
+                let chosen = if own.kind == Kind::Frequency { self.lines(prior).max(1.0).ln() } else { 0.0 };
+                Some(prior.plausibility(value(name)?) - chosen)
+            });
+            each.sum::<f64>()
         });
         each.sum()
+    }
+
+    /// Frequencies that the recordings tell apart within a prior's support: a line at one of them is one of so many.
+    fn lines(&self, prior: &Prior) -> f64 {
+        let (least, most) = prior.support;
+        let most = most.min(0.5 / self.rig.sample_time_s);
+        let lines = 2.0 * (most - least) * self.rig.longest_s;
+        if lines.is_finite() { lines } else { 1.0 }
     }
 }

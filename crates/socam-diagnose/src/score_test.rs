@@ -8,7 +8,10 @@
 //! A candidate that acts in a few blocks only cannot stand out that way; it may by the noise model's own scale, if its
 //! gain is [`INFLATION`] times what that noise would make.
 
-use rand_chacha::{ChaCha8Rng, rand_core::{Rng, SeedableRng}};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng},
+};
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, Options, Problem,
@@ -119,7 +122,8 @@ impl Statistic {
     /// `None` where the scores have no scatter.
     fn new(scores: &[Vec<f64>]) -> Option<Self> {
         let n = scores.first()?.len();
-        let scatter = nalgebra::DMatrix::from_fn(n, n, |i, j| scores.iter().map(|s| s[i] * s[j]).sum::<f64>());
+        let scatter =
+            nalgebra::DMatrix::from_fn(n, n, |i, j| scores.iter().map(|s| s[i] * s[j]).sum::<f64>());
         let root = nalgebra::Cholesky::new(scatter)?;
         let each = scores.iter().map(|score| {
             let whitened = root.l().solve_lower_triangular(&nalgebra::DVector::from_column_slice(score))?;
@@ -141,7 +145,8 @@ fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
     let blocks = statistics.iter().flatten().map(|s| s.scores.len()).max().unwrap_or(0);
     let draw = |number: usize| {
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);
-        let signs: Vec<f64> = (0..blocks).map(|_| if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
+        let signs: Vec<f64> =
+            (0..blocks).map(|_| if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
         let each = statistics.iter().flatten().filter(|s| s.scores.len() == blocks).map(|statistic| {
             let width = statistic.sum.len();
             let mut sum = vec![0.0; width];

@@ -12,7 +12,7 @@ use crate::{
     candidates::{self, Candidate},
     choice::{self, Choice},
     context::{Context, Fitted},
-    criterion::{self, Difference, LAW_DISCREPANCY},
+    criterion::{self, DISCREPANCY_ELSEWHERE, Difference, LAW_DISCREPANCY},
     nonparametric::{self, Unexplained},
     plausibility::Known,
     scales::Scales,
@@ -26,6 +26,8 @@ const PLACES: usize = 4;
 pub(crate) const EXCESS: f64 = 1.05;
 /// From where on base parameters may have been displaced so far that a fit does not find back from there.
 const DISPLACED: f64 = 2.0;
+/// Further orders of effects that come back with every turn: all orders at one place are one effect.
+const MORE_ORDERS: usize = 8;
 /// Iterations of a restart from the file's values, and how near it must come to the other fit to be gone on with.
 const RESTART: usize = 10;
 const HOPEFUL: f64 = 2.0;
@@ -69,9 +71,16 @@ pub(crate) fn run(
 ) -> Result<Option<Path>, IdentifyError> {
     let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
     let known = Known { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
-    let mut path =
-        Path { last: base.clone(), base, terms: Vec::new(), known, noise, tests: Vec::new(), unexplained: None };
-    for _ in 0..context.options.most_effects {
+    let mut path = Path {
+        last: base.clone(),
+        base,
+        terms: Vec::new(),
+        known,
+        noise,
+        tests: Vec::new(),
+        unexplained: None,
+    };
+    for _ in 0..context.options.most_effects + MORE_ORDERS {
         if !path.extend(context)? {
             break;
         }
@@ -105,18 +114,14 @@ impl Path {
 
     /// Adds what predicts best, if anything does; says whether it did.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
-        let clock = std::time::Instant::now();
-        let cpu = || cpu_time::ProcessTime::now().as_duration().as_secs_f64();
-        eprintln!("TRACE start cpu {:.1} excess {:.2}", cpu(), self.noise.excess());
         let scales = self.test(context)?;
-        eprintln!("TRACE tested cpu {:.1}", cpu());
-        for one in self.tests.iter().take(12) { eprintln!("TRACE   {} {} gain {:.1} p {:.4} possible {}", one.start.effect.id, one.start.place, one.promise.gain, one.p_value, one.possible); }
+        if self.tests.is_empty() {
+            return Ok(false);
+        }
         let tried = self.worth_trying(context.options.false_alarm_rate);
         let mut named = choice::best(context, self, &tried, Some(&scales))?;
         let is_suspicious = !tried.is_empty();
-        eprintln!("TRACE chosen cpu {:.1} {:?} wall {:?}", cpu(), named.as_ref().map(|n| (n.term.candidate.effect.id, n.term.candidate.place.clone(), n.term.gain, n.noise.excess())), clock.elapsed());
         self.unexplained = nonparametric::competing(context, self, &scales, named.as_ref(), is_suspicious)?;
-        eprintln!("TRACE curve cpu {:.1} {:?}", cpu(), self.unexplained.as_ref().map(|n| (n.place.clone(), n.gain, n.misfit_percent)));
         if let Some(curve) = &self.unexplained {
             let overlooked = self.overlooked(curve, &tried);
             let late = choice::best(context, self, &overlooked, None)?;
@@ -135,7 +140,6 @@ impl Path {
             return Ok(false);
         }
         self.add(context, choice)?;
-        eprintln!("TRACE added cpu {:.1} excess {:.2} terms {:?}", cpu(), self.noise.excess(), self.terms.iter().map(|t| t.candidate.effect.id).collect::<Vec<_>>());
         Ok(true)
     }
 
@@ -155,9 +159,20 @@ impl Path {
                 || self.terms.iter().any(|term| term.candidate.repeats(candidate))
         };
         all.retain(|candidate| !is_known(candidate));
+        if self.effects() >= context.options.most_effects {
+            all.retain(|candidate| self.has(candidate));
+        }
         self.tests =
             score_test::run(model, context.training, &context.fit, &self.noise, at, (&scales, &all))?;
         Ok(scales)
+    }
+
+    /// Effects that were added, several orders at one place being one.
+    pub(crate) fn effects(&self) -> usize {
+        let is_first = |index: &usize| {
+            !self.terms[..*index].iter().any(|term| term.candidate.is_same(&self.terms[*index].candidate))
+        };
+        (0..self.terms.len()).filter(is_first).count()
     }
 
     /// The same of the last model, unless that was done.
@@ -191,7 +206,8 @@ impl Path {
 
     /// Large amplitudes of effects of which a little says nothing, where anything at all is missing.
     fn large(&self, false_alarm_rate: f64) -> Vec<(Candidate, f64)> {
-        let p_value = self.tests.iter().map(|one| one.p_value).fold(1.0, f64::min);
+        let others = self.tests.iter().filter(|one| !one.start.is_always_tried() && one.possible);
+        let p_value = others.map(|one| one.p_value).fold(1.0, f64::min);
         if p_value >= false_alarm_rate {
             return Vec::new();
         }
@@ -214,17 +230,17 @@ impl Path {
         all
     }
 
-    /// Whether a choice is what the law of a term at the same place leaves: a real effect differs from its law by a share of itself.
+    /// Whether a choice is what the law of an earlier term leaves: a real effect differs from its law by a share of itself, most of which shows at
+    /// its own place.
     fn is_remainder(&self, context: &Context<'_>, choice: &Choice) -> Result<bool, IdentifyError> {
         for index in 0..self.terms.len() {
-            if self.terms[index].candidate.place != choice.term.candidate.place {
-                continue;
-            }
+            let is_there = self.terms[index].candidate.place == choice.term.candidate.place;
+            let share = if is_there { LAW_DISCREPANCY } else { DISCREPANCY_ELSEWHERE };
             let Some((model, values)) = self.begun_without(index) else { continue };
             let without = compare::measure(&context.problem(&model)?, &choice.noise, &values)?;
             let Some(without) = without else { continue };
             let earlier = 0.5 * (without.total() - choice.before.deviance());
-            if choice.term.gain.log_score < LAW_DISCREPANCY.powi(2) * earlier {
+            if choice.term.gain.log_score < share.powi(2) * earlier {
                 return Ok(true);
             }
         }
@@ -325,4 +341,3 @@ fn restarted(context: &Context<'_>, path: &Path, fitted: Fitted) -> Result<Fitte
     let other = context.fitted(&fitted.model, &trial.values, Some((&fitted.model, &trial)), &path.noise)?;
     Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))
 }
-

@@ -66,7 +66,8 @@ impl Path {
         let begun = Fitted { at, ..self.last.clone() };
         let mut all = candidates::all(model, scales);
         all.retain(|candidate| candidate.place == sensor.name);
-        let seen = score_test::run(model, context.training, &context.fit, &self.noise, &begun.at, (scales, &all))?;
+        let seen =
+            score_test::run(model, context.training, &context.fit, &self.noise, &begun.at, (scales, &all))?;
         let mut tried: Vec<(Candidate, f64)> = Vec::new();
         for one in seen.iter().filter(|one| one.possible && one.p_value < context.options.false_alarm_rate) {
             let is_new = tried.iter().all(|(known, _)| !known.is_same(&one.start));
@@ -90,7 +91,11 @@ impl Path {
     }
 
     /// The model fitted to training recordings in which a sensor says nothing.
-    fn fitted_without_sensor(&self, context: &Context<'_>, sensor: &Channel) -> Result<Option<Measured>, IdentifyError> {
+    fn fitted_without_sensor(
+        &self,
+        context: &Context<'_>,
+        sensor: &Channel,
+    ) -> Result<Option<Measured>, IdentifyError> {
         let model = &self.last.model;
         let blind = |dataset: &Dataset| {
             let all = std::iter::once(0..dataset.rows()).collect();

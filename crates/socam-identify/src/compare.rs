@@ -87,9 +87,16 @@ impl Yardstick {
         let sensor = Self { discrepancy: Arc::default(), ..self.clone() };
         let Some(white) = innovations(problem, &sensor, at)? else { return Ok(None) };
         let segments: Vec<_> = white.iter().map(|one| (one.sample_time_s, &*one.outputs)).collect();
-        let present = || segments.iter().flat_map(|(_, outputs)| outputs.iter().flatten()).filter(|v| **v != 0.0);
+        let present =
+            || segments.iter().flat_map(|(_, outputs)| outputs.iter().flatten()).filter(|v| **v != 0.0);
         let excess = present().map(|v| v * v).sum::<f64>() / present().count().max(1) as f64;
         Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
+    }
+
+    /// The same levels, but without the filter that input noise asks for.
+    #[must_use]
+    pub fn with_exact_inputs(&self) -> Self {
+        Self { colours: Arc::default(), ..self.clone() }
     }
 
     /// The same sensor noise, and no discrepancy.
@@ -334,12 +341,7 @@ impl<'f> Picture<'f> {
                 each.collect()
             })
             .collect();
-        let mut promise = Promise {
-            gain,
-            resolution: 1.0 / lengths[kept[0]],
-            scores,
-            ..nothing
-        };
+        let mut promise = Promise { gain, resolution: 1.0 / lengths[kept[0]], scores, ..nothing };
         for (index, k) in kept.iter().enumerate() {
             let unit = Mat::from_fn(n, 1, |i, _| f64::from(i == index));
             let variance = solved(&gram, &unit).map_or(f64::INFINITY, |column| column[index]);

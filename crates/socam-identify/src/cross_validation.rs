@@ -59,7 +59,8 @@ pub fn leave_one_out(
     let recordings = problem.datasets.len();
     let (mut held_out, mut blocks) = (vec![0.0; recordings], vec![Vec::new(); recordings]);
     for recording in 0..recordings {
-        let own = || problem.stretches.iter().zip(&passed).filter(|(stretch, _)| stretch.recording == recording);
+        let own =
+            || problem.stretches.iter().zip(&passed).filter(|(stretch, _)| stretch.recording == recording);
         let squares: f64 = own().map(|(_, result)| result.weighted_squares).sum();
         let Some(change) = change_of_loss(&root, free, own().map(|(_, result)| result)) else {
             return Ok(None);

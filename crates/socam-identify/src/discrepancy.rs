@@ -53,7 +53,8 @@ impl Discrepancy {
             let own: Vec<&[Vec<f64>]> =
                 segments.iter().filter(|(time_s, _)| *time_s == sample_time_s).map(|(_, all)| *all).collect();
             let outputs = own.first().map_or(0, |all| all.len());
-            let fit = |output: usize| Autoregression::fit(&own.iter().map(|all| &*all[output]).collect::<Vec<_>>());
+            let fit =
+                |output: usize| Autoregression::fit(&own.iter().map(|all| &*all[output]).collect::<Vec<_>>());
             Self { sample_time_s, outputs: (0..outputs).map(fit).collect() }
         });
         each.collect()
@@ -81,13 +82,16 @@ impl Autoregression {
         let most = MOST_ORDER.min(count / LEAST_SAMPLES);
         let covariance: Vec<f64> = (0..=most)
             .map(|lag| {
-                let products = segments.iter().map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>());
+                let products = segments
+                    .iter()
+                    .map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>());
                 products.sum::<f64>() / count.max(1) as f64
             })
             .collect();
         let all = levinson_durbin(&covariance);
         let n = count.max(2) as f64;
-        let criterion = |(order, (_, variance)): (usize, &(Vec<f64>, f64))| n * variance.ln() + order as f64 * n.ln();
+        let criterion =
+            |(order, (_, variance)): (usize, &(Vec<f64>, f64))| n * variance.ln() + order as f64 * n.ln();
         let scores: Vec<f64> = all.iter().enumerate().map(criterion).collect();
         let best = (0..scores.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b])).unwrap_or(0);
         let predictors = all.into_iter().take(best + 1).map(|(coefficients, variance)| OnePredictor {
@@ -113,8 +117,7 @@ fn levinson_durbin(covariance: &[f64]) -> Vec<(Vec<f64>, f64)> {
         if variance.is_nan() || variance < LEAST_SHARE * power {
             break;
         }
-        let mut next: Vec<f64> =
-            (0..order - 1).map(|i| last[i] - reflection * last[order - 2 - i]).collect();
+        let mut next: Vec<f64> = (0..order - 1).map(|i| last[i] - reflection * last[order - 2 - i]).collect();
         next.push(reflection);
         all.push((next, variance));
     }
@@ -135,7 +138,13 @@ impl Filter<'_> {
     /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other; its first column is
     /// the one numbered `first` of the widest block. `present` is by row of the block; a missing sample stays zero, and the ones
     /// after it are predicted from fewer.
-    pub(crate) fn apply(&mut self, mut block: MatMut<'_, f64>, samples: usize, present: &[bool], first: usize) {
+    pub(crate) fn apply(
+        &mut self,
+        mut block: MatMut<'_, f64>,
+        samples: usize,
+        present: &[bool],
+        first: usize,
+    ) {
         for (output, own) in self.discrepancy.outputs.iter().enumerate() {
             let here = &present[output * samples..(output + 1) * samples];
             let order = own.order();
@@ -222,7 +231,8 @@ mod tests {
         }
         let mean_square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
         assert!((mean_square(&white) - 1.0).abs() < 0.05, "{}", mean_square(&white));
-        let neighbours: f64 = white.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / white.len() as f64;
+        let neighbours: f64 =
+            white.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / white.len() as f64;
         assert!(neighbours.abs() < 0.05, "{neighbours}");
     }
 }

@@ -434,7 +434,8 @@ impl<'w> Rows<'w> {
         let pivots = triangle::eliminate(&mut factor, self.locals, |column, remainder, length| {
             moves(column) && shows(remainder, length)
         });
-        let (scores, block_squares) = self.scores.map(|scores| (scores.sums, scores.squares)).unwrap_or_default();
+        let (scores, block_squares) =
+            self.scores.map(|scores| (scores.sums, scores.squares)).unwrap_or_default();
         let finite = factor.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
         let finite = finite && self.weighted_squares.is_finite();
         finite.then_some(StretchResult {

@@ -166,7 +166,9 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
             "{} explains these recordings: what it leaves out can be measured and moves no channel by more than the tolerance",
             diagnosis.model
         ),
-        Verdict::MissingPhysics => format!("{} leaves physics out, by cross-validation ({compared})", diagnosis.model),
+        Verdict::MissingPhysics => {
+            format!("{} leaves physics out, by cross-validation ({compared})", diagnosis.model)
+        }
         Verdict::Unexplained => {
             format!("{} leaves something out that has no name in the catalogue", diagnosis.model)
         }
@@ -218,8 +220,12 @@ fn one(number: usize, finding: &Finding) -> String {
         ));
     }
     if let (Some(share), Some(channel)) = (proof.moves_percent, &proof.moves_channel) {
-        let note = if proof.material == Some(false) { ": less than the tolerance, so not material" } else { "" };
-        text.push_str(&format!("   it moves {channel} by {} % of its standard deviation{note}\n", table::number(share)));
+        let note =
+            if proof.material == Some(false) { ": less than the tolerance, so not material" } else { "" };
+        text.push_str(&format!(
+            "   it moves {channel} by {} % of its standard deviation{note}\n",
+            table::number(share)
+        ));
     }
     for rival in &finding.rivals {
         text.push_str(&format!(

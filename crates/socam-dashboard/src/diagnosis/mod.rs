@@ -8,7 +8,7 @@ mod findings;
 mod maker;
 
 use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
-use socam_answer::document::{Validation, Verdict};
+use socam_answer::document::{ProofOutcome, Validation, Verdict};
 use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 use socam_recording::ProfileFile;
@@ -167,6 +167,10 @@ impl DiagnosisView {
     }
 }
 
+fn is_contradicted(diagnosis: &Diagnosis) -> bool {
+    diagnosis.held_out.as_ref().is_some_and(|held_out| held_out.outcome == ProofOutcome::Failed)
+}
+
 fn verdict(ui: &mut Ui, diagnosis: &Diagnosis) {
     let (text, colour) = match diagnosis.verdict {
         Verdict::Adequate => {
@@ -178,9 +182,10 @@ fn verdict(ui: &mut Ui, diagnosis: &Diagnosis) {
         }
     };
     let proof = match diagnosis.validation {
+        Validation::Holdout if is_contradicted(diagnosis) => "the proof on held-out recordings failed",
         Validation::Holdout => "proven on recordings that were held out",
-        Validation::LeaveOneOut => "proven on each recording in turn, fitted to the others",
-        Validation::Blocks => "tried on each part of the recording in turn",
+        Validation::LeaveOneOut => "not proven: compared on each recording in turn, fitted to the others",
+        Validation::Blocks => "not proven: compared on each part of the recordings in turn",
     };
     let ground =
         if diagnosis.verdict == Verdict::Adequate { theme::card(ui) } else { theme::alarm_ground(ui) };

@@ -107,8 +107,16 @@ fn evidence(finding: &Finding) -> Markup {
             dd { (words::chance(proof.p_value)) }
             dt { "Gain in whitened chi-square, training" }
             dd { (words::number(proof.chi2_gain)) }
-            dt { "Misfit removed from data that were not fitted" }
+            @if let Some([gain, std]) = proof.log_score_gain {
+                dt { "Gain in log score, cross-validated" }
+                dd { (words::rough(gain)) " (standard error " (words::rough(std)) ")" }
+            }
+            dt { "Misfit removed from held-out recordings" }
             dd { (percent(proof.holdout_gain_percent)) }
+            @if let (Some(share), Some(channel)) = (proof.moves_percent, &proof.moves_channel) {
+                dt { "Moves " (channel) " by" }
+                dd { (words::rough(share)) " % of its standard deviation" @if proof.material == Some(false) { ", less than the tolerance" } }
+            }
             @if proof.misfit_percent.is_some() {
                 dt { "Share of the misfit that it carries" }
                 dd { (percent(proof.misfit_percent)) }

@@ -214,20 +214,24 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
 }
 
 fn made(diagnosis: &Diagnosis) -> Markup {
-    let validation = match diagnosis.validation {
-        Validation::Holdout => "Proven on recordings that were held out: never fitted, only predicted.",
-        Validation::LeaveOneOut => {
-            "Proven by leaving recordings out one at a time: each was predicted by a fit to the others."
+    let selection = match diagnosis.selection {
+        Some(Validation::Blocks) => {
+            "Models were compared on blocks of the training recordings, each left out in turn."
         }
-        Validation::Blocks => {
-            "Proven by leaving blocks of a single recording out one at a time, which is weaker proof than a second recording."
+        _ => "Models were compared on the training recordings, each left out in turn.",
+    };
+    let proof = match (&diagnosis.held_out, diagnosis.validation) {
+        (Some(held_out), _) => held_out.sentence.as_str(),
+        (None, Validation::Holdout) => {
+            "Held-out recordings were opened after the last choice, and never fitted."
         }
+        (None, _) => "No recording was held out, so that nothing here is proven beyond that.",
     };
     html! {
         section {
             h2 { "How this was made" }
             (tables::recordings(diagnosis))
-            p { (validation) }
+            p { (selection) " " (proof) }
             p {
                 "False-alarm rate: on " (words::rough(100.0 * diagnosis.false_alarm_rate))
                 " % of benches with nothing missing, something would be found."

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::words;
 use crate::{
     Diagnosis,
-    document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED, Validation},
+    document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
 };
 
 /// Whether something has a name that the model has been corrected by.
@@ -23,11 +23,7 @@ pub(super) fn has_after(diagnosis: &Diagnosis) -> bool {
 
 /// Residuals of each channel before and after, on training and on held-out data, against the noise floor.
 pub(super) fn fit(diagnosis: &Diagnosis) -> Markup {
-    let held_out = match diagnosis.validation {
-        Validation::Holdout => "Held-out recordings",
-        Validation::LeaveOneOut => "Each recording, fitted without it",
-        Validation::Blocks => "Each block, fitted without it",
-    };
+    let held_out = "Held-out recordings";
     let corrected = has_after(diagnosis);
     html! {
         div class="scroll" {

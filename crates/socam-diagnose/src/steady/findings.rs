@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     document::{
-        ChannelFit, Curve, EffectParameter, Finding, NotFound, Over, ParameterChange, FindingEvidence, Region, Rival,
-        UNEXPLAINED,
+        ChannelFit, Curve, EffectParameter, Finding, FindingEvidence, NotFound, Over, ParameterChange,
+        Region, Rival, UNEXPLAINED,
     },
     words,
 };

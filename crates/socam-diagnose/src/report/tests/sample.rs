@@ -49,7 +49,9 @@ fn friction() -> Finding {
             p_value: Some(3.2e-41),
             chi2_gain: Some(8123.4),
             holdout_gain_percent: Some(91.2),
-            misfit_percent: Some(78.0), ..FindingEvidence::default() },
+            misfit_percent: Some(78.0),
+            ..FindingEvidence::default()
+        },
         rivals: vec![
             rival("stribeck_friction", "cam_bearing", 0.21),
             rival("mesh_loss", "mesh", 0.06),
