@@ -19,7 +19,8 @@ const HALF_WIDTH: f64 = 16.0;
 const SHAPE: f64 = 9.0;
 
 /// Knots of one input over the sample that ends at `row`, one for each part of it, the sample's own at last. `rows` are those
-/// without a gap about it; beyond them the input is taken to go on point-symmetrically.
+/// without a gap about it; beyond them the input is taken to go on point-symmetrically, for as many
+/// rows as there are.
 pub(super) fn knots(
     values: &[f64],
     rows: &Range<usize>,
@@ -120,15 +121,15 @@ mod tests {
 
     #[test]
     fn lines_are_met_to_their_ends_and_held_inputs_stay() {
-        let values: Vec<f64> = (0..10).map(|k| 3.0 * f64::from(k) - 7.0).collect();
-        for row in 1..10 {
+        let values: Vec<f64> = (0..40).map(|k| 3.0 * f64::from(k) - 7.0).collect();
+        for row in 1..40 {
             let expected: [f64; PARTS] =
                 std::array::from_fn(|part| values[row - 1] + 3.0 * (part + 1) as f64 / PARTS as f64);
             for kind in [Intersample::Linear, Intersample::BandLimited] {
-                let knots = knots(&values, &(0..10), row, kind);
+                let knots = knots(&values, &(0..40), row, kind);
                 assert!(knots.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{knots:?}");
             }
-            assert_eq!(knots(&values, &(0..10), row, Intersample::Hold), [values[row - 1]; PARTS]);
+            assert_eq!(knots(&values, &(0..40), row, Intersample::Hold), [values[row - 1]; PARTS]);
         }
     }
 }

@@ -21,7 +21,7 @@ const IRREGULAR: f64 = 0.02;
 const BRIDGED: f64 = 4.0;
 /// Samples on either side that a value is interpolated from.
 const SIDE: usize = 3;
-/// Sum of the weights' magnitudes beyond which a polynomial would enlarge noise: then a straight line is taken.
+/// Sum of the weights' magnitudes beyond which a polynomial would enlarge noise: then one of lower degree is taken.
 const MOST_WEIGHT: f64 = 2.0;
 
 /// How a channel is carried over.
@@ -277,21 +277,20 @@ impl Run {
         from + (to[column] - from) * (time_s - from_s) / (to_s - from_s)
     }
 
-    /// Samples about a time, and what each contributes to the value there.
+    /// Samples about a time, and what each contributes to the value there: of the highest polynomial that does not enlarge noise.
     fn weights(&self, time_s: f64, before: usize) -> Vec<(usize, f64)> {
-        let rows = (before + 1).saturating_sub(SIDE)..(before + 1 + SIDE).min(self.raw.len());
-        let lagrange = |row: usize| {
-            let own_s = self.raw[row].0;
-            let others = rows.clone().filter(|other| *other != row).map(|other| self.raw[other].0);
-            others.map(|other_s| (time_s - other_s) / (own_s - other_s)).product::<f64>()
+        let of_side = |side: usize| {
+            let rows = (before + 1).saturating_sub(side)..(before + 1 + side).min(self.raw.len());
+            let lagrange = |row: usize| {
+                let own_s = self.raw[row].0;
+                let others = rows.clone().filter(|other| *other != row).map(|other| self.raw[other].0);
+                others.map(|other_s| (time_s - other_s) / (own_s - other_s)).product::<f64>()
+            };
+            rows.clone().map(|row| (row, lagrange(row))).collect::<Vec<_>>()
         };
-        let weights: Vec<(usize, f64)> = rows.clone().map(|row| (row, lagrange(row))).collect();
-        if weights.iter().map(|(_, weight)| weight.abs()).sum::<f64>() <= MOST_WEIGHT {
-            return weights;
-        }
-        let Some((to_s, _)) = self.raw.get(before + 1) else { return vec![(before, 1.0)] };
-        let share = ((time_s - self.raw[before].0) / (to_s - self.raw[before].0)).max(0.0);
-        vec![(before, 1.0 - share), (before + 1, share)]
+        let size = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight.abs()).sum::<f64>();
+        let usable = (2..=SIDE).rev().map(of_side).find(|weights| size(weights) <= MOST_WEIGHT);
+        usable.unwrap_or_else(|| of_side(1))
     }
 }
 
@@ -340,18 +339,21 @@ mod tests {
             let told = grid.warnings().last().unwrap().to_string();
             assert!(told.contains("1 steps above"), "{told}");
             let loaded = grid.load(&["held", "line", "motion", "seen"]).unwrap();
-            let (mut seen, mut worst) = (0, 0.0_f64);
+            let (mut seen, mut worst, mut worst_seen, mut squares) = (0, 0.0_f64, 0.0_f64, 0.0);
             for (row, t) in loaded.time_s.iter().enumerate() {
                 let at = |column: usize| loaded.columns[column].values()[row];
                 assert!((at(0) - motion(*t)).abs() < 0.7);
                 assert!((at(1) - 5.0 * t).abs() < 1e-9);
                 worst = worst.max((at(2) - motion(*t)).abs());
+                squares += (at(2) - motion(*t)).powi(2);
                 if !at(3).is_nan() {
-                    assert!((at(3) - motion(*t)).abs() < 2e-3);
+                    worst_seen = worst_seen.max((at(3) - motion(*t)).abs());
                     seen += 1;
                 }
             }
-            assert!(worst < 5e-3, "{worst}");
+            let rms = (squares / loaded.time_s.len() as f64).sqrt();
+            // Of an amplitude of 3; worst beside several lost samples.
+            assert!(worst < 0.03 && worst_seen < 6e-3 && rms < 1e-3, "{worst} {worst_seen} {rms}");
             let share = f64::from(seen) / raw.rows() as f64;
             assert!(share > if parts == 1 { 0.85 } else { 0.995 }, "{share}");
         }
