@@ -69,8 +69,14 @@ mod tests {
     fn of(id: &str, place: &str, strength: f64) -> Vec<(&'static str, String)> {
         let model = Model::builtin("speed-o-cam").unwrap();
         let effect = effects::find(id).unwrap();
-        let own =
-            Candidate { effect, place: place.into(), values: Vec::new(), strength: &[], linearised_at: 0.0 };
+        let own = Candidate {
+            effect,
+            place: place.into(),
+            values: Vec::new(),
+            strength: &[],
+            linearised_at: 0.0,
+            begins_large: false,
+        };
         let all = alike(&model, &own, Some(strength), 1e-3);
         all.into_iter().map(|other| (other.effect.id, other.place)).collect()
     }

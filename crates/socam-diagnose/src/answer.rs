@@ -258,7 +258,9 @@ fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
         .map(|((channel, floor), missed)| (channel, *missed, missed / floor));
     let finite = each.filter(|(.., times)| times.is_finite());
     let (channel, missed, times) = finite.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    if times < CONTRADICTION && left < INADEQUATE {
+    // A coarse encoder leaves no noise at high frequencies to judge it by, but what it rounds away is in the floor.
+    let is_above = left >= INADEQUATE && times > INADEQUATE.sqrt();
+    if times < CONTRADICTION && !is_above {
         return None;
     }
     let (missed, unit, name) = (words::short(missed), channel.unit, &channel.name);

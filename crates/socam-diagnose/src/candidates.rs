@@ -20,6 +20,8 @@ pub(crate) struct Candidate {
     pub(crate) strength: &'static [&'static str],
     /// Value of the first of these where sensitivities are taken.
     pub(crate) linearised_at: f64,
+    /// Whether a fit begins with an amplitude as large as it usually is, and all other parameters at the file's values.
+    pub(crate) begins_large: bool,
 }
 
 impl Candidate {
@@ -27,7 +29,7 @@ impl Candidate {
         let strength = effect.amplitude.parameters;
         let first = values.iter().find(|(name, _)| strength.first() == Some(name));
         let linearised_at = first.map_or(0.0, |(_, value)| *value);
-        Self { effect, place: place.to_owned(), values, strength, linearised_at }
+        Self { effect, place: place.to_owned(), values, strength, linearised_at, begins_large: false }
     }
 
     /// Whether it is a wave whose phase is not known: then its strength is that of two, a quarter of a period apart.
@@ -48,11 +50,6 @@ impl Candidate {
     /// Whether sensitivities predict little of what much of it does, so that it is fitted whatever they say.
     pub(crate) fn is_always_tried(&self) -> bool {
         self.effect.linearisation == Linearisation::NearNull
-    }
-
-    /// Whether it begins with an amplitude of which a little says nothing.
-    pub(crate) fn is_large(&self) -> bool {
-        self.is_always_tried() && self.strength.iter().any(|name| self.value(name) != self.nothing())
     }
 
     /// Starts that are worth a fit: several where what it is not linear in decides where a fit ends.
@@ -140,7 +137,7 @@ impl Candidate {
 }
 
 /// Quantiles of their priors at which amplitudes are begun that have to be large to show.
-const USUAL_SHARES: [f64; 2] = [0.5, 0.8];
+pub(crate) const USUAL_SHARES: [f64; 2] = [0.5, 0.8];
 /// Most starts of one effect at one place that are fitted.
 const STARTS: usize = 3;
 
@@ -206,11 +203,31 @@ pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
     starts
 }
 
-/// Starts with amplitudes as large as they usually are, for effects of which a little says nothing.
+/// Starts with amplitudes as large as they usually are.
 pub(crate) fn large(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
     let all =
         USUAL_SHARES.iter().flat_map(|share| candidate.effect.large_starts(rig, &candidate.place, *share));
-    all.map(|values| candidate.with_all(&values)).collect()
+    all.map(|values| Candidate { begins_large: true, ..candidate.with_all(&values) }).collect()
+}
+
+/// The same start with its amplitudes as large as they usually are, of a wave at several phases; none for one of many orders or frequencies.
+pub(crate) fn usual(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
+    let priors = (candidate.effect.priors)(rig, &candidate.place);
+    let quantile =
+        |name: &str, share: f64| priors.iter().find(|(known, _)| *known == name)?.1.quantile(share);
+    let of = |share: &f64| -> Option<Candidate> {
+        let begun = candidate
+            .strength
+            .iter()
+            .try_fold(candidate.clone(), |begun, name| Some(begun.with(name, quantile(name, *share)?)))?;
+        Some(Candidate { begins_large: true, ..begun })
+    };
+    if candidate.is_wave() {
+        let is_one_of_many = candidate.value("order").is_finite() || candidate.value("frequency").is_finite();
+        return if is_one_of_many { Vec::new() } else { large(candidate, rig) };
+    }
+    let shares = &USUAL_SHARES;
+    shares.iter().filter_map(of).collect()
 }
 
 impl Candidate {

@@ -18,7 +18,7 @@ use crate::{Options, candidates::Candidate, document::Validation, preprocessing:
 
 /// Recordings from which on whole ones are left out.
 const FEW: usize = 3;
-/// Blocks that each of fewer recordings is cut into.
+/// Blocks that fewer recordings are cut into, all together.
 const BLOCKS: usize = 4;
 /// Mean square of the residuals in units of sensor noise from which on inputs are taken as exact.
 const FAR_BEYOND_NOISE: f64 = 100.0;
@@ -180,9 +180,10 @@ impl<'a> Context<'a> {
 
 fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, RecordingError> {
     let mut folds = Vec::new();
+    let blocks = BLOCKS / training.len().max(1);
     for (index, dataset) in training.iter().enumerate() {
-        for block in 0..BLOCKS {
-            let (without, left_out) = without_block(model, dataset, block)?;
+        for block in 0..blocks {
+            let (without, left_out) = without_block(model, dataset, (block, blocks))?;
             let others = training.iter().enumerate().filter(|(other, _)| *other != index);
             let fitted = std::iter::once(without).chain(others.map(|(_, other)| other.clone())).collect();
             folds.push(Fold { fitted, left_out });
@@ -195,9 +196,9 @@ fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, Recordi
 fn without_block(
     model: &Model,
     dataset: &Dataset,
-    block: usize,
+    (block, blocks): (usize, usize),
 ) -> Result<(Dataset, Dataset), RecordingError> {
-    let edge = |block: usize| dataset.rows() * block as u64 / BLOCKS as u64;
+    let edge = |block: usize| dataset.rows() * block as u64 / blocks as u64;
     let (from, to) = (edge(block), edge(block + 1));
     let missing = |rows: &[Range<u64>]| {
         let outputs = model.outputs().filter(|channel| !channel.quantity.is_clock());

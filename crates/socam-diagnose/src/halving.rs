@@ -80,7 +80,7 @@ fn begin(
     let Ok(grown) = grown else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
     let is_far = candidate.is_far();
-    let is_large = candidate.is_large();
+    let is_large = candidate.begins_large;
     let mut begun = grown.clone();
     if let Some(used) = grown.effects.last().filter(|_| !is_far && !is_large) {
         let own = used.effect.parameters.iter().zip(&used.parameters);

@@ -25,7 +25,6 @@ mod file;
 mod intersample;
 mod jet;
 pub mod layout;
-pub mod meanings;
 mod model;
 mod network;
 mod take;

@@ -19,7 +19,8 @@ use crate::{model_file, table, watch};
 /// Say where recordings and model part, what physics the model leaves out, and whether adding it helps
 ///
 /// Fits the model to the recordings, asks whether anything is missing at all, tries every effect of the catalogue at every place,
-/// and keeps what predicts recordings better that were never fitted. Without --holdout, recordings are left out one at a time.
+/// and keeps what predicts better in cross-validation: each recording left out in turn. Recordings named by --holdout are opened after the last
+/// choice, as the proof; without them nothing is proven.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -29,7 +30,7 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Recordings to prove it on, not used in any fit; may be repeated
+    /// Recordings to prove it on, used in no fit and in no choice; may be repeated
     #[arg(long, value_name = "RUN")]
     holdout: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]

@@ -20,6 +20,7 @@ mod hysteresis;
 mod kinds;
 mod kinematic_error;
 mod law;
+pub mod meanings;
 mod mesh_loss;
 mod missing_compliance;
 mod missing_inertia;

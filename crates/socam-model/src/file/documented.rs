@@ -3,7 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::channel::COLUMN_UNITS;
-use crate::{BUILTIN, Model, effects::CATALOGUE, meanings, units};
+use crate::{
+    BUILTIN, Model,
+    effects::{CATALOGUE, meanings},
+    units,
+};
 
 const REFERENCE: &str = include_str!("../../../../docs/model-file.md");
 
@@ -88,7 +92,7 @@ fn the_catalogue_of_effects_is_documented_as_it_is() {
             let meaning = meanings::meaning(effect.id, parameter.name);
             assert!(
                 !meaning.is_empty(),
-                "src/meanings.rs does not say what {} of {} is",
+                "src/effects/meanings.rs does not say what {} of {} is",
                 parameter.name,
                 effect.id
             );

@@ -1,6 +1,6 @@
 //! What the parameters of the catalogue's effects mean, for people who write model files.
 
-use crate::effects::{CATALOGUE, Effect, EffectParameter, REFINED};
+use super::{CATALOGUE, Effect, EffectParameter, REFINED};
 
 /// Of any effect that has a parameter of this name.
 const COMMON: &[(&str, &str)] = &[
@@ -48,6 +48,11 @@ const MEANINGS: &[(&str, &str, &str)] = &[
     ("sensor_lag", "time_constant", "time constant of a first-order filter"),
     ("sensor_delay", "delay", "time by which the reading is late"),
     ("sensor_saturation", "limit", "reading that is never exceeded, either way"),
+    ("sensor_saturation", "excess", "by how much the truth exceeds an input's limit while it reads that"),
+    ("sensor_fold", "share", "share of the truth that is read without its sign: 1 reads its magnitude"),
+    ("direction_gain", "difference", "gain forward minus gain backward"),
+    ("velocity_weakening", "torque", "torque by which friction at standstill exceeds that at speed"),
+    ("velocity_weakening", "fall_speed", "speed over which it falls by a factor of e"),
     ("sensor_hum", "amplitude", "amplitude of the wave"),
     ("sensor_hum", "frequency", "its frequency"),
     ("sensor_ripple", "amplitude", "amplitude of the wave"),
