@@ -64,11 +64,13 @@ role = "input"
 quantity = "force"
 at = "mass"
 column = "u_V"
+scale = 1
 [channels.y]
 role = "output"
 quantity = "position"
 at = "mass"
 column = "y_V"
+scale = 1
 "#;
 
 fn file(folder: &Path, model: &str) -> String {

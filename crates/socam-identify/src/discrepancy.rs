@@ -13,6 +13,9 @@ use faer::{MatMut, reborrow::ReborrowMut};
 
 /// Largest order that is tried.
 const MOST_ORDER: usize = 12;
+/// White noise, as a share of the residual's power, that a process is taken to have at least. It bounds how much less slow residuals count than fast
+/// ones, to 30 dB in power: a short filter would else see differences between neighbouring samples only, and nothing of what is slow.
+const LEAST_WHITE: f64 = 1e-3;
 /// Samples per coefficient that are needed to estimate one.
 const LEAST_SAMPLES: usize = 50;
 /// Smallest innovation variance as a share of the residual's: below it rounding decides.
@@ -88,6 +91,8 @@ impl Autoregression {
                 products.sum::<f64>() / count.max(1) as f64
             })
             .collect();
+        let mut covariance = covariance;
+        covariance[0] *= 1.0 + LEAST_WHITE;
         let all = levinson_durbin(&covariance);
         let n = count.max(2) as f64;
         let criterion =
