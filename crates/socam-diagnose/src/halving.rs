@@ -18,7 +18,7 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
-/// Iterations of a fit to the residuals themselves, of what knocks.
+/// Iterations of a fit to the residuals themselves, of what begins large.
 const UNWHITENED_LEG: usize = 30;
 const LEGS: usize = 4;
 const LEG: usize = 5;
@@ -93,8 +93,9 @@ fn begin(
     // From start states of its own: where physics is missing, those of the fit before make up for it.
     let leg = (compare::COARSE, if is_far || is_large { FAR_LEG } else { FIRST_LEG });
     let problem = context.problem(&begun)?;
-    let at = if candidate.is_always_tried() {
-        // What knocks is far from linear in how the discrepancy's filter sees it, and near to it in the residuals themselves.
+    let at = if candidate.is_always_tried() || candidate.begins_large {
+        // The discrepancy's filter takes out what the base model misses most, and with it the way to what is missing: residuals themselves
+        // lead there.
         let first = compare::descend(
             &problem,
             &noise.of_sensors(),

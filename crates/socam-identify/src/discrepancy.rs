@@ -91,20 +91,33 @@ impl Autoregression {
                 products.sum::<f64>() / count.max(1) as f64
             })
             .collect();
-        let mut covariance = covariance;
-        covariance[0] *= 1.0 + LEAST_WHITE;
-        let all = levinson_durbin(&covariance);
+        let mut bounded = covariance.clone();
+        bounded[0] *= 1.0 + LEAST_WHITE;
+        let all = levinson_durbin(&bounded);
         let n = count.max(2) as f64;
         let criterion =
             |(order, (_, variance)): (usize, &(Vec<f64>, f64))| n * variance.ln() + order as f64 * n.ln();
         let scores: Vec<f64> = all.iter().enumerate().map(criterion).collect();
         let best = (0..scores.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b])).unwrap_or(0);
-        let predictors = all.into_iter().take(best + 1).map(|(coefficients, variance)| OnePredictor {
-            coefficients,
-            inverse_std: 1.0 / variance.sqrt(),
+        let predictors = all.into_iter().take(best + 1).map(|(coefficients, _)| {
+            let variance = error_variance(&covariance, &coefficients);
+            OnePredictor {
+                coefficients,
+                inverse_std: if variance > 0.0 { 1.0 / variance.sqrt() } else { 1.0 },
+            }
         });
         Self { predictors: predictors.collect() }
     }
+}
+
+/// Variance of what a predictor leaves of a series with these autocovariances.
+fn error_variance(covariance: &[f64], coefficients: &[f64]) -> f64 {
+    let filter: Vec<f64> = std::iter::once(1.0).chain(coefficients.iter().map(|c| -c)).collect();
+    let pairs = filter
+        .iter()
+        .enumerate()
+        .flat_map(|(i, a)| filter.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
+    pairs.map(|(i, j, product)| product * covariance[i.abs_diff(j)]).sum()
 }
 
 /// Predictors of all orders from autocovariances, with the variances of their errors; white noise of unit variance where there are none.
