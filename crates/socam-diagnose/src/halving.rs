@@ -18,8 +18,8 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
-/// Iterations of a fit to the residuals themselves, of what begins large.
-const UNWHITENED_LEG: usize = 30;
+/// Iterations to begin with for what begins large.
+const LARGE_LEG: usize = 30;
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -91,22 +91,13 @@ fn begin(
     let file = before.model.values();
     let values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
     // From start states of its own: where physics is missing, those of the fit before make up for it.
-    let leg = (compare::COARSE, if is_far || is_large { FAR_LEG } else { FIRST_LEG });
-    let problem = context.problem(&begun)?;
-    let at = if candidate.is_always_tried() || candidate.begins_large {
-        // The discrepancy's filter takes out what the base model misses most, and with it the way to what is missing: residuals themselves
-        // lead there.
-        let first = compare::descend(
-            &problem,
-            &noise.of_sensors(),
-            &values,
-            None,
-            (compare::COARSE, UNWHITENED_LEG),
-        )?;
-        first.map_or(Ok(None), |first| compare::measure(&problem, noise, &first.values))?
-    } else {
-        compare::descend(&problem, noise, &values, None, leg)?
+    let iterations = match (is_large, is_far) {
+        (true, _) => LARGE_LEG,
+        (_, true) => FAR_LEG,
+        _ => FIRST_LEG,
     };
+    let at =
+        compare::descend(&context.problem(&begun)?, noise, &values, None, (compare::COARSE, iterations))?;
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
 }
 

@@ -75,7 +75,7 @@ impl Yardstick {
     }
 
     /// The same sensor noise with the model discrepancy that the residuals of an evaluation (`at`, of `problem`'s model) show: one
-    /// autoregressive process per output. `None` where the prediction overflows.
+    /// level per output. `None` where the prediction overflows.
     ///
     /// # Errors
     /// When a recording cannot be read.
@@ -97,12 +97,6 @@ impl Yardstick {
     #[must_use]
     pub fn with_exact_inputs(&self) -> Self {
         Self { colours: Arc::default(), ..self.clone() }
-    }
-
-    /// The same sensor noise, and no discrepancy.
-    #[must_use]
-    pub fn of_sensors(&self) -> Self {
-        Self { discrepancy: Arc::default(), excess: 1.0, ..self.clone() }
     }
 
     /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where nothing is missing.

@@ -9,7 +9,7 @@ use socam_model::{Equations, effects::Sight};
 use crate::{
     IdentifyError,
     colour::{self, Colour},
-    discrepancy::{self, Discrepancy},
+    discrepancy::Discrepancy,
     feed,
     levels::{self, Probe, Score},
     modal::Modal,
@@ -45,7 +45,7 @@ pub(crate) struct StretchResult {
     pub(crate) samples: f64,
     /// Of these, samples in which a law was too steep for the shortest step.
     pub(crate) unresolved: u64,
-    /// Transposed slopes times residuals, summed over consecutive blocks of [`BLOCK_S`] or [`WHITENED_BLOCK_S`]; over
+    /// Transposed slopes times residuals, summed over consecutive blocks of [`BLOCK_S`] or [`COMPARED_BLOCK_S`]; over
     /// [local | free]. Only when asked for.
     pub(crate) scores: Vec<Vec<f64>>,
     /// Squared whitened residuals, summed over the same blocks.
@@ -89,9 +89,8 @@ fn shows(remainder: f64, length: f64) -> bool {
     remainder > 0.1 && remainder > 1e-8 * length
 }
 
-/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated, those that a discrepancy's filter has
-/// whitened or others.
-const WHITENED_BLOCK_S: f64 = 0.2;
+/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated, those that are compared between models or others.
+const COMPARED_BLOCK_S: f64 = 0.2;
 const BLOCK_S: f64 = 0.5;
 
 /// Sums of slopes times residuals over blocks of that length, by free parameter.
@@ -147,7 +146,7 @@ pub(crate) struct Weights {
     pub(crate) gate: Option<Arc<Vec<f64>>>,
     /// Filters to be used instead of those that follow the parameters.
     pub(crate) frozen: Option<Arc<Vec<Colour>>>,
-    /// Filters of the model discrepancy, after those of sensor noise; empty where residuals are taken for sensor noise only.
+    /// Levels of the model discrepancy, behind the filters of sensor noise; empty where residuals are taken for sensor noise only.
     pub(crate) discrepancy: Arc<Vec<Discrepancy>>,
 }
 
@@ -297,7 +296,7 @@ pub(crate) struct Rows<'w> {
     samples: f64,
     pub(crate) unresolved: u64,
     colour: Option<colour::Course<'w>>,
-    discrepancy: Option<discrepancy::Filter<'w>>,
+    discrepancy: Option<&'w Discrepancy>,
     course: Option<levels::Course<'w>>,
     gate: Option<Gate<'w>>,
     scores: Option<Scores>,
@@ -320,7 +319,7 @@ impl<'w> Rows<'w> {
         let globals = problem.free.len();
         let outputs = problem.outputs();
         let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
-        let block_s = if weights.discrepancy.is_empty() { BLOCK_S } else { WHITENED_BLOCK_S };
+        let block_s = if weights.discrepancy.is_empty() { BLOCK_S } else { COMPARED_BLOCK_S };
         Self {
             locals,
             globals,
@@ -331,8 +330,7 @@ impl<'w> Rows<'w> {
             samples: 0.0,
             unresolved: 0,
             colour: colour.map(|colour| colour.start(locals, globals)),
-            discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s)
-                .map(|discrepancy| discrepancy.start(locals + globals + 1)),
+            discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s),
             course: probe.map(|(_, probe)| probe.start()),
             gate: weights
                 .gate
@@ -407,8 +405,8 @@ impl<'w> Rows<'w> {
         if let Some(colour) = &mut self.colour {
             colour.apply(target.rb_mut(), rows, &self.present);
         }
-        if let Some(discrepancy) = &mut self.discrepancy {
-            discrepancy.apply(target.rb_mut(), rows, &self.present, skipped);
+        if let Some(discrepancy) = self.discrepancy {
+            discrepancy.apply(target.rb_mut(), rows);
         }
         self.weighted_squares += target.as_ref().col(columns - 1).squared_norm_l2();
         self.samples += self.present.iter().filter(|present| **present).count() as f64 / outputs as f64;
