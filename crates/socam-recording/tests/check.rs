@@ -292,7 +292,10 @@ fn a_sensor_that_is_dead_for_a_while_is_stuck() {
     values[9000..9500].fill(100.0);
     let (data, check) = alone("motor_speed", Unit::RadPerS, values);
     let [found] = &held(&data, &[0]).unwrap()[..] else { panic!("{:?}", held(&data, &[0])) };
-    assert_eq!((found.at, found.value, &found.rows[..]), (HeldAt::Between, 100.0, std::slice::from_ref(&(9000..9500))));
+    assert_eq!(
+        (found.at, found.value, &found.rows[..]),
+        (HeldAt::Between, 100.0, std::slice::from_ref(&(9000..9500)))
+    );
     assert!(
         check
             .findings
