@@ -6,7 +6,7 @@ use socam_identify::{IdentifyError, compare::Yardstick};
 use crate::{
     candidates::Candidate,
     context::{Context, Fitted},
-    criterion::{self, LAW_DISCREPANCY, Scored},
+    criterion::{self, Scored},
     halving::{self, Finalist},
     scales::Scales,
     selection::{Path, Term},
@@ -74,10 +74,10 @@ fn reduced(at: &socam_identify::compare::Measured) -> f64 {
 fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
     let score = |fitted: &Fitted| fitted.validation.log_score() + path.known.log_prior(fitted);
     let best = (0..fits.len()).max_by(|a, b| score(&fits[*a].1).total_cmp(&score(&fits[*b].1)))?;
-    let gained = path.gain(&fits[best].1, before).log_score.max(0.0);
+    let gained = path.gain(&fits[best].1, before).log_score;
     let is_near = |other: &usize| {
         let worse = path.gain(&fits[best].1, &fits[*other].1);
-        worse.log_score <= worse.std.max(LAW_DISCREPANCY * gained)
+        worse.log_score <= worse.std.max(criterion::by_law(gained))
     };
     let free =
         |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();

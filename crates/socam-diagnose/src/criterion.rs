@@ -16,11 +16,21 @@ const LEAST_BLOCKS: usize = 10;
 /// Draws of the bootstrap.
 const DRAWS: usize = 500;
 /// A law is a simplification: its real counterpart differs from it by about this share of its own contribution to the outputs (tanh against
-/// bristle friction: 2 to 8 %; fixed against load-dependent stiffness likewise). Differences of log scores below that share of what a law
-/// gains say nothing for or against it.
-pub(crate) const LAW_DISCREPANCY: f64 = 0.05;
+/// bristle friction: 2 to 8 %; fixed against load-dependent stiffness likewise).
+const LAW_DISCREPANCY: f64 = 0.08;
 /// The part of that which shows at other places.
-pub(crate) const DISCREPANCY_ELSEWHERE: f64 = 0.02;
+const DISCREPANCY_ELSEWHERE: f64 = 0.02;
+
+/// What a law's own discrepancy may make of a difference of log scores, where the law gains so much at its place: a log score goes with the
+/// square of what is explained. Smaller differences say nothing for or against the law.
+pub(crate) fn by_law(gained: f64) -> f64 {
+    LAW_DISCREPANCY.powi(2) * gained.max(0.0)
+}
+
+/// The same at other places.
+pub(crate) fn by_law_elsewhere(gained: f64) -> f64 {
+    DISCREPANCY_ELSEWHERE.powi(2) * gained.max(0.0)
+}
 
 /// What a comparison needs to know of a model.
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +73,7 @@ fn together(blocks: &[f64]) -> usize {
 pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     // What a law's own discrepancy may make of a likelihood ratio.
-    let temper = (LAW_DISCREPANCY.powi(2) * gain).max(1.0);
+    let temper = by_law(gain).max(1.0);
     let count: usize = models.first().map_or(0, |model| model.validation.blocks.iter().map(Vec::len).sum());
     let fixed: Vec<f64> = models
         .iter()

@@ -9,6 +9,7 @@ use socam_identify::{
 use crate::{
     candidates::{self, Candidate},
     context::{Context, Fitted},
+    criterion,
     score_test::carried,
     selection::{EXCESS, Path},
 };
@@ -17,8 +18,6 @@ use crate::{
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
 /// Iterations of each start of a nested law.
 const UPGRADING: usize = 6;
-/// Share of what a law leaves beyond sensor noise that another law has to explain to change the effect's name.
-const MOST_OF_THE_REST: f64 = 0.6;
 
 impl Path {
     /// Takes out terms, of the first so many the latest first, without which the model predicts as well to within a standard error.
@@ -145,9 +144,10 @@ impl Path {
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
         let Some((after, before)) = after.zip(before) else { return Ok(()) };
         let gained = self.gain(&after, &before);
+        // Another name needs more than what the simpler law's own discrepancy may make.
         let is_other_name = candidate.effect.id != self.terms[index].candidate.effect.id;
-        let left = 0.5 * (before.deviance() - before.at.count.iter().sum::<f64>());
-        if gained.log_score <= gained.std || (is_other_name && gained.log_score < MOST_OF_THE_REST * left) {
+        let least = if is_other_name { criterion::by_law(self.terms[index].gain.log_score) } else { 0.0 };
+        if gained.log_score <= gained.std.max(least) {
             return Ok(());
         }
         (self.last, self.noise) = (after, noise);

@@ -22,7 +22,7 @@ use crate::{
     candidates::{Candidate, is_part},
     choice::Choice,
     context::{Context, Fitted},
-    criterion::{Difference, LAW_DISCREPANCY},
+    criterion::{self, Difference},
     document::{Curve, Over},
     scales::Scales,
     score_test::{self, carried, estimated},
@@ -446,7 +446,7 @@ impl Unexplained {
         let all = [again(&self.fitted)?, again(&named.fitted)?, again(&named.before)?];
         let [Some(curve), Some(named), Some(before)] = all else { return Ok(false) };
         let (worse, gained) = (path.gain(&curve, &named), path.gain(&curve, &before));
-        Ok(worse.log_score > worse.std.max(LAW_DISCREPANCY * gained.log_score))
+        Ok(worse.log_score > worse.std.max(criterion::by_law(gained.log_score)))
     }
 
     /// Another model with the same shape, fitted from there.

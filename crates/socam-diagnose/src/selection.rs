@@ -12,7 +12,7 @@ use crate::{
     candidates::{self, Candidate},
     choice::{self, Choice},
     context::{Context, Fitted},
-    criterion::{self, DISCREPANCY_ELSEWHERE, Difference, LAW_DISCREPANCY},
+    criterion::{self, Difference},
     nonparametric::{self, Unexplained},
     plausibility::Known,
     scales::Scales,
@@ -248,12 +248,12 @@ impl Path {
     fn is_remainder(&self, context: &Context<'_>, choice: &Choice) -> Result<bool, IdentifyError> {
         for index in 0..self.terms.len() {
             let is_there = self.terms[index].candidate.place == choice.term.candidate.place;
-            let share = if is_there { LAW_DISCREPANCY } else { DISCREPANCY_ELSEWHERE };
+            let discrepancy = if is_there { criterion::by_law } else { criterion::by_law_elsewhere };
             let Some((model, values)) = self.begun_without(index) else { continue };
             let without = compare::measure(&context.problem(&model)?, &choice.noise, &values)?;
             let Some(without) = without else { continue };
             let earlier = 0.5 * (without.total() - choice.before.deviance());
-            if choice.term.gain.log_score < share.powi(2) * earlier {
+            if choice.term.gain.log_score < discrepancy(earlier) {
                 return Ok(true);
             }
         }
