@@ -266,9 +266,9 @@ impl Path {
         self.terms.push(choice.term);
         self.noise = choice.noise;
         self.last = if was < DISPLACED { choice.fitted } else { restarted(context, self, choice.fitted)? };
-        self.tests.clear();
         self.renew_noise(context)?;
         self.upgrade(context)?;
+        self.tests.clear();
         self.eliminate(context, self.terms.len() - 1)
     }
 
