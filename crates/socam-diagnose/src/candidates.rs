@@ -1,7 +1,7 @@
 //! Every way in which an effect of the catalogue may be added to a model: where, and from which values a fit may start.
 
 use socam_model::{
-    Model, Motion,
+    Model, Motion, Prior,
     effects::{self, Amplitude, Coordinate, Effect, Form, Linearisation, REFINED, Rig, Sizes, Values},
 };
 
@@ -153,6 +153,22 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
         }
     }
     found
+}
+
+/// A model with a candidate added at its values; `None` where it cannot act there. An order that is a whole number is held to it by its
+/// prior: the data move it only where they say so.
+pub(crate) fn added(model: &Model, candidate: &Candidate) -> Option<Model> {
+    let mut grown = model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()?;
+    let rig = Rig::of_model(model, &model.values());
+    let used = grown.effects.last()?;
+    let mut held = Vec::new();
+    for (name, prior) in (candidate.effect.priors)(&rig, &candidate.place) {
+        let index = used.effect.parameters.iter().position(|own| own.name == name)?;
+        let near = prior.whole_number_near(candidate.value(name));
+        held.extend(near.map(|(value, std)| (used.parameters[index], Prior { value, std })));
+    }
+    held.into_iter().for_each(|(index, prior)| grown.parameters[index].prior = Some(prior));
+    Some(grown)
 }
 
 /// Points from which a fit is begun.

@@ -19,6 +19,8 @@ pub(crate) struct Choice {
     pub(crate) fitted: Fitted,
     /// The model without it, under the same noise.
     pub(crate) before: Fitted,
+    /// Fall of the training sum of squares, under the noise model of before.
+    pub(crate) fall: f64,
     /// Sensor noise and discrepancy as the best candidate shows them.
     pub(crate) noise: Yardstick,
 }
@@ -62,8 +64,10 @@ pub(crate) fn best(
     }
     let (candidate, p_value) = tried[*index].clone();
     let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
+    let raced = finalists.iter().find(|one| one.index == *index);
+    let fall = raced.map_or(0.0, |one| path.last.deviance() - one.at.total());
     let term = Term { candidate, p_value, rivals, gain: gained, without: None };
-    Ok(Some(Choice { term, fitted: fitted.clone(), before, noise }))
+    Ok(Some(Choice { term, fitted: fitted.clone(), before, fall, noise }))
 }
 
 fn reduced(at: &socam_identify::compare::Measured) -> f64 {
@@ -81,9 +85,14 @@ fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<us
     };
     let free =
         |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
-    let order = |a: &usize, b: &usize| {
-        free(*a).cmp(&free(*b)).then(score(&fits[*b].1).total_cmp(&score(&fits[*a].1)))
+    // Of as simple ones the likeliest: what a law's discrepancy may make of the score is weighed against the priors.
+    let temper = criterion::temper(gained);
+    let likelihood = |index: usize| {
+        let fitted = &fits[index].1;
+        fitted.validation.log_score() / temper + path.known.log_prior(fitted)
     };
+    let order =
+        |a: &usize, b: &usize| free(*a).cmp(&free(*b)).then(likelihood(*b).total_cmp(&likelihood(*a)));
     (0..fits.len()).filter(is_near).min_by(order)
 }
 

@@ -14,7 +14,12 @@ use socam_identify::{
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
 
-use crate::{Options, candidates::Candidate, document::Validation, preprocessing::blanked};
+use crate::{
+    Options,
+    candidates::{self, Candidate},
+    document::Validation,
+    preprocessing::blanked,
+};
 
 /// Recordings from which on whole ones are left out.
 const FEW: usize = 3;
@@ -42,9 +47,7 @@ impl Fitted {
 
     /// Its model with effects added, at their candidates' values.
     pub(crate) fn with<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
-        added.try_fold(self.model.clone(), |model, candidate| {
-            model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()
-        })
+        added.try_fold(self.model.clone(), |model, candidate| candidates::added(&model, candidate))
     }
 }
 

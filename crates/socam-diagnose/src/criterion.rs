@@ -69,17 +69,21 @@ fn together(blocks: &[f64]) -> usize {
     (blocks.len() / LEAST_BLOCKS).clamp(1, TOGETHER)
 }
 
+/// By how much a difference of log scores is divided to be a log likelihood ratio, where a law gains so much: its own discrepancy counts as one.
+pub(crate) fn temper(gained: f64) -> f64 {
+    by_law(gained).max(1.0)
+}
+
 /// Weights of competing models, in their order; they sum to one. `gain` is what the best of them gains in log score over having none.
 pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    // What a law's own discrepancy may make of a likelihood ratio.
-    let temper = by_law(gain).max(1.0);
+    let temper = temper(gain);
     let count: usize = models.first().map_or(0, |model| model.validation.blocks.iter().map(Vec::len).sum());
     let fixed: Vec<f64> = models
         .iter()
         .map(|model| {
             let fitted: f64 = model.validation.blocks.iter().flatten().sum();
-            model.validation.log_score() + 0.5 * fitted + model.log_prior
+            (model.validation.log_score() + 0.5 * fitted) / temper + model.log_prior
         })
         .collect();
     let mut sums = vec![0.0; models.len()];
@@ -88,7 +92,7 @@ pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
         let scores: Vec<f64> = models
             .iter()
             .zip(&fixed)
-            .map(|(model, fixed)| (reweighted(model.validation, &multipliers) + fixed) / temper)
+            .map(|(model, fixed)| reweighted(model.validation, &multipliers) / temper + fixed)
             .collect();
         let most = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let total: f64 = scores.iter().map(|score| (score - most).exp()).sum();
@@ -150,7 +154,9 @@ mod tests {
         assert!((equal[0] - 0.5).abs() < 1e-9);
         let strange = weights(&[scored(0.0), scored(-7.0)], 10.0, 1);
         assert!(strange[0] > 0.99);
-        // Where the law gains much, seven units are within its own discrepancy.
-        assert!(weights(&[scored(0.0), scored(-7.0)], 1e4, 1)[1] > 0.2);
+        // Where the law gains much, seven units of the score are within its own discrepancy.
+        let better = model(&[193.0, 203.0]);
+        let both = [Scored { validation: &better, log_prior: 0.0 }, scored(0.0)];
+        assert!(weights(&both, 10.0, 1)[1] < 1e-3 && weights(&both, 1e6, 1)[1] > 0.4);
     }
 }

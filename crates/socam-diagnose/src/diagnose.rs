@@ -46,7 +46,7 @@ impl Default for Options {
             false_alarm_rate: 0.01,
             most_effects: 3,
             tolerance: 1e-3,
-            starts: 2,
+            starts: 6,
             seed: 1,
             start_state: StartState::Free,
             watch: Watch::default(),

@@ -3,13 +3,13 @@
 
 use rayon::prelude::*;
 use socam_identify::{
-    IdentifyError,
+    IdentifyError, Problem,
     compare::{self, Measured, Yardstick},
 };
 use socam_model::Model;
 
 use crate::{
-    candidates::Candidate,
+    candidates::{self, Candidate},
     context::{Context, Fitted},
     score_test::carried,
 };
@@ -18,8 +18,10 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
-/// Iterations to begin with for what begins large.
-const LARGE_LEG: usize = 30;
+/// Legs for what begins large, on the recording that is predicted worst, before it begins on all of them; and how many times what was left
+/// there it may leave after each of them to go on.
+const LARGE_LEGS: [usize; 3] = [10, 10, 10];
+const HOPELESS: f64 = 10.0;
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -76,8 +78,7 @@ fn begin(
     index: usize,
     candidate: &Candidate,
 ) -> Result<Option<Runner>, IdentifyError> {
-    let grown = before.model.with_effect(candidate.effect.id, &candidate.place, &candidate.values);
-    let Ok(grown) = grown else { return Ok(None) };
+    let Some(grown) = candidates::added(&before.model, candidate) else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
     let is_far = candidate.is_far();
     let is_large = candidate.begins_large;
@@ -89,16 +90,40 @@ fn begin(
     }
     // A large effect that is missing has displaced all others: with it they begin at the file's values.
     let file = before.model.values();
-    let values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
+    let mut values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
+    if is_large {
+        let Some(nearer) = on_the_worst(context, before, &begun, &values, noise)? else { return Ok(None) };
+        values = nearer.values;
+    }
     // From start states of its own: where physics is missing, those of the fit before make up for it.
-    let iterations = match (is_large, is_far) {
-        (true, _) => LARGE_LEG,
-        (_, true) => FAR_LEG,
-        _ => FIRST_LEG,
-    };
+    let iterations = if is_far { FAR_LEG } else { FIRST_LEG };
     let at =
         compare::descend(&context.problem(&begun)?, noise, &values, None, (compare::COARSE, iterations))?;
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
+}
+
+/// A long way down, on the recording of which the model before explains least: from there the others are near.
+fn on_the_worst(
+    context: &Context<'_>,
+    before: &Fitted,
+    model: &Model,
+    values: &[f64],
+    noise: &Yardstick,
+) -> Result<Option<Measured>, IdentifyError> {
+    let Measured { chi2, count, .. } = &before.at;
+    let share = |recording: &usize| chi2[*recording] / count[*recording].max(1.0);
+    let worst = (0..chi2.len()).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
+    let one = Problem::new(model, &context.training[worst..=worst], context.fit.clone())?;
+    let mut at: Option<Measured> = None;
+    for iterations in LARGE_LEGS {
+        let (begin, from) = at.as_ref().map_or((values, None), |at| (&*at.values, Some((model, at))));
+        let next = compare::descend(&one, noise, begin, from, (compare::COARSE, iterations))?;
+        at = next.filter(|next| next.total() < HOPELESS * chi2[worst]);
+        if at.as_ref().is_none_or(|at| at.converged) {
+            break;
+        }
+    }
+    Ok(at)
 }
 
 /// Where an effect was begun in several ways, the one that came furthest, the first of sorted ones, goes on.

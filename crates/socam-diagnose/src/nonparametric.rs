@@ -37,6 +37,8 @@ const TOGETHER: usize = 3;
 const ORDERS: usize = 4;
 /// Name of the speed within which what rubs turns its direction: as wide as that of the catalogue's friction.
 const TRANSITION: &str = "transition_speed";
+/// How much more than its scores promise a curve may gain at most.
+const BEYOND_PROMISE: f64 = 1.5;
 /// Iterations of a shape's fit.
 const ITERATIONS: usize = 10;
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -219,14 +221,36 @@ pub(crate) fn competing(
         let Candidate { place, .. } = &named.term.candidate;
         named.term.candidate.value("order").is_finite() && first.free.is_turn() && *place == first.free.place
     });
-    let Some(curve) = fitted(context, path, first)? else { return Ok(None) };
-    if is_wave_of_it || curve.gain.log_score <= curve.gain.std {
+    // A curve is linear in its points: it gains little more than its scores promise.
+    if is_wave_of_it || named.is_some_and(|named| BEYOND_PROMISE * first.promise.gain < named.fall) {
+        return Ok(None);
+    }
+    let curve =
+        fitted(context, path, first)?.filter(|curve| is_possible(&curve.curve, most(path, &first.free)));
+    let Some(curve) = curve else { return Ok(None) };
+    if curve.gain.log_score <= curve.gain.std {
         return Ok(None);
     }
     match named {
         Some(named) if !curve.beats(context, path, named)? => Ok(None),
         _ => Ok(Some(curve)),
     }
+}
+
+/// The largest height that a curve may have: what moves its place, or what its sensor reads.
+fn most(path: &Path, free: &Free) -> f64 {
+    let rig = &path.known.rig;
+    match free.effect.acts_at {
+        ActsAt::Bearing => rig.bearing(&free.place).1.torque,
+        ActsAt::Spring => rig.spring(&free.place).torque,
+        _ => rig.channel(&free.place).largest,
+    }
+}
+
+/// Whether no point that the recordings determine is beyond that; where the rig shows no size, all are possible.
+fn is_possible(curve: &Curve, most: f64) -> bool {
+    let known = curve.torque.iter().zip(&curve.torque_std).filter_map(|(height, std)| height.zip(*std));
+    most <= 0.0 || known.into_iter().all(|(height, std)| height.abs() - 2.0 * std <= most)
 }
 
 /// What each of some places would carry, the one that would carry most first.

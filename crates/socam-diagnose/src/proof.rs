@@ -24,6 +24,8 @@ pub(crate) struct Proof<'a> {
     /// Of the last model, and of that without each of its terms, in their order.
     last: Measured,
     without: Vec<Option<Measured>>,
+    /// Sensor noise of each output, SI.
+    noise_std: Vec<f64>,
 }
 
 impl<'a> Proof<'a> {
@@ -45,18 +47,19 @@ impl<'a> Proof<'a> {
         let Some(((base, corrected), last)) = all else { return Ok(None) };
         let without = path.terms.iter().map(|term| term.without.as_ref().map_or(Ok(None), of));
         let without: Result<Vec<Option<Measured>>, IdentifyError> = without.collect();
-        Ok(Some(Self { holdout, base, corrected, last, without: without? }))
+        let noise_std = path.noise.levels().outputs.clone();
+        Ok(Some(Self { holdout, base, corrected, last, without: without?, noise_std }))
     }
 
-    /// How much of what the model without a term leaves beyond noise the term takes away, per cent.
+    /// How much of the power that the model without a term leaves beyond sensor noise the term takes away, per cent.
     pub(crate) fn gain_percent(&self, term: usize) -> Option<f64> {
         let without = self.without.get(term)?.as_ref()?;
-        Some(percent(without, &self.last))
+        Some(percent(without, &self.last, &self.noise_std))
     }
 
     /// The same of a curve over the last model.
     pub(crate) fn curve_gain_percent(&self) -> f64 {
-        percent(&self.last, &self.corrected)
+        percent(&self.last, &self.corrected, &self.noise_std)
     }
 
     /// Channels whose residual on held-out recordings rises: name, rms before and after, SI.
@@ -73,9 +76,14 @@ impl<'a> Proof<'a> {
     }
 }
 
-fn percent(before: &Measured, after: &Measured) -> f64 {
-    let gain = before.total() - after.total();
-    let excess = (before.total() - before.count.iter().sum::<f64>()).max(0.0);
+/// Fall of the residuals' power, in units of each output's sensor noise, over what of it is beyond that noise.
+fn percent(before: &Measured, after: &Measured, noise_std: &[f64]) -> f64 {
+    let power = |at: &Measured| -> f64 {
+        let each = at.rms.iter().zip(&at.read).zip(noise_std).filter(|(_, std)| **std > 0.0);
+        each.map(|((rms, read), std)| (rms / std).powi(2) * read).sum()
+    };
+    let gain = power(before) - power(after);
+    let excess = power(before) - before.read.iter().sum::<f64>();
     100.0 * gain / excess.max(gain).max(1.0)
 }
 

@@ -125,7 +125,12 @@ impl Path {
         let is_suspicious = !tried.is_empty();
         self.unexplained = nonparametric::competing(context, self, &scales, named.as_ref(), is_suspicious)?;
         if let Some(curve) = &self.unexplained {
-            let overlooked = self.overlooked(curve, &tried);
+            let mut overlooked = self.overlooked(curve, &tried);
+            // They are compared with what was chosen before.
+            let is_chosen = |candidate: &Candidate| {
+                named.as_ref().is_some_and(|one| one.term.candidate.is_same(candidate))
+            };
+            overlooked.extend(tried.iter().filter(|(candidate, _)| is_chosen(candidate)).cloned());
             let late = choice::best(context, self, &overlooked, None)?;
             named = match late {
                 Some(late) if !curve.beats(context, self, &late)? => Some(late),

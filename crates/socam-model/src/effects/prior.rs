@@ -45,6 +45,8 @@ pub enum Shape {
 const MULTIPLES: u32 = 60;
 /// Share of [`Shape::WholeNumbers`] that is left to values between the multiples: slipping belts and planetary carriers have such orders.
 const BETWEEN: f64 = 0.02;
+/// Standard deviations within which a value is taken for a whole multiple.
+const WITHIN: f64 = 3.0;
 
 impl Prior {
     /// See [`Shape::LogNormal`].
@@ -135,6 +137,17 @@ impl Prior {
         if own == f64::NEG_INFINITY { own } else { (own - usual).min(0.0) }
     }
 
+    /// Mean and standard deviation of the density about the whole multiple that is nearest to `value`, as a fit that begins there is held to it; `None`
+    /// for other shapes, and between multiples.
+    #[must_use]
+    pub fn whole_number_near(&self, value: f64) -> Option<(f64, f64)> {
+        let Shape::WholeNumbers { bases, std } = &self.shape else { return None };
+        let nearest = bases.iter().map(|base| (value / base).round().max(1.0) * base);
+        let nearest = nearest.min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs()))?;
+        let std = std * nearest;
+        ((nearest - value).abs() < WITHIN * std).then_some((nearest, std))
+    }
+
     /// Logarithm of what a density has within the support.
     fn mass(&self, density: &impl ContinuousCDF<f64, f64>) -> f64 {
         (density.cdf(self.support.1) - density.cdf(self.support.0)).max(f64::MIN_POSITIVE).ln()
@@ -210,6 +223,15 @@ mod tests {
         assert!(prior.log_density(7.0) > prior.log_density(6.24) + 5.0);
         let prior = Prior::whole_numbers(vec![1.0, 0.125], 1e-3, 100.0, "");
         assert!(prior.log_density(0.375) > prior.log_density(0.3) + 3.0);
+    }
+
+    #[test]
+    fn a_fit_is_held_to_the_whole_number_at_which_it_begins() {
+        let prior = Prior::whole_numbers(vec![1.0, 0.125], 2e-3, 100.0, "");
+        assert_eq!(prior.whole_number_near(7.001), Some((7.0, 0.014)));
+        assert_eq!(prior.whole_number_near(0.375), Some((0.375, 7.5e-4)));
+        assert_eq!(prior.whole_number_near(0.3), None);
+        assert_eq!(Prior::phase().whole_number_near(1.0), None);
     }
 
     #[test]
