@@ -137,7 +137,7 @@ impl Candidate {
 }
 
 /// Quantiles of their priors at which amplitudes are begun that have to be large to show.
-pub(crate) const USUAL_SHARES: [f64; 2] = [0.5, 0.8];
+pub(crate) const USUAL_SHARES: [f64; 2] = [0.5, 0.9];
 /// Most starts of one effect at one place that are fitted.
 const STARTS: usize = 3;
 

@@ -12,6 +12,9 @@ use crate::{
     selection::{Path, Term},
 };
 
+/// Share of the sum of squares of which the best start leaves more where others are tried from afar.
+const FAR: f64 = 0.25;
+
 /// A term to add.
 pub(crate) struct Choice {
     pub(crate) term: Term,
@@ -34,8 +37,14 @@ pub(crate) fn best(
     scales: Option<&Scales>,
 ) -> Result<Option<Choice>, IdentifyError> {
     let mut tried = tried.to_vec();
-    let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
-    let mut finalists = halving::run(context, &path.last, &starts, &path.noise)?;
+    let mut finalists = fitted(context, path, &tried, 0)?;
+    // What begins large takes long: only where nothing that begins small comes near.
+    let least = finalists.iter().map(|one| one.at.total()).fold(path.last.deviance(), f64::min);
+    if scales.is_some() && !tried.is_empty() && least > FAR * path.last.deviance() {
+        let far = path.far();
+        finalists.extend(fitted(context, path, &far, tried.len())?);
+        tried.extend(far);
+    }
     if let Some(scales) = scales {
         let left = finalists.iter().map(|one| reduced(&one.at)).fold(path.noise.excess(), f64::min);
         for (one, finalist) in path.without_each_sensor(context, scales, left)? {
@@ -68,6 +77,18 @@ pub(crate) fn best(
     let fall = raced.map_or(0.0, |one| path.last.deviance() - one.at.total());
     let term = Term { candidate, p_value, rivals, gain: gained, without: None };
     Ok(Some(Choice { term, fitted: fitted.clone(), before, fall, noise }))
+}
+
+/// What is left of all that is tried, their numbers counted on from `first`.
+fn fitted(
+    context: &Context<'_>,
+    path: &Path,
+    tried: &[(Candidate, f64)],
+    first: usize,
+) -> Result<Vec<Finalist>, IdentifyError> {
+    let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
+    let finalists = halving::run(context, &path.last, &starts, &path.noise)?;
+    Ok(finalists.into_iter().map(|one| Finalist { index: first + one.index, ..one }).collect())
 }
 
 fn reduced(at: &socam_identify::compare::Measured) -> f64 {

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 use socam_identify::{
-    IdentifyError, Problem,
+    IdentifyError,
     compare::{self, Measured, Yardstick},
 };
 use socam_model::Model;
@@ -18,10 +18,8 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
-/// Legs for what begins large, on the recording that is predicted worst, before it begins on all of them; and how many times what was left
-/// there it may leave after each of them to go on.
-const LARGE_LEGS: [usize; 3] = [10, 10, 10];
-const HOPELESS: f64 = 10.0;
+/// Legs for what begins large: iterations, and how many times what was left before it may leave after them to go on.
+const LARGE_LEGS: [(usize, f64); 4] = [(10, 30.0), (10, 10.0), (10, 3.0), (20, 1.0)];
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -90,10 +88,10 @@ fn begin(
     }
     // A large effect that is missing has displaced all others: with it they begin at the file's values.
     let file = before.model.values();
-    let mut values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
+    let values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
     if is_large {
-        let Some(nearer) = on_the_worst(context, before, &begun, &values, noise)? else { return Ok(None) };
-        values = nearer.values;
+        let at = from_afar(context, before, &begun, &values, noise)?;
+        return Ok(at.map(|at| Runner { index, model: grown, done: false, at }));
     }
     // From start states of its own: where physics is missing, those of the fit before make up for it.
     let iterations = if is_far { FAR_LEG } else { FIRST_LEG };
@@ -102,23 +100,20 @@ fn begin(
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
 }
 
-/// A long way down, on the recording of which the model before explains least: from there the others are near.
-fn on_the_worst(
+/// A long way down from the file's values, given up where it leads nowhere.
+fn from_afar(
     context: &Context<'_>,
     before: &Fitted,
     model: &Model,
     values: &[f64],
     noise: &Yardstick,
 ) -> Result<Option<Measured>, IdentifyError> {
-    let Measured { chi2, count, .. } = &before.at;
-    let share = |recording: &usize| chi2[*recording] / count[*recording].max(1.0);
-    let worst = (0..chi2.len()).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
-    let one = Problem::new(model, &context.training[worst..=worst], context.fit.clone())?;
+    let problem = context.problem(model)?;
     let mut at: Option<Measured> = None;
-    for iterations in LARGE_LEGS {
+    for (iterations, hopeless) in LARGE_LEGS {
         let (begin, from) = at.as_ref().map_or((values, None), |at| (&*at.values, Some((model, at))));
-        let next = compare::descend(&one, noise, begin, from, (compare::COARSE, iterations))?;
-        at = next.filter(|next| next.total() < HOPELESS * chi2[worst]);
+        let next = compare::descend(&problem, noise, begin, from, (compare::COARSE, iterations))?;
+        at = next.filter(|next| next.total() < hopeless * before.deviance());
         if at.as_ref().is_none_or(|at| at.converged) {
             break;
         }

@@ -22,8 +22,8 @@ use crate::{
 /// Candidates that are fitted, and places of any one effect among them: in a long chain neighbours promise the same.
 const TRIED: usize = 8;
 const PLACES: usize = 4;
-/// Of these, those that also begin large where the base model is far from the data.
-const LARGE: usize = 3;
+/// Effects that also begin large where the base model is far from the data.
+const LARGE: usize = 12;
 /// Mean square of the residuals in units of sensor noise from which on something is left.
 pub(crate) const EXCESS: f64 = 1.05;
 /// From where on base parameters may have been displaced so far that a fit does not find back from there.
@@ -203,23 +203,31 @@ impl Path {
                 tried.push((one.start.clone(), one.p_value));
             }
         }
-        // Far from the data a little of an effect leads nowhere: what would gain most also begins large.
-        let is_far = self.noise.excess() > DISPLACED && self.terms.is_empty();
-        let mut far: Vec<(Candidate, f64)> = Vec::new();
-        for (candidate, p_value) in tried.iter().filter(|_| is_far) {
-            let is_new = !far.iter().any(|(known, _)| known.is_same(candidate));
-            if is_new && far.len() < LARGE * candidates::USUAL_SHARES.len() {
-                far.extend(
-                    candidates::usual(candidate, &self.known.rig).into_iter().map(|start| (start, *p_value)),
-                );
-            }
-        }
         let (model, values) = (&self.last.model, &self.last.at.values);
         let begun = tried.into_iter().flat_map(|(candidate, p_value)| {
             let starts = candidates::starts(candidate, model, values);
             starts.into_iter().map(move |start| (start, p_value))
         });
-        begun.chain(far).chain(self.large(false_alarm_rate)).collect()
+        begun.chain(self.large(false_alarm_rate)).collect()
+    }
+
+    /// Far from the data a little of an effect leads nowhere, and scores say little: what would gain most begins at usual sizes, whether it stands
+    /// out or not.
+    pub(crate) fn far(&self) -> Vec<(Candidate, f64)> {
+        if self.noise.excess() <= DISPLACED || !self.terms.is_empty() {
+            return Vec::new();
+        }
+        let mut known: Vec<&Candidate> = Vec::new();
+        let mut far = Vec::new();
+        for one in &self.tests {
+            let starts = candidates::usual(&one.start, &self.known.rig);
+            let is_new = !known.iter().any(|known| known.is_same(&one.start));
+            if is_new && known.len() < LARGE && !starts.is_empty() && !one.start.is_always_tried() {
+                known.push(&one.start);
+                far.extend(starts.into_iter().map(|start| (start, one.p_value)));
+            }
+        }
+        far
     }
 
     /// Large amplitudes of effects of which a little says nothing, where anything at all is missing.
