@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Share of the sum of squares of which the best start leaves more where others are tried from afar.
-const FAR: f64 = 0.25;
+const FAR: f64 = 0.1;
 
 /// A term to add.
 pub(crate) struct Choice {
@@ -95,23 +95,21 @@ fn reduced(at: &socam_identify::compare::Measured) -> f64 {
     at.total() / at.count.iter().sum::<f64>().max(1.0)
 }
 
-/// The simplest of those that predict as well as the best to within a standard error, or to within what its law's discrepancy makes.
+/// The simplest of those that are as likely as the likeliest to within one standard error, or one nat. Scores are tempered: what a law's
+/// discrepancy may make of one counts as a nat, and is weighed against the priors.
 fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
-    let score = |fitted: &Fitted| fitted.validation.log_score() + path.known.log_prior(fitted);
-    let best = (0..fits.len()).max_by(|a, b| score(&fits[*a].1).total_cmp(&score(&fits[*b].1)))?;
-    let gained = path.gain(&fits[best].1, before).log_score;
+    let prior = |index: usize| path.known.log_prior(&fits[index].1);
+    let score = |index: usize| fits[index].1.validation.log_score();
+    let highest = (0..fits.len()).max_by(|a, b| score(*a).total_cmp(&score(*b)))?;
+    let temper = criterion::temper(path.gain(&fits[highest].1, before).log_score);
+    let likelihood = |index: usize| score(index) / temper + prior(index);
+    let best = (0..fits.len()).max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b)))?;
     let is_near = |other: &usize| {
-        let worse = path.gain(&fits[best].1, &fits[*other].1);
-        worse.log_score <= worse.std.max(criterion::by_law(gained))
+        let std = criterion::difference(&fits[best].1.validation, &fits[*other].1.validation).std;
+        likelihood(best) - likelihood(*other) <= (std / temper).max(1.0)
     };
     let free =
         |index: usize| fits[index].1.model.parameters.iter().filter(|parameter| !parameter.fixed).count();
-    // Of as simple ones the likeliest: what a law's discrepancy may make of the score is weighed against the priors.
-    let temper = criterion::temper(gained);
-    let likelihood = |index: usize| {
-        let fitted = &fits[index].1;
-        fitted.validation.log_score() / temper + path.known.log_prior(fitted)
-    };
     let order =
         |a: &usize, b: &usize| free(*a).cmp(&free(*b)).then(likelihood(*b).total_cmp(&likelihood(*a)));
     (0..fits.len()).filter(is_near).min_by(order)

@@ -87,8 +87,8 @@ fn begin(
         others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
     }
     // A large effect that is missing has displaced all others: with it they begin at the file's values.
-    let file = before.model.values();
-    let values = carried((&before.model, if is_large { &file } else { &before.at.values }), &grown);
+    let displaced = if is_large { &file_values(before) } else { &before.at.values };
+    let values = carried((&before.model, displaced), &grown);
     if is_large {
         let at = from_afar(context, before, &begun, &values, noise)?;
         return Ok(at.map(|at| Runner { index, model: grown, done: false, at }));
@@ -98,6 +98,15 @@ fn begin(
     let at =
         compare::descend(&context.problem(&begun)?, noise, &values, None, (compare::COARSE, iterations))?;
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
+}
+
+/// The file's values of all but what was added.
+fn file_values(before: &Fitted) -> Vec<f64> {
+    let mut values = before.model.values();
+    for index in before.model.effects.iter().flat_map(|used| &used.parameters) {
+        values[*index] = before.at.values[*index];
+    }
+    values
 }
 
 /// A long way down from the file's values, given up where it leads nowhere.
