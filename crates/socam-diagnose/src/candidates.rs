@@ -219,6 +219,25 @@ pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
     starts
 }
 
+/// Laws with fewer parameters that a term's law holds as special cases, at its fitted values, the simplest first.
+pub(crate) fn simpler_laws(path: &Path, term: usize) -> Vec<Candidate> {
+    let own = &path.terms[term].candidate;
+    let fitted: Vec<(&str, f64)> =
+        path.parameters(term).map(|(name, index)| (name, path.last.at.values[index])).collect();
+    let is_held =
+        |id: &str| id == own.effect.id || own.effect.replaces.iter().any(|simpler| simpler.law == id);
+    let laws = effects::CATALOGUE.iter().chain(REFINED).filter(|effect| is_held(effect.id));
+    let each = laws.filter(|effect| effect.given().count() < own.values.len()).filter_map(|effect| {
+        let value = |name: &str| fitted.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+        let values: Option<Values> =
+            effect.given().map(|given| Some((given.name, value(given.name)?))).collect();
+        Some(Candidate::new(effect, &own.place, values?))
+    });
+    let mut simpler: Vec<Candidate> = each.collect();
+    simpler.sort_by_key(|law| law.values.len());
+    simpler
+}
+
 /// Starts with amplitudes as large as they usually are.
 pub(crate) fn large(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
     let all =

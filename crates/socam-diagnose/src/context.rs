@@ -25,8 +25,8 @@ use crate::{
 const FEW: usize = 3;
 /// Blocks that fewer recordings are cut into, all together.
 const BLOCKS: usize = 4;
-/// Mean square of the residuals in units of sensor noise from which on inputs are taken as exact.
-const FAR_BEYOND_NOISE: f64 = 100.0;
+/// Mean square of the residuals in units of sensor noise from which on inputs are taken as exact, and fits begin afar even beside what was added.
+pub(crate) const FAR_BEYOND_NOISE: f64 = 100.0;
 /// Most iterations of a fit, and of one without a block, which begins at the fit with it.
 const ITERATIONS: usize = 25;
 const REFIT_ITERATIONS: usize = 6;

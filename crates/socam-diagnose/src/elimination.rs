@@ -114,6 +114,32 @@ impl Path {
         Ok(())
     }
 
+    /// Puts the simplest law in a term's place beside which the term's own gains nothing.
+    pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<(), IdentifyError> {
+        for simpler in candidates::simpler_laws(self, index) {
+            let each = self.terms.iter().enumerate();
+            let each = each.map(|(other, term)| if other == index { &simpler } else { &term.candidate });
+            let Some(model) = self.base.with(each) else { continue };
+            let values = carried((&self.last.model, &self.last.at.values), &model);
+            let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
+            let gained = self.gain(&self.last, &fitted);
+            if gained.log_score <= gained.std.max(self.least_of_another_name(index, &simpler)) {
+                self.last = fitted;
+                let term = &mut self.terms[index];
+                term.rivals.retain(|(rival, _)| !rival.is_same(&simpler));
+                term.candidate = simpler;
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// What a term's law has to gain over another one with another name: more than the simpler law's own discrepancy may make.
+    fn least_of_another_name(&self, index: usize, other: &Candidate) -> f64 {
+        let term = &self.terms[index];
+        if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
+    }
+
     /// Puts nested laws in the place of simpler ones where they predict better: noise is known only once most of what was missing is there.
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
@@ -144,10 +170,7 @@ impl Path {
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
         let Some((after, before)) = after.zip(before) else { return Ok(()) };
         let gained = self.gain(&after, &before);
-        // Another name needs more than what the simpler law's own discrepancy may make.
-        let is_other_name = candidate.effect.id != self.terms[index].candidate.effect.id;
-        let least = if is_other_name { criterion::by_law(self.terms[index].gain.log_score) } else { 0.0 };
-        if gained.log_score <= gained.std.max(least) {
+        if gained.log_score <= gained.std.max(self.least_of_another_name(index, &candidate)) {
             return Ok(());
         }
         (self.last, self.noise) = (after, noise);

@@ -11,7 +11,7 @@ use crate::{
     alike::alike,
     candidates::{self, Candidate},
     choice::{self, Choice},
-    context::{Context, Fitted},
+    context::{Context, FAR_BEYOND_NOISE, Fitted},
     criterion::{self, Difference},
     nonparametric::{self, Unexplained},
     plausibility::Known,
@@ -28,8 +28,6 @@ const LARGE: usize = 12;
 pub(crate) const EXCESS: f64 = 1.05;
 /// From where on base parameters may have been displaced so far that a fit does not find back from there.
 const DISPLACED: f64 = 2.0;
-/// The same once something was added, which has brought them nearer.
-const STILL_DISPLACED: f64 = 100.0;
 /// Further orders of effects that come back with every turn: all orders at one place are one effect.
 const MORE_ORDERS: usize = 8;
 /// Iterations of a restart from the file's values, and how near it must come to the other fit to be gone on with.
@@ -216,7 +214,8 @@ impl Path {
     /// Far from the data a little of an effect leads nowhere, and scores say little: what would gain most begins at usual sizes, whether it stands
     /// out or not.
     pub(crate) fn far(&self) -> Vec<(Candidate, f64)> {
-        let displaced = if self.terms.is_empty() { DISPLACED } else { STILL_DISPLACED };
+        // What was added has brought them nearer.
+        let displaced = if self.terms.is_empty() { DISPLACED } else { FAR_BEYOND_NOISE };
         if self.noise.excess() <= displaced {
             return Vec::new();
         }
@@ -284,6 +283,7 @@ impl Path {
         self.last = if was < DISPLACED { choice.fitted } else { restarted(context, self, choice.fitted)? };
         self.renew_noise(context)?;
         self.upgrade(context)?;
+        self.simplify(context, self.terms.len() - 1)?;
         self.tests.clear();
         self.eliminate(context, self.terms.len() - 1)
     }
