@@ -6,7 +6,7 @@
 
 use faer::{Mat, linalg::solvers::SolveLstsqCore};
 use nalgebra::DVector;
-use socam_model::{Equations, Model, Quantity, Take};
+use socam_model::{Equations, Model, Quantity, Take, effects::ActsAt};
 use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -135,6 +135,12 @@ impl<'m> Axis<'m> {
             return Err(unsuited(
                 "it reads channels as recorded, without `gain` or `take`; use output-error",
             ));
+        }
+        if let Some(used) = model.effects.iter().find(|used| used.effect.acts_at == ActsAt::Channel) {
+            return Err(unsuited(&format!(
+                "it reads channels as recorded, without {} at {}; use output-error",
+                used.effect.id, used.place
+            )));
         }
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();

@@ -212,6 +212,17 @@ fn slopes_agree_with_differences() {
     assert!(error < 1e-4, "axis: {error:e}");
 }
 
+/// Inverse dynamics reads channels as they were recorded.
+#[test]
+fn an_effect_at_a_channel_is_no_regression_of_the_force() {
+    let axis = Model::builtin("emps")
+        .unwrap()
+        .with_effect("direction_gain", "force", &[("difference", 0.1)])
+        .unwrap();
+    let error = crate::inverse_dynamics(&axis, &[emps_data()]).unwrap_err().to_string();
+    assert!(error.contains("direction_gain at force") && error.contains("output-error"), "{error}");
+}
+
 /// What laws of no strength would answer, on a bench that moves in one way and in three.
 #[test]
 fn slopes_of_silent_laws_agree_with_differences() {
