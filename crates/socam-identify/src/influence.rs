@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 use socam_model::Model;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError,
@@ -14,10 +14,8 @@ use crate::{
 
 /// Recordings from which on their differences say something.
 const LEAST_RECORDINGS: usize = 3;
-/// Directions of the parameters that weigh less than this, relative to the heaviest, are nobody's pull.
+/// Singular values below this fraction of the largest are truncated.
 const LEAST_WEIGHT: f64 = 1e-6;
-/// Share of a parameter that must lie in the others for anything to be said of it.
-const MOSTLY: f64 = 0.99;
 /// What the other recordings say of a direction counts as no less than this share of what all do: what one alone says is not judged by
 /// the others.
 const LEAST_LEFT: f64 = 0.1;
@@ -43,7 +41,7 @@ pub fn half_widths(
         return Ok(None);
     }
     let Some(fit) = Slopes::at(problem, yardstick, model, at)? else { return Ok(None) };
-    let Slopes { passed, root, weights, .. } = &fit;
+    let Slopes { passed, root, weights } = &fit;
     let free = problem.free.len();
     let mut pulls = Mat::<f64>::zeros(free, recordings);
     for (stretch, result) in problem.stretches.iter().zip(passed) {
@@ -73,62 +71,11 @@ pub fn half_widths(
     Ok(Some(widths))
 }
 
-/// How far noise moves an estimate, as its own course says.
-#[derive(Debug, Clone, Copy)]
-pub struct Spread {
-    /// Standard error, SI; infinite of what is fixed, or what no recording shows.
-    pub std: f64,
-    /// Degrees of freedom that it is known with.
-    pub freedom: f64,
-}
-
-impl Spread {
-    /// Chance that the strongest of `parameters` that were chosen together comes out `distance` (SI) from what it is.
-    pub fn chance(&self, distance: f64, parameters: usize) -> f64 {
-        let n = parameters.max(1) as f64;
-        let ratio = (distance / self.std).powi(2) / n;
-        FisherSnedecor::new(n, self.freedom).map_or(1.0, |f| f.sf(if ratio.is_nan() { 0.0 } else { ratio }))
-    }
-}
-
-/// How far noise moves each parameter of the model at a fit (`at`, made with `model`), whatever its colour and wherever it is loud: half a
-/// second after half a second pulls as it does (the sandwich estimate clustered by blocks; degrees of freedom after F. E. Satterthwaite,
-/// Biometrics 2, 1946). No less than the yardstick's white noise would. Unlike [`half_widths`] it takes a law for obeyed. `None` where slopes
-/// overflow.
-///
-/// # Errors
-/// When a recording cannot be read.
-pub fn spread(
-    problem: &Problem<'_>,
-    yardstick: &Yardstick,
-    model: &Model,
-    at: &Measured,
-) -> Result<Option<Vec<Spread>>, IdentifyError> {
-    let Some(Slopes { passed, root, shown, weights }) = Slopes::at(problem, yardstick, model, at)? else {
-        return Ok(None);
-    };
-    let free = problem.free.len();
-    let blocks = pass::blocks(&passed, free);
-    let pulls = Mat::from_fn(free, blocks.len(), |j, block| blocks[block][j]);
-    let most = blocks.len().max(1) as f64;
-    let steps = &root * (root.transpose() * pulls);
-    let mut spread = vec![Spread { std: f64::INFINITY, freedom: 1.0 }; problem.model.parameters.len()];
-    for (j, index) in problem.free.iter().enumerate().filter(|(j, _)| shown[*j] > MOSTLY) {
-        let squares = steps.row(j).squared_norm_l2();
-        let fourths: f64 = steps.row(j).iter().map(|step| step.powi(4)).sum();
-        let std = squares.max(root.row(j).squared_norm_l2()).sqrt() * weights.scales[j].abs();
-        spread[*index] = Spread { std, freedom: (3.0 * squares.powi(2) / fourths).clamp(1.0, most) };
-    }
-    Ok(Some(spread))
-}
-
 /// Slopes at a fit.
 struct Slopes {
     passed: Vec<StretchResult>,
     /// Of the free parameters' covariance in white noise, scaled.
     root: Mat<f64>,
-    /// By free parameter, how much of it lies in directions that weigh anything.
-    shown: Vec<f64>,
     weights: Weights,
 }
 
@@ -150,8 +97,7 @@ impl Slopes {
         let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
         let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
         let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
-        let shown = (0..free).map(|j| kept.iter().map(|k| svd.V()[(j, *k)].powi(2)).sum()).collect();
-        Ok(Some(Self { passed, root, shown, weights }))
+        Ok(Some(Self { passed, root, weights }))
     }
 }
 
