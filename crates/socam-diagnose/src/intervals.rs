@@ -1,11 +1,14 @@
 //! Estimates of the corrected model with their intervals.
 
-use socam_identify::{Identification, IdentifyError, ParameterEstimate, at_minimum, influence};
+use socam_identify::{Identification, IdentifyError, ParameterEstimate, Source, at_minimum, influence};
 
 use crate::{candidates::Candidate, context::Context, selection::Path};
 
 /// Mean square of the residuals in units of sensor noise from which on an interval's upper end allows for how an effect's law is idealised.
 const POOR: f64 = 1.2;
+
+/// Share of the way from the lower bound to the file's value within which a parameter lies at the bound.
+const AT_BOUND: f64 = 0.01;
 
 /// The last model's parameters under its noise model. No interval is narrower than the recordings differ (jackknife over recordings), or
 /// than a law's own discrepancy allows.
@@ -13,10 +16,21 @@ pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identifica
     let last = &path.last;
     let mut model = last.model.clone();
     for (parameter, value) in model.parameters.iter_mut().zip(&last.at.values) {
+        // A bound that the fit leans on holds the parameter: the others' intervals are those with it there.
+        let (usual, low) = (parameter.value, parameter.bounds.0);
+        parameter.fixed |= low.is_finite() && value - low < AT_BOUND * (usual - low);
         parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
     }
-    let mut found = at_minimum(&context.problem(&model)?, &path.noise, &last.at)?;
-    let widths = influence::half_widths(&context.problem(&last.model)?, &path.noise, &last.model, &last.at)?;
+    let problem = context.problem(&model)?;
+    let mut found = at_minimum(&problem, &path.noise, &last.at)?;
+    let widths = influence::half_widths(&problem, &path.noise, &model, &last.at)?;
+    for (index, parameter) in model.parameters.iter().enumerate() {
+        if parameter.fixed && !last.model.parameters[index].fixed {
+            let estimate = &mut found.parameters[index];
+            (estimate.value, estimate.source) = (None, Source::Data);
+            estimate.note = "not determined: the fit leans on its lower bound".into();
+        }
+    }
     let mut widths = widths.unwrap_or_else(|| vec![0.0; model.parameters.len()]);
     for (number, term) in path.terms.iter().enumerate() {
         for (name, index) in path.parameters(number) {
