@@ -122,7 +122,9 @@ pub fn diagnose(
     if let Some(channel) = preprocessing::disconnected(model, training)? {
         return Err(DiagnoseError::Disconnected { channel });
     }
-    let (training, mut notes) = connected(model, training)?;
+    let mut notes = preprocessing::held_inputs(model, training)?;
+    let (training, more) = connected(model, training)?;
+    notes.extend(more);
     let (holdout, more) = connected(model, holdout)?;
     notes.extend(more);
     let fit = FitOptions {

@@ -3,7 +3,10 @@
 
 use socam_identify::{IdentifyError, LeftOut, NoiseLevels, Options, Problem, outliers};
 use socam_model::{self as model, Model};
-use socam_recording::{Channel, Dataset, RecordingError};
+use socam_recording::{
+    Channel, Dataset, RecordingError,
+    check::{Held, HeldAt, held},
+};
 
 /// The recordings with outliers beside `model` at `values` (SI) missing, and what these are. One without any stays as it is.
 pub(crate) fn cleaned(
@@ -57,6 +60,32 @@ pub(crate) fn connected(
     });
     let datasets: Result<Vec<Dataset>, RecordingError> = each.collect();
     Ok((datasets?, notes))
+}
+
+/// Where inputs are clipped or stick, a sentence each: there what acts may not be what was recorded, and a model takes it for physics. (Outputs
+/// are left out there by every fit, which says so.)
+pub(crate) fn held_inputs(model: &Model, datasets: &[Dataset]) -> Result<Vec<String>, RecordingError> {
+    let mut notes = Vec::new();
+    for dataset in datasets {
+        for channel in model.inputs().filter(|channel| !channel.quantity.is_clock()) {
+            let Some(column) = dataset.channel_index(&channel.column).ok() else { continue };
+            let all = held(dataset, &[column])?;
+            notes.extend(all.iter().map(|held| held_sentence(dataset.name(), channel, held)));
+        }
+    }
+    Ok(notes)
+}
+
+fn held_sentence(recording: &str, channel: &model::Channel, Held { value, at, share, .. }: &Held) -> String {
+    let value = channel.scale * value + channel.offset;
+    let how = if *at == HeldAt::Between { "sticks" } else { "is clipped" };
+    format!(
+        "{recording}: the input {} {how} at {value:.4} {} in {:.1} % of the rows: its drive was at its limit, or what acted there is not what was \
+         recorded",
+        channel.name,
+        channel.unit,
+        100.0 * share
+    )
 }
 
 /// Channels of a recording that hold one value all the time.
@@ -115,4 +144,33 @@ pub(crate) fn blanked<'c>(
         }
     }
     Dataset::from_columns(dataset.name(), channels, loaded.time_s, columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use socam_recording::Unit;
+
+    use super::*;
+
+    #[test]
+    fn an_input_that_is_clipped_is_seen_before_any_fit() {
+        let model = Model::builtin("emps").unwrap();
+        let time_s: Vec<f64> = (0..4000).map(|k| 1e-3 * f64::from(k)).collect();
+        let force = |limit: f64| -> Vec<f64> {
+            let noise = |t: f64| 0.01 * (1e5 * t * t).sin();
+            time_s.iter().map(|t| (60.0 * (5.0 * t).sin() + noise(*t)).clamp(-limit, limit)).collect()
+        };
+        let recording = |limit: f64| {
+            let channels = vec![Channel::new("force", Unit::N), Channel::new("position", Unit::M)];
+            let position = time_s.iter().map(|t| (5.0 * t).cos()).collect();
+            Dataset::from_columns("axis", channels, time_s.clone(), vec![force(limit), position]).unwrap()
+        };
+        assert_eq!(held_inputs(&model, &[recording(100.0)]).unwrap(), Vec::<String>::new());
+        let notes = held_inputs(&model, &[recording(40.0)]).unwrap();
+        assert_eq!(notes.len(), 2, "{notes:?}");
+        assert!(
+            notes[0].contains("axis: the input force is clipped at") && notes[0].contains("40"),
+            "{notes:?}"
+        );
+    }
 }
