@@ -202,8 +202,7 @@ pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Cand
 /// Starts of a law that holds more than a term's, from the term's fitted values; refined ones as far as their further parameters are known.
 pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
     let own = &path.terms[term].candidate;
-    let fitted: Vec<(&str, f64)> =
-        path.parameters(term).map(|(name, index)| (name, path.last.at.values[index])).collect();
+    let fitted = path.fitted_parameters(term);
     let seen = path.tests.iter().map(|one| &one.start);
     let mut starts: Vec<Candidate> =
         seen.flat_map(|start| start.in_place_of(own, &fitted, &path.last.model)).collect();
@@ -222,8 +221,7 @@ pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
 /// Laws with fewer parameters that a term's law holds as special cases, at its fitted values, the simplest first.
 pub(crate) fn simpler_laws(path: &Path, term: usize) -> Vec<Candidate> {
     let own = &path.terms[term].candidate;
-    let fitted: Vec<(&str, f64)> =
-        path.parameters(term).map(|(name, index)| (name, path.last.at.values[index])).collect();
+    let fitted = path.fitted_parameters(term);
     let is_held =
         |id: &str| id == own.effect.id || own.effect.replaces.iter().any(|simpler| simpler.law == id);
     let laws = effects::CATALOGUE.iter().chain(REFINED).filter(|effect| is_held(effect.id));
@@ -261,8 +259,7 @@ pub(crate) fn usual(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
         let is_one_of_many = candidate.value("order").is_finite() || candidate.value("frequency").is_finite();
         return if is_one_of_many { Vec::new() } else { large(candidate, rig) };
     }
-    let shares = &USUAL_SHARES;
-    shares.iter().filter_map(of).collect()
+    USUAL_SHARES.iter().filter_map(of).collect()
 }
 
 impl Candidate {

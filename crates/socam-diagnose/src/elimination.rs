@@ -10,7 +10,6 @@ use crate::{
     candidates::{self, Candidate},
     context::{Context, Fitted},
     criterion,
-    score_test::carried,
     selection::{EXCESS, Path},
 };
 
@@ -117,10 +116,7 @@ impl Path {
     /// Puts the simplest law in a term's place beside which the term's own gains nothing.
     pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<(), IdentifyError> {
         for simpler in candidates::simpler_laws(self, index) {
-            let each = self.terms.iter().enumerate();
-            let each = each.map(|(other, term)| if other == index { &simpler } else { &term.candidate });
-            let Some(model) = self.base.with(each) else { continue };
-            let values = carried((&self.last.model, &self.last.at.values), &model);
+            let Some((model, values)) = self.begun_with(index, &simpler) else { continue };
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
             let gained = self.gain(&self.last, &fitted);
             if gained.log_score <= gained.std.max(self.least_of_another_name(index, &simpler)) {
@@ -188,10 +184,7 @@ impl Path {
         starts: Vec<Candidate>,
     ) -> Result<Option<(Candidate, socam_model::Model, Measured)>, IdentifyError> {
         let begun = starts.into_par_iter().map(|start| {
-            let each = self.terms.iter().enumerate();
-            let each = each.map(|(other, term)| if other == index { &start } else { &term.candidate });
-            let Some(model) = self.base.with(each) else { return Ok(None) };
-            let values = carried((&self.last.model, &self.last.at.values), &model);
+            let Some((model, values)) = self.begun_with(index, &start) else { return Ok(None) };
             let leg = (compare::COARSE, UPGRADING);
             let at = compare::descend(&context.problem(&model)?, &self.noise, &values, None, leg)?;
             Ok(at.map(|at| (start, model, at)))

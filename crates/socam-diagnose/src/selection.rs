@@ -306,6 +306,15 @@ impl Path {
         Some((model, values))
     }
 
+    /// The last model with another candidate in the place of one of its terms, and its values as they are.
+    pub(crate) fn begun_with(&self, index: usize, candidate: &Candidate) -> Option<(Model, Vec<f64>)> {
+        let each = self.terms.iter().enumerate();
+        let each = each.map(|(other, term)| if other == index { candidate } else { &term.candidate });
+        let model = self.base.with(each)?;
+        let values = carried((&self.last.model, &self.last.at.values), &model);
+        Some((model, values))
+    }
+
     /// With all that was found, the curve of what has no name among it; `None` where nothing was.
     pub(crate) fn corrected(&self) -> Option<&Fitted> {
         let named = (!self.terms.is_empty()).then_some(&self.last);
@@ -332,6 +341,11 @@ impl Path {
         let model = &self.last.model;
         let used = &model.effects[model.effects.len() - self.terms.len() + term];
         used.effect.parameters.iter().zip(&used.parameters).map(|(own, index)| (own.name, *index))
+    }
+
+    /// The same with their values at the last fit.
+    pub(crate) fn fitted_parameters(&self, term: usize) -> Vec<(&'static str, f64)> {
+        self.parameters(term).map(|(name, index)| (name, self.last.at.values[index])).collect()
     }
 
     /// What is observationally equivalent to a term.
