@@ -9,7 +9,7 @@ use crate::{
     criterion::{self, Scored},
     halving::{self, Finalist},
     scales::Scales,
-    selection::{Path, Term},
+    selection::{DISPLACED, EXCESS, Path, Term},
 };
 
 /// Share of the sum of squares of which the best start leaves more where others are tried from afar.
@@ -36,14 +36,21 @@ pub(crate) fn best(
     tried: &[(Candidate, f64)],
     scales: Option<&Scales>,
 ) -> Result<Option<Choice>, IdentifyError> {
-    let mut tried = tried.to_vec();
-    let mut finalists = fitted(context, path, &tried, 0)?;
+    let (mut large, mut tried): (Vec<_>, Vec<_>) =
+        tried.iter().cloned().partition(|(candidate, _)| candidate.begins_large);
+    let mut finalists = halving::run(context, &path.last, &starts(&tried), &path.noise)?;
     // What begins large takes long: only where nothing that begins small comes near.
-    let least = finalists.iter().map(|one| one.at.total()).fold(path.last.deviance(), f64::min);
-    if scales.is_some() && !tried.is_empty() && least > FAR * path.last.deviance() {
-        let far = path.far();
-        finalists.extend(fitted(context, path, &far, tried.len())?);
-        tried.extend(far);
+    let leader = finalists.iter().map(|one| &one.at).min_by(|a, b| a.total().total_cmp(&b.total()));
+    let leader = leader.filter(|leader| leader.total() < path.last.deviance()).unwrap_or(&path.last.at);
+    let share = leader.total() / path.last.deviance();
+    let left = share * path.noise.excess();
+    if scales.is_some() && !(tried.is_empty() && large.is_empty()) && left > DISPLACED && share > FAR {
+        large.extend(path.far());
+    }
+    if !large.is_empty() && (finalists.is_empty() || left > EXCESS) {
+        let found = halving::run_large(context, &path.last, &starts(&large), &path.noise, &leader.chi2)?;
+        finalists.extend(found.into_iter().map(|one| Finalist { index: tried.len() + one.index, ..one }));
+        tried.extend(large);
     }
     if let Some(scales) = scales {
         let left = finalists.iter().map(|one| reduced(&one.at)).fold(path.noise.excess(), f64::min);
@@ -75,20 +82,13 @@ pub(crate) fn best(
     let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
     let raced = finalists.iter().find(|one| one.index == *index);
     let fall = raced.map_or(0.0, |one| path.last.deviance() - one.at.total());
-    let term = Term { candidate, p_value, rivals, gain: gained, without: None };
+    let term =
+        Term { candidate, p_value, rivals, gain: gained, without: None, excess_at_upgrade: f64::INFINITY };
     Ok(Some(Choice { term, fitted: fitted.clone(), before, fall, noise }))
 }
 
-/// What is left of all that is tried, their numbers counted on from `first`.
-fn fitted(
-    context: &Context<'_>,
-    path: &Path,
-    tried: &[(Candidate, f64)],
-    first: usize,
-) -> Result<Vec<Finalist>, IdentifyError> {
-    let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
-    let finalists = halving::run(context, &path.last, &starts, &path.noise)?;
-    Ok(finalists.into_iter().map(|one| Finalist { index: first + one.index, ..one }).collect())
+fn starts(tried: &[(Candidate, f64)]) -> Vec<Candidate> {
+    tried.iter().map(|(candidate, _)| candidate.clone()).collect()
 }
 
 fn reduced(at: &socam_identify::compare::Measured) -> f64 {

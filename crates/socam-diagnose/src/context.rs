@@ -181,6 +181,27 @@ impl<'a> Context<'a> {
     }
 }
 
+/// A descent in legs: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up.
+pub(crate) fn down(
+    problem: &Problem<'_>,
+    noise: &Yardstick,
+    values: &[f64],
+    best: f64,
+    legs: &[(usize, f64)],
+) -> Result<Option<Measured>, IdentifyError> {
+    let mut at: Option<Measured> = None;
+    for (iterations, hopeless) in legs {
+        let begin = at.as_ref().map_or(values, |at| &*at.values);
+        let from = at.as_ref().map(|at| (problem.model(), at));
+        let next = compare::descend(problem, noise, begin, from, (compare::COARSE, *iterations))?;
+        at = next.filter(|next| next.total() < hopeless * best);
+        if at.as_ref().is_none_or(|at| at.converged) {
+            break;
+        }
+    }
+    Ok(at)
+}
+
 fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, RecordingError> {
     let mut folds = Vec::new();
     let blocks = BLOCKS / training.len().max(1);

@@ -8,15 +8,18 @@ use socam_identify::{
 
 use crate::{
     candidates::{self, Candidate},
-    context::{Context, Fitted},
+    context::{self, Context, Fitted},
     criterion,
     selection::{EXCESS, Path},
 };
 
 /// Legs of a fit without a term: iterations, and how near it must come to the fit with it to be gone on with.
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
-/// Iterations of each start of a nested law.
-const UPGRADING: usize = 6;
+/// The same of each start of a nested law.
+const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
+
+/// Share of the excess over sensor noise at the last attempt below which nested laws are tried again.
+const MUCH_LESS: f64 = 0.5;
 
 impl Path {
     /// Takes out terms, of the first so many the latest first, without which the model predicts as well to within a standard error.
@@ -38,20 +41,8 @@ impl Path {
         index: usize,
     ) -> Result<Option<Fitted>, IdentifyError> {
         let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
-        let mut at: Option<Measured> = None;
-        for (iterations, hopeful) in WITHOUT {
-            let (begin, from) = at.as_ref().map_or((&values, None), |at| (&at.values, Some((&model, at))));
-            at = compare::descend(
-                &context.problem(&model)?,
-                &self.noise,
-                begin,
-                from,
-                (compare::COARSE, iterations),
-            )?;
-            if at.as_ref().is_none_or(|at| at.total() > hopeful * self.last.deviance()) {
-                return Ok(None);
-            }
-        }
+        let problem = context.problem(&model)?;
+        let at = context::down(&problem, &self.noise, &values, self.last.deviance(), &WITHOUT)?;
         let Some(at) = at else { return Ok(None) };
         context.fitted(&model, &at.values, Some((&model, &at)), &self.noise)
     }
@@ -136,9 +127,15 @@ impl Path {
         if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
     }
 
-    /// Puts nested laws in the place of simpler ones where they predict better: noise is known only once most of what was missing is there.
+    /// Puts nested laws in the place of simpler ones where they predict better: noise is known only once most of what was missing is there,
+    /// so that they are tried again where much less is left.
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
+            let excess = self.noise.excess();
+            if excess > MUCH_LESS * self.terms[index].excess_at_upgrade {
+                continue;
+            }
+            self.terms[index].excess_at_upgrade = excess;
             let first = self.terms[index].candidate.clone();
             for starts in candidates::refined_laws(&first, &self.base.model) {
                 self.replace(context, index, starts)?;
@@ -185,8 +182,8 @@ impl Path {
     ) -> Result<Option<(Candidate, socam_model::Model, Measured)>, IdentifyError> {
         let begun = starts.into_par_iter().map(|start| {
             let Some((model, values)) = self.begun_with(index, &start) else { return Ok(None) };
-            let leg = (compare::COARSE, UPGRADING);
-            let at = compare::descend(&context.problem(&model)?, &self.noise, &values, None, leg)?;
+            let best = self.last.deviance();
+            let at = context::down(&context.problem(&model)?, &self.noise, &values, best, &UPGRADING)?;
             Ok(at.map(|at| (start, model, at)))
         });
         let begun: Result<Vec<_>, IdentifyError> = begun.collect();

@@ -3,14 +3,14 @@
 
 use rayon::prelude::*;
 use socam_identify::{
-    IdentifyError,
+    IdentifyError, Problem,
     compare::{self, Measured, Yardstick},
 };
 use socam_model::Model;
 
 use crate::{
     candidates::{self, Candidate},
-    context::{Context, Fitted},
+    context::{self, Context, Fitted},
     score_test::carried,
 };
 
@@ -18,8 +18,10 @@ use crate::{
 const FIRST_LEG: usize = 4;
 /// Iterations to begin with for what does not begin weak.
 const FAR_LEG: usize = 10;
-/// Legs for what begins large: iterations, and how many times what was left before it may leave after them to go on.
-const LARGE_LEGS: [(usize, f64); 4] = [(10, 30.0), (10, 10.0), (10, 3.0), (20, 1.0)];
+/// Legs for what begins large: iterations, and how many times what the best so far leaves it may leave after them to go on. Of several
+/// recordings so many legs are on one.
+const LARGE_LEGS: [(usize, f64); 4] = [(10, 30.0), (10, 10.0), (10, 10.0), (20, 2.0)];
+const ON_ONE: usize = 2;
 const LEGS: usize = 4;
 const LEG: usize = 5;
 const NEXT_TO_NOTHING: f64 = 5.0;
@@ -43,7 +45,7 @@ pub(crate) struct Finalist {
     pub(crate) at: Measured,
 }
 
-/// Fits `tried` in addition to the model of `before`, the best last fit of each effect and place.
+/// Fits `tried`, which begin weak, in addition to the model of `before`, the best last fit of each effect and place.
 pub(crate) fn run(
     context: &Context<'_>,
     before: &Fitted,
@@ -55,18 +57,51 @@ pub(crate) fn run(
         .enumerate()
         .map(|(index, candidate)| begin(context, before, noise, index, candidate));
     let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
-    let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
+    race(context, before, tried, noise, begun?.into_iter().flatten().collect())
+}
+
+/// The same of those that begin large: from the file's values, given up where they stay far from `best`, what is left so far of each recording.
+pub(crate) fn run_large(
+    context: &Context<'_>,
+    before: &Fitted,
+    tried: &[Candidate],
+    noise: &Yardstick,
+    best: &[f64],
+) -> Result<Vec<Finalist>, IdentifyError> {
+    let begun = tried.par_iter().enumerate().map(|(index, candidate)| {
+        let Some(model) = candidates::added(&before.model, candidate) else { return Ok(None) };
+        // A large effect that is missing has displaced all others: with it they begin at the file's values.
+        let values = carried((&before.model, &file_values(before)), &model);
+        let at = from_afar(context, &model, &values, noise, best)?;
+        Ok(at.map(|at| Runner { index, model, done: false, at }))
+    });
+    let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
+    race(context, before, tried, noise, begun?.into_iter().flatten().collect())
+}
+
+/// Goes on with those that keep up.
+fn race(
+    context: &Context<'_>,
+    before: &Fitted,
+    tried: &[Candidate],
+    noise: &Yardstick,
+    mut runners: Vec<Runner>,
+) -> Result<Vec<Finalist>, IdentifyError> {
     for leg in 0..LEGS {
-        runners.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
-        let least = runners.first().map_or(f64::INFINITY, |runner| runner.at.total()).min(before.deviance());
-        let share = KEEPING_UP[leg.min(1)];
-        let line = (before.deviance() - share * (before.deviance() - least)).max(least + NEAR);
-        runners.retain(|runner| runner.at.total() < line);
-        one_each(&mut runners, tried);
+        keep_up(&mut runners, tried, before.deviance(), KEEPING_UP[leg.min(1)]);
         let next = runners.into_par_iter().map(|runner| further(context, runner, noise));
         runners = next.collect::<Result<_, IdentifyError>>()?;
     }
     Ok(runners.into_iter().map(|Runner { index, model, at, .. }| Finalist { index, model, at }).collect())
+}
+
+/// Those that gained a share of what the best gained, or came near it, the best first, each effect and place once.
+fn keep_up(runners: &mut Vec<Runner>, tried: &[Candidate], before: f64, share: f64) {
+    runners.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
+    let least = runners.first().map_or(before, |runner| runner.at.total()).min(before);
+    let line = (before - share * (before - least)).max(least + NEAR);
+    runners.retain(|runner| runner.at.total() < line);
+    one_each(runners, tried);
 }
 
 fn begin(
@@ -79,24 +114,17 @@ fn begin(
     let Some(grown) = candidates::added(&before.model, candidate) else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
     let is_far = candidate.is_far();
-    let is_large = candidate.begins_large;
     let mut begun = grown.clone();
-    if let Some(used) = grown.effects.last().filter(|_| !is_far && !is_large) {
+    if let Some(used) = grown.effects.last().filter(|_| !is_far) {
         let own = used.effect.parameters.iter().zip(&used.parameters);
         let others = own.filter(|(parameter, _)| !candidate.strength.contains(&parameter.name));
         others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
     }
-    // A large effect that is missing has displaced all others: with it they begin at the file's values.
-    let displaced = if is_large { &file_values(before) } else { &before.at.values };
-    let values = carried((&before.model, displaced), &grown);
-    if is_large {
-        let at = from_afar(context, before, &begun, &values, noise)?;
-        return Ok(at.map(|at| Runner { index, model: grown, done: false, at }));
-    }
+    let values = carried((&before.model, &before.at.values), &grown);
     // From start states of its own: where physics is missing, those of the fit before make up for it.
     let iterations = if is_far { FAR_LEG } else { FIRST_LEG };
-    let at =
-        compare::descend(&context.problem(&begun)?, noise, &values, None, (compare::COARSE, iterations))?;
+    let leg = (compare::COARSE, iterations);
+    let at = compare::descend(&context.problem(&begun)?, noise, &values, None, leg)?;
     Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
 }
 
@@ -109,25 +137,24 @@ fn file_values(before: &Fitted) -> Vec<f64> {
     values
 }
 
-/// A long way down from the file's values, given up where it leads nowhere.
-fn from_afar(
+/// A long way down from far values, given up where it leads nowhere: first to the recording of which most is left, then to all.
+pub(crate) fn from_afar(
     context: &Context<'_>,
-    before: &Fitted,
     model: &Model,
     values: &[f64],
     noise: &Yardstick,
+    best: &[f64],
 ) -> Result<Option<Measured>, IdentifyError> {
-    let problem = context.problem(model)?;
-    let mut at: Option<Measured> = None;
-    for (iterations, hopeless) in LARGE_LEGS {
-        let (begin, from) = at.as_ref().map_or((values, None), |at| (&*at.values, Some((model, at))));
-        let next = compare::descend(&problem, noise, begin, from, (compare::COARSE, iterations))?;
-        at = next.filter(|next| next.total() < hopeless * before.deviance());
-        if at.as_ref().is_none_or(|at| at.converged) {
-            break;
-        }
+    let all = context.problem(model)?;
+    let total = best.iter().sum();
+    if best.len() == 1 {
+        return context::down(&all, noise, values, total, &LARGE_LEGS);
     }
-    Ok(at)
+    let most = (0..best.len()).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or(0);
+    let one = Problem::new(model, std::slice::from_ref(&context.training[most]), context.fit.clone())?;
+    let (on_one, on_all) = LARGE_LEGS.split_at(ON_ONE);
+    let near = context::down(&one, noise, values, best[most], on_one)?;
+    near.map_or(Ok(None), |near| context::down(&all, noise, &near.values, total, on_all))
 }
 
 /// Where an effect was begun in several ways, the one that came furthest, the first of sorted ones, goes on.

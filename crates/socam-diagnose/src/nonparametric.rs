@@ -232,6 +232,8 @@ pub(crate) fn competing(
         return Ok(None);
     }
     match named {
+        // It has more parameters: what it does not even fit better, it does not predict better.
+        Some(named) if path.last.deviance() - curve.fitted.deviance() < named.fall => Ok(None),
         Some(named) if !curve.beats(context, path, named)? => Ok(None),
         _ => Ok(Some(curve)),
     }

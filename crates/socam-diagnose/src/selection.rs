@@ -13,6 +13,7 @@ use crate::{
     choice::{self, Choice},
     context::{Context, FAR_BEYOND_NOISE, Fitted},
     criterion::{self, Difference},
+    halving,
     nonparametric::{self, Unexplained},
     plausibility::Known,
     scales::Scales,
@@ -27,12 +28,9 @@ const LARGE: usize = 12;
 /// Mean square of the residuals in units of sensor noise from which on something is left.
 pub(crate) const EXCESS: f64 = 1.05;
 /// From where on base parameters may have been displaced so far that a fit does not find back from there.
-const DISPLACED: f64 = 2.0;
+pub(crate) const DISPLACED: f64 = 2.0;
 /// Further orders of effects that come back with every turn: all orders at one place are one effect.
 const MORE_ORDERS: usize = 8;
-/// Iterations of a restart from the file's values, and how near it must come to the other fit to be gone on with.
-const RESTART: usize = 10;
-const HOPEFUL: f64 = 2.0;
 
 /// One effect that was added.
 #[derive(Debug, Clone)]
@@ -46,6 +44,8 @@ pub(crate) struct Term {
     pub(crate) gain: Difference,
     /// The last model without it, at its fit.
     pub(crate) without: Option<Fitted>,
+    /// Excess over sensor noise when nested laws were last tried in its place.
+    pub(crate) excess_at_upgrade: f64,
 }
 
 /// From the base model to the corrected one.
@@ -376,11 +376,8 @@ fn restarted(context: &Context<'_>, path: &Path, fitted: Fitted) -> Result<Fitte
             values[index] = parameter.value;
         }
     }
-    let problem = context.problem(&fitted.model)?;
-    let trial = compare::descend(&problem, &path.noise, &values, None, (compare::COARSE, RESTART))?;
-    let Some(trial) = trial.filter(|trial| trial.total() < HOPEFUL * fitted.deviance()) else {
-        return Ok(fitted);
-    };
+    let trial = halving::from_afar(context, &fitted.model, &values, &path.noise, &fitted.at.chi2)?;
+    let Some(trial) = trial else { return Ok(fitted) };
     let other = context.fitted(&fitted.model, &trial.values, Some((&fitted.model, &trial)), &path.noise)?;
     Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))
 }

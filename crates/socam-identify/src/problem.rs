@@ -101,6 +101,11 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
+    /// The model that is fitted.
+    pub fn model(&self) -> &'a Model {
+        self.model
+    }
+
     /// Binds `datasets` to the channels that `model` reads. Parameters that the model marks as fixed stay so.
     ///
     /// # Errors
