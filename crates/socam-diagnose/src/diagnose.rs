@@ -21,6 +21,9 @@ use crate::{
 /// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
 /// on along what the data hardly determine.
 const BASE: usize = 20;
+/// Attempts at a step per sample beyond which a candidate's prediction is given up: what rattles takes a few.
+const MOST_STEPS: usize = 64;
+
 /// What a diagnosis assumes and how far it goes.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -132,6 +135,7 @@ pub fn diagnose(
         seed: options.seed,
         start_state: options.start_state,
         watch: options.watch.clone(),
+        most_steps: Some(MOST_STEPS),
         ..FitOptions::default()
     };
     let near = FitOptions { max_iterations: BASE, ..fit.clone() };

@@ -60,6 +60,9 @@ pub struct Options {
     pub seed: u64,
     /// Most iterations of one descent.
     pub max_iterations: usize,
+    /// Most attempts at a step per sample of a model with force laws, on average over a recording; a prediction that needs more counts as one that
+    /// overflows. For searches among many models: where teeth rattle, one prediction may take as long as a thousand others.
+    pub most_steps: Option<usize>,
     /// Linear constraints on parameters.
     pub constraints: Vec<Constraint>,
     /// Who follows the search and may end it.
@@ -76,6 +79,7 @@ impl Default for Options {
             starts: 6,
             seed: 1,
             max_iterations: 150,
+            most_steps: None,
             constraints: Vec::new(),
             watch: Watch::default(),
         }

@@ -65,6 +65,7 @@ impl<'a> Stepper<'a> {
         let mut raw = vec![0.0; self.equations.input.ncols()];
         let (mut course, mut now) = (Vec::new(), Vec::new());
         let mut finite = true;
+        let most_steps = problem.options.most_steps.map(|most| most * stretch.rows as usize);
         feed::read(
             problem.model,
             &problem.datasets[stretch.recording],
@@ -92,7 +93,10 @@ impl<'a> Stepper<'a> {
                     }
                     let measured: Vec<&[f64]> =
                         chunk.outputs.iter().map(|o| &o[from..from + count]).collect();
-                    finite = run.as_mut().is_none_or(|run| run.hand_over(count, &measured, rows));
+                    finite = run.as_mut().is_none_or(|run| {
+                        run.hand_over(count, &measured, rows)
+                            && most_steps.is_none_or(|most| run.walker.attempts <= most)
+                    });
                 }
             },
         )?;

@@ -41,6 +41,8 @@ pub(crate) struct Walker<'a> {
     room: Room,
     /// Steps taken although their error was too large and they could not be shortened.
     pub(crate) unresolved: usize,
+    /// Steps tried, whether they were taken or not.
+    pub(crate) attempts: usize,
     /// Whether the prediction has overflowed, as far as anybody who looks at a bench is concerned; it then stands still.
     ran_away: bool,
 }
@@ -110,6 +112,7 @@ impl<'a> Walker<'a> {
             responses: vec![SILENT; 2 * sizes.ports],
             room: Room::default(),
             unresolved: 0,
+            attempts: 0,
             ran_away: false,
         };
         walker.settle(inputs);
@@ -248,6 +251,7 @@ impl<'a> Walker<'a> {
                 }
             }
             let error = self.attempt(level);
+            self.attempts += 1;
             let passed = error <= self.tolerance;
             if level == finest || (passed && !self.leaves()) {
                 return (bent, level, error);
