@@ -22,7 +22,7 @@ fn page() -> Option<PathBuf> {
         return None;
     }
     let build = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web/build");
-    let target = firmware::kept("page-build");
+    let target = firmware::kept("");
     let built = Command::new(build)
         .arg(target)
         .env("CARGO", env!("CARGO"))
