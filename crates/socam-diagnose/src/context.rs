@@ -181,7 +181,8 @@ impl<'a> Context<'a> {
     }
 }
 
-/// A descent in legs: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up.
+/// A descent in legs: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up. One that converges
+/// early is held to what the last leg may leave.
 pub(crate) fn down(
     problem: &Problem<'_>,
     noise: &Yardstick,
@@ -199,7 +200,8 @@ pub(crate) fn down(
             break;
         }
     }
-    Ok(at)
+    let most = legs.last().map_or(f64::INFINITY, |(_, hopeless)| hopeless * best);
+    Ok(at.filter(|at| at.total() < most))
 }
 
 fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, RecordingError> {
