@@ -52,12 +52,7 @@ pub(crate) fn run(
     tried: &[Candidate],
     noise: &Yardstick,
 ) -> Result<Vec<Finalist>, IdentifyError> {
-    let begun = tried
-        .par_iter()
-        .enumerate()
-        .map(|(index, candidate)| begin(context, before, noise, index, candidate));
-    let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
-    race(context, before, tried, noise, begun?.into_iter().flatten().collect())
+    race(context, before, tried, noise, |candidate| begin(context, before, noise, candidate))
 }
 
 /// The same of those that begin large: from the file's values, given up where they stay far from `best`, what is left so far of each recording.
@@ -68,25 +63,29 @@ pub(crate) fn run_large(
     noise: &Yardstick,
     best: &[f64],
 ) -> Result<Vec<Finalist>, IdentifyError> {
-    let begun = tried.par_iter().enumerate().map(|(index, candidate)| {
+    race(context, before, tried, noise, |candidate| {
         let Some(model) = candidates::added(&before.model, candidate) else { return Ok(None) };
         // A large effect that is missing has displaced all others: with it they begin at the file's values.
         let values = carried((&before.model, &file_values(before)), &model);
         let at = from_afar(context, &model, &values, noise, best)?;
-        Ok(at.map(|at| Runner { index, model, done: false, at }))
-    });
-    let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
-    race(context, before, tried, noise, begun?.into_iter().flatten().collect())
+        Ok(at.map(|at| (model, at)))
+    })
 }
 
-/// Goes on with those that keep up.
+/// Begins all, and goes on with those that keep up.
 fn race(
     context: &Context<'_>,
     before: &Fitted,
     tried: &[Candidate],
     noise: &Yardstick,
-    mut runners: Vec<Runner>,
+    begin: impl Fn(&Candidate) -> Result<Option<(Model, Measured)>, IdentifyError> + Sync,
 ) -> Result<Vec<Finalist>, IdentifyError> {
+    let begun = tried.par_iter().enumerate().map(|(index, candidate)| {
+        let begun = begin(candidate)?;
+        Ok(begun.map(|(model, at)| Runner { index, model, at, done: false }))
+    });
+    let begun: Result<Vec<Option<Runner>>, IdentifyError> = begun.collect();
+    let mut runners: Vec<Runner> = begun?.into_iter().flatten().collect();
     for leg in 0..LEGS {
         keep_up(&mut runners, tried, before.deviance(), KEEPING_UP[leg.min(1)]);
         let next = runners.into_par_iter().map(|runner| further(context, runner, noise));
@@ -108,9 +107,8 @@ fn begin(
     context: &Context<'_>,
     before: &Fitted,
     noise: &Yardstick,
-    index: usize,
     candidate: &Candidate,
-) -> Result<Option<Runner>, IdentifyError> {
+) -> Result<Option<(Model, Measured)>, IdentifyError> {
     let Some(grown) = candidates::added(&before.model, candidate) else { return Ok(None) };
     // While an effect is weak, nothing says what its other parameters should be: they wait for its amplitude.
     let is_far = candidate.is_far();
@@ -125,7 +123,7 @@ fn begin(
     let iterations = if is_far { FAR_LEG } else { FIRST_LEG };
     let leg = (compare::COARSE, iterations);
     let at = compare::descend(&context.problem(&begun)?, noise, &values, None, leg)?;
-    Ok(at.map(|at| Runner { index, model: grown, done: false, at }))
+    Ok(at.map(|at| (grown, at)))
 }
 
 /// The file's values of all but what was added.
