@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use socam_identify::{Observer, Options, Progress, Stage, Watch};
+use socam_identify::{Observer, Options, Progress, ProgressMonitor, Stage};
 
 use crate::interrupt::Interrupt;
 use crate::output;
@@ -77,11 +77,11 @@ pub(crate) fn fit<T>(
         since: Instant::now(),
         display,
     });
-    options.watch = Watch::by(waiting.clone());
+    options.watch = ProgressMonitor::by(waiting.clone());
     interrupt.end_after(1);
     let result = work(options);
     interrupt.end_after(0);
-    options.watch = Watch::default();
+    options.watch = ProgressMonitor::default();
     if let Display::Line(bar) = &waiting.display {
         bar.finish_and_clear();
     }

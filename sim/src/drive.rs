@@ -27,7 +27,7 @@ const TORQUE_PER_CURRENT: f64 = 0.55;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// What the driven quantity settles at, without load.
-    pub answer: Answer,
+    pub evaluate: Answer,
     /// Time constant of what is driven, s.
     pub lag_s: f64,
     /// Time constant of what drives it, s.
@@ -53,14 +53,14 @@ impl Drive {
     pub fn for_model(model: &Model, motor: &MotorCalibration) -> Self {
         let rotates = model.motion == socam_model::Motion::Rotation;
         let quantity = model.inputs().next().map(|channel| channel.quantity);
-        let (answer, lag_s) = match quantity {
+        let (evaluate, lag_s) = match quantity {
             Some(Quantity::Speed) => (Answer::Speed(*motor), SPEED_LAG_S),
             Some(Quantity::Torque) if rotates => (Answer::Proportional(0.2), TORQUE_LAG_S),
             Some(Quantity::Torque) => (Answer::Proportional(35.1507), TORQUE_LAG_S),
             _ => (Answer::Proportional(0.02), REFERENCE_LAG_S),
         };
         Self {
-            answer,
+            evaluate,
             lag_s,
             armature_lag_s: ARMATURE_LAG_S,
             droop: DROOP,
@@ -70,7 +70,7 @@ impl Drive {
 
     /// What the driven quantity settles at for a voltage, SI.
     pub fn settles_at(&self, volts: f64) -> f64 {
-        match self.answer {
+        match self.evaluate {
             Answer::Speed(motor) => motor.speed_rad_s(volts),
             Answer::Proportional(gain) => gain * volts,
         }
@@ -83,7 +83,7 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
     let e = equations;
     let (states, outputs, ports) = (e.state.nrows(), e.output.nrows(), e.ports.len());
     let rate = 1.0 / drive.lag_s;
-    let reaction = reaction_output(model).filter(|_| matches!(drive.answer, Answer::Speed(_)));
+    let reaction = reaction_output(model).filter(|_| matches!(drive.evaluate, Answer::Speed(_)));
 
     // Behind the drivetrain's states stand what its inputs are: the driven quantity and the clocks; then what the armature asks of
     // the drive.

@@ -139,12 +139,12 @@ mod tests {
             Setup { noise_std, ..setup("speed-o-cam", 1) }.record("run", &profile("steps", 2.0), 1000)
         };
         let usual = run(&[]).unwrap();
-        let silent = Setup { noisy: false, ..setup("speed-o-cam", 1) };
-        let silent =
-            column(&silent.record("run", &profile("steps", 2.0), 1000).unwrap(), "motor_speed_rad_s");
+        let inactive = Setup { noisy: false, ..setup("speed-o-cam", 1) };
+        let inactive =
+            column(&inactive.record("run", &profile("steps", 2.0), 1000).unwrap(), "motor_speed_rad_s");
         let noise = |data: &Dataset| {
             let noisy = column(data, "motor_speed_rad_s");
-            let squares: f64 = noisy.iter().zip(&silent).map(|(a, b)| (a - b).powi(2)).sum();
+            let squares: f64 = noisy.iter().zip(&inactive).map(|(a, b)| (a - b).powi(2)).sum();
             (squares / noisy.len() as f64).sqrt()
         };
         let loud = run(&[("motor_speed", 0.1)]).unwrap();

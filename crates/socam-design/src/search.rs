@@ -1,7 +1,7 @@
 //! The search over profiles.
 
 use rayon::prelude::*;
-use socam_identify::{Information, Noise, NoiseLevels, Options, Problem, compare};
+use socam_identify::{Information, Noise, NoiseLevels, Options, Problem, comparison};
 use socam_model::Model;
 use socam_recording::{Dataset, ProfileFile};
 use socam_sim::{Setup, Truth};
@@ -217,9 +217,9 @@ pub fn telling_apart(
 /// What a model leaves of another one's recording after a fit.
 fn fitted_left(judge: &Judge<'_>, data: &[Dataset]) -> Result<Option<f64>, DesignError> {
     let problem = judge.problem(data)?;
-    let yardstick = compare::Yardstick::new(&[&problem], &judge.values, judge.levels.clone())?;
-    let limits = (compare::COARSE, ITERATIONS);
-    let fitted = compare::descend(&problem, &yardstick, &judge.values, None, limits)?;
+    let noise_model = comparison::NoiseModel::new(&[&problem], &judge.values, judge.levels.clone())?;
+    let limits = (comparison::COARSE, ITERATIONS);
+    let fitted = comparison::descend(&problem, &noise_model, &judge.values, None, limits)?;
     Ok(fitted.map(|measured| measured.total()))
 }
 

@@ -1,6 +1,6 @@
 //! Effects that no recording of a bench tells from a candidate, by what they are: whether both were fitted to the end or not.
 
-use socam_identify::springs_in_a_row;
+use socam_identify::springs_in_series;
 use socam_model::{
     Model, Parameter, Quantity, Site, Spring,
     effects::{self, Condition},
@@ -35,7 +35,7 @@ fn in_a_row(model: &Model, own: &Candidate, may: impl Fn(&Spring, &Spring) -> bo
     // What was found in a spring does not part it from its neighbour.
     let mut plain = model.clone();
     plain.effects.retain(|used| !matches!(used.at, Site::Spring(_)));
-    let pairs = springs_in_a_row(&plain).filter(|(a, b)| !is_seen_between(&plain, a, b) && may(a, b));
+    let pairs = springs_in_series(&plain).filter(|(a, b)| !is_seen_between(&plain, a, b) && may(a, b));
     let others = pairs.filter_map(|(a, b)| match own.place.as_str() {
         place if place == a.name => Some(b),
         place if place == b.name => Some(a),

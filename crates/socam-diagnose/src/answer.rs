@@ -1,6 +1,6 @@
 //! The document, from the way that led to it.
 
-use socam_identify::{Identification, IdentifyError, compare::Measured};
+use socam_identify::{Identification, IdentifyError, comparison::Evaluation};
 use socam_model::Model;
 
 use crate::{
@@ -344,7 +344,7 @@ fn fit(made: &Made<'_>) -> Fit {
     let Made { path, proof, floor, .. } = *made;
     let last = path.corrected().unwrap_or(&path.base);
     let rms =
-        |measured: &Measured, output: usize| (measured.read[output] > 0.0).then(|| measured.rms[output]);
+        |measured: &Evaluation, output: usize| (measured.read[output] > 0.0).then(|| measured.rms[output]);
     let channels = path.base.model.outputs().enumerate().map(|(output, channel)| {
         let fit = ChannelFit {
             noise_std: Some(floor[output]),

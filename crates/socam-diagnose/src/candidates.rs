@@ -38,7 +38,7 @@ impl Candidate {
     }
 
     /// Whether the grid's points are of some strength already.
-    pub(crate) fn is_full(&self) -> bool {
+    pub(crate) fn starts_at_amplitude(&self) -> bool {
         self.effect.linearisation == Linearisation::NonNull
     }
 
@@ -87,7 +87,7 @@ impl Candidate {
     /// An amplitude that does as much as a change of its coordinate by `change`.
     pub(crate) fn size_of(&self, change: f64) -> f64 {
         match self.effect.amplitude.coordinate {
-            Coordinate::Value if self.is_full() => self.linearised_at,
+            Coordinate::Value if self.starts_at_amplitude() => self.linearised_at,
             Coordinate::Value => change,
             Coordinate::Inverse => self.linearised_at * self.linearised_at / change,
         }

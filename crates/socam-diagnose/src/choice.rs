@@ -1,11 +1,11 @@
 //! What is chosen of the candidates: the simplest within one standard error of the best.
 
 use rayon::prelude::*;
-use socam_identify::{IdentifyError, compare::Yardstick};
+use socam_identify::{IdentifyError, comparison::NoiseModel};
 
 use crate::{
     candidates::Candidate,
-    context::{Context, Fitted},
+    context::{Context, FittedModel},
     criterion::{self, Scored},
     halving::{self, Finalist},
     scales::Scales,
@@ -19,13 +19,13 @@ const FAR: f64 = 0.1;
 pub(crate) struct Choice {
     pub(crate) term: Term,
     /// The model with it, at its fit.
-    pub(crate) fitted: Fitted,
+    pub(crate) fitted: FittedModel,
     /// The model without it, under the same noise.
-    pub(crate) before: Fitted,
+    pub(crate) before: FittedModel,
     /// Fall of the training sum of squares, under the noise model of before.
     pub(crate) fall: f64,
     /// Sensor noise and discrepancy as the best candidate shows them.
-    pub(crate) noise: Yardstick,
+    pub(crate) noise: NoiseModel,
 }
 
 /// Fits all that are `tried` (with their p-values), with `scales` also faults of single sensors where much is left. `None` where nothing predicts
@@ -67,10 +67,10 @@ pub(crate) fn best(
     let refitted = finalists
         .par_iter()
         .map(|one| Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted))));
-    let refitted: Result<Vec<Option<(usize, Fitted)>>, IdentifyError> = refitted.collect();
+    let refitted: Result<Vec<Option<(usize, FittedModel)>>, IdentifyError> = refitted.collect();
     let fits = refitted?.into_iter().flatten();
     // What cannot be is no candidate.
-    let fits: Vec<(usize, Fitted)> =
+    let fits: Vec<(usize, FittedModel)> =
         fits.filter(|(_, fitted)| path.known.log_prior(fitted).is_finite()).collect();
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
@@ -91,13 +91,13 @@ fn starts(tried: &[(Candidate, f64)]) -> Vec<Candidate> {
     tried.iter().map(|(candidate, _)| candidate.clone()).collect()
 }
 
-fn reduced(at: &socam_identify::compare::Measured) -> f64 {
+fn reduced(at: &socam_identify::comparison::Evaluation) -> f64 {
     at.total() / at.count.iter().sum::<f64>().max(1.0)
 }
 
 /// The simplest of those that are as likely as the likeliest to within one standard error, or one nat. Scores are tempered: what a law's
 /// discrepancy may make of one counts as a nat, and is weighed against the priors.
-fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<usize> {
+fn simplest(path: &Path, before: &FittedModel, fits: &[(usize, FittedModel)]) -> Option<usize> {
     let prior = |index: usize| path.known.log_prior(&fits[index].1);
     let score = |index: usize| fits[index].1.validation.log_score();
     let highest = (0..fits.len()).max_by(|a, b| score(*a).total_cmp(&score(*b)))?;
@@ -119,7 +119,7 @@ fn simplest(path: &Path, before: &Fitted, fits: &[(usize, Fitted)]) -> Option<us
 fn rivals(
     (context, path): (&Context<'_>, &Path),
     tried: &[(Candidate, f64)],
-    fits: &[(usize, Fitted)],
+    fits: &[(usize, FittedModel)],
     chosen: usize,
     gained: f64,
 ) -> Vec<(Candidate, f64)> {
@@ -130,7 +130,7 @@ fn rivals(
     let weights = criterion::weights(&scored, gained, context.options.seed);
     let own = &tried[fits[chosen].0].0;
     // A law that holds the chosen one and gains nothing is no evidence of more, and no competitor.
-    let is_vain = |index: usize, fitted: &Fitted| {
+    let is_vain = |index: usize, fitted: &FittedModel| {
         let more = path.gain(fitted, &fits[chosen].1);
         tried[index].0.holds(own) && more.log_score <= more.std
     };

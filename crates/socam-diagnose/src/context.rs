@@ -8,8 +8,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, NoiseLevels, Options as FitOptions, Problem,
-    compare::{self, Measured, Yardstick},
-    cross_validation::{self, CrossValidation},
+    comparison::cross_validation::{self, CrossValidation},
+    comparison::{self, Evaluation, NoiseModel},
 };
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
@@ -18,7 +18,7 @@ use crate::{
     Options,
     candidates::{self, Candidate},
     document::Validation,
-    preprocessing::blanked,
+    preprocessing::masked,
 };
 
 /// Recordings from which on whole ones are left out.
@@ -33,13 +33,13 @@ const REFIT_ITERATIONS: usize = 6;
 
 /// A model at its fit to the training recordings.
 #[derive(Debug, Clone)]
-pub(crate) struct Fitted {
+pub(crate) struct FittedModel {
     pub(crate) model: Model,
-    pub(crate) at: Measured,
+    pub(crate) at: Evaluation,
     pub(crate) validation: CrossValidation,
 }
 
-impl Fitted {
+impl FittedModel {
     /// Sum of squared whitened residuals.
     pub(crate) fn deviance(&self) -> f64 {
         self.at.total()
@@ -92,19 +92,19 @@ impl<'a> Context<'a> {
         model: &Model,
         values: &[f64],
         levels: NoiseLevels,
-    ) -> Result<Yardstick, IdentifyError> {
-        Yardstick::new(&[&self.problem(model)?], values, levels)
+    ) -> Result<NoiseModel, IdentifyError> {
+        NoiseModel::new(&[&self.problem(model)?], values, levels)
     }
 
     /// Sensor noise and model discrepancy as the residuals of a model at a fit show them; `before` has the noise levels to begin with.
     pub(crate) fn noise_at(
         &self,
         model: &Model,
-        at: &Measured,
+        at: &Evaluation,
         before: &NoiseLevels,
-    ) -> Result<Option<Yardstick>, IdentifyError> {
+    ) -> Result<Option<NoiseModel>, IdentifyError> {
         let problem = self.problem(model)?;
-        let levels = compare::noise(&problem, at, before)?;
+        let levels = comparison::noise(&problem, at, before)?;
         let sensors = self.sensor_noise(model, &at.values, levels)?;
         let noise = sensors.with_discrepancy(&problem, at)?;
         if noise.as_ref().is_none_or(|noise| noise.excess() < FAR_BEYOND_NOISE) {
@@ -119,19 +119,20 @@ impl<'a> Context<'a> {
         &self,
         model: &Model,
         values: &[f64],
-        from: Option<(&Model, &Measured)>,
-        noise: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
-        let at = compare::descend(&self.problem(model)?, noise, values, from, (compare::FINE, ITERATIONS))?;
+        from: Option<(&Model, &Evaluation)>,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
+        let at =
+            comparison::descend(&self.problem(model)?, noise, values, from, (comparison::FINE, ITERATIONS))?;
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 
     /// The same under another noise model: it is fitted on from where it is.
     pub(crate) fn refitted(
         &self,
-        fitted: &Fitted,
-        noise: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+        fitted: &FittedModel,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         self.fitted(&fitted.model, &fitted.at.values, Some((&fitted.model, &fitted.at)), noise)
     }
 
@@ -139,11 +140,11 @@ impl<'a> Context<'a> {
     pub(crate) fn compared(
         &self,
         model: &Model,
-        at: &Measured,
-        noise: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
-        let leg = (compare::COARSE, REFIT_ITERATIONS);
-        let at = compare::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), leg)?;
+        at: &Evaluation,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
+        let round = (comparison::COARSE, REFIT_ITERATIONS);
+        let at = comparison::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), round)?;
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 
@@ -151,9 +152,9 @@ impl<'a> Context<'a> {
     pub(crate) fn validated(
         &self,
         model: &Model,
-        at: Measured,
-        noise: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+        at: Evaluation,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         let validation = cross_validation::leave_one_out(&self.problem(model)?, noise, model, &at)?;
         let Some(mut validation) = validation else { return Ok(None) };
         if !self.folds.is_empty() {
@@ -162,7 +163,7 @@ impl<'a> Context<'a> {
             let Some(held_out) = held_out? else { return Ok(None) };
             validation.held_out = held_out;
         }
-        Ok(Some(Fitted { model: model.clone(), at, validation }))
+        Ok(Some(FittedModel { model: model.clone(), at, validation }))
     }
 
     /// Sum of squares of a block at parameters that are fitted to the others.
@@ -170,37 +171,39 @@ impl<'a> Context<'a> {
         &self,
         fold: &Fold,
         model: &Model,
-        at: &Measured,
-        noise: &Yardstick,
+        at: &Evaluation,
+        noise: &NoiseModel,
     ) -> Result<Option<f64>, IdentifyError> {
         let others = Problem::new(model, &fold.fitted, self.fit.clone())?;
-        let leg = (compare::COARSE, REFIT_ITERATIONS);
-        let Some(refit) = compare::descend(&others, noise, &at.values, None, leg)? else { return Ok(None) };
+        let round = (comparison::COARSE, REFIT_ITERATIONS);
+        let Some(refit) = comparison::descend(&others, noise, &at.values, None, round)? else {
+            return Ok(None);
+        };
         let block = Problem::new(model, std::slice::from_ref(&fold.left_out), self.fit.clone())?;
-        Ok(compare::measure(&block, noise, &refit.values)?.map(|measured| measured.total()))
+        Ok(comparison::measure(&block, noise, &refit.values)?.map(|measured| measured.total()))
     }
 }
 
-/// A descent in legs: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up. One that converges
-/// early is held to what the last leg may leave.
+/// A descent in rounds: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up. One that converges
+/// early is held to what the last round may leave.
 pub(crate) fn down(
     problem: &Problem<'_>,
-    noise: &Yardstick,
+    noise: &NoiseModel,
     values: &[f64],
     best: f64,
-    legs: &[(usize, f64)],
-) -> Result<Option<Measured>, IdentifyError> {
-    let mut at: Option<Measured> = None;
-    for (iterations, hopeless) in legs {
+    rounds: &[(usize, f64)],
+) -> Result<Option<Evaluation>, IdentifyError> {
+    let mut at: Option<Evaluation> = None;
+    for (iterations, hopeless) in rounds {
         let begin = at.as_ref().map_or(values, |at| &*at.values);
         let from = at.as_ref().map(|at| (problem.model(), at));
-        let next = compare::descend(problem, noise, begin, from, (compare::COARSE, *iterations))?;
+        let next = comparison::descend(problem, noise, begin, from, (comparison::COARSE, *iterations))?;
         at = next.filter(|next| next.total() < hopeless * best);
         if at.as_ref().is_none_or(|at| at.converged) {
             break;
         }
     }
-    let most = legs.last().map_or(f64::INFINITY, |(_, hopeless)| hopeless * best);
+    let most = rounds.last().map_or(f64::INFINITY, |(_, hopeless)| hopeless * best);
     Ok(at.filter(|at| at.total() < most))
 }
 
@@ -228,7 +231,7 @@ fn without_block(
     let (from, to) = (edge(block), edge(block + 1));
     let missing = |rows: &[Range<u64>]| {
         let outputs = model.outputs().filter(|channel| !channel.quantity.is_clock());
-        blanked(dataset, outputs.map(|channel| (channel.column.as_str(), rows.to_vec())))
+        masked(dataset, outputs.map(|channel| (channel.column.as_str(), rows.to_vec())))
     };
     let block = from..to;
     Ok((missing(std::slice::from_ref(&block))?, missing(&[0..from, to..dataset.rows()])?))

@@ -8,7 +8,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, Exp1};
-use socam_identify::cross_validation::CrossValidation;
+use socam_identify::comparison::cross_validation::CrossValidation;
 
 /// Blocks of the evaluation (0.2 s each) that are one block here, at most; and blocks that a recording is to have at least.
 const TOGETHER: usize = 5;

@@ -1,8 +1,8 @@
 //! The whole diagnosis, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, LeftOut, NoiseLevels, Options as FitOptions, Problem, StartState, Watch,
-    output_error,
+    Identification, IdentifyError, LeftOut, NoiseLevels, Options as FitOptions, Problem, ProgressMonitor,
+    StartState, output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
@@ -13,7 +13,7 @@ use crate::{
     context::Context,
     intervals, noise_floor,
     pictures::{self, Pair},
-    preprocessing::{self, cleaned, connected},
+    preprocessing::{self, connected, preprocessed},
     proof::Proof,
     selection::{self, Path},
 };
@@ -40,7 +40,7 @@ pub struct Options {
     /// Where each recording starts from.
     pub start_state: StartState,
     /// Who follows the search and may end it.
-    pub watch: Watch,
+    pub watch: ProgressMonitor,
 }
 
 impl Default for Options {
@@ -52,7 +52,7 @@ impl Default for Options {
             starts: 6,
             seed: 1,
             start_state: StartState::Free,
-            watch: Watch::default(),
+            watch: ProgressMonitor::default(),
         }
     }
 }
@@ -141,7 +141,7 @@ pub fn diagnose(
     let near = FitOptions { max_iterations: BASE, ..fit.clone() };
     let before = output_error(&Problem::new(model, &training, near)?)?;
     let levels = levels(model, &before);
-    let clean = |all: &[Dataset]| cleaned(model, all, &before.point, &levels, &fit);
+    let clean = |all: &[Dataset]| preprocessed(model, all, &before.point, &levels, &fit);
     let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
     outliers.extend(more);
     let context = Context::new(model, &training, fit, options)?;

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError,
-    compare::{self, Measured},
+    comparison::{self, Evaluation},
 };
 
 use crate::{
     candidates::{self, Candidate},
-    context::{self, Context, Fitted},
+    context::{self, Context, FittedModel},
     criterion,
     selection::{EXCESS, Path},
 };
@@ -39,7 +39,7 @@ impl Path {
         &self,
         context: &Context<'_>,
         index: usize,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
         let problem = context.problem(&model)?;
         let at = context::down(&problem, &self.noise, &values, self.last.deviance(), &WITHOUT)?;
@@ -52,7 +52,7 @@ impl Path {
         &self,
         context: &Context<'_>,
         index: usize,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         let Some((model, _)) = self.begun_without(index) else { return Ok(None) };
         context.fitted(&model, &model.values(), None, &self.noise)
     }
@@ -62,9 +62,9 @@ impl Path {
         &self,
         context: &Context<'_>,
         index: usize,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
-        let at = compare::measure(&context.problem(&model)?, &self.noise, &values)?;
+        let at = comparison::measure(&context.problem(&model)?, &self.noise, &values)?;
         at.map_or(Ok(None), |at| context.validated(&model, at, &self.noise))
     }
 
@@ -73,7 +73,7 @@ impl Path {
         &mut self,
         context: &Context<'_>,
         index: usize,
-        without: Fitted,
+        without: FittedModel,
     ) -> Result<(), IdentifyError> {
         self.terms.remove(index);
         self.last = without;
@@ -82,7 +82,7 @@ impl Path {
     }
 
     /// Takes out terms whose place a curve takes: beside it they are not worth it.
-    pub(crate) fn leave_to_curve(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+    pub(crate) fn replace_by_curve(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.terms.len()).rev() {
             let Some(curve) = &self.unexplained else { return Ok(()) };
             let Some((model, values)) = self.begun_without(index) else { continue };
@@ -179,7 +179,7 @@ impl Path {
         context: &Context<'_>,
         index: usize,
         starts: Vec<Candidate>,
-    ) -> Result<Option<(Candidate, socam_model::Model, Measured)>, IdentifyError> {
+    ) -> Result<Option<(Candidate, socam_model::Model, Evaluation)>, IdentifyError> {
         let begun = starts.into_par_iter().map(|start| {
             let Some((model, values)) = self.begun_with(index, &start) else { return Ok(None) };
             let best = self.last.deviance();

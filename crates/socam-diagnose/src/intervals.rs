@@ -1,6 +1,8 @@
 //! Estimates of the corrected model with their intervals.
 
-use socam_identify::{Identification, IdentifyError, ParameterEstimate, Source, at_minimum, influence};
+use socam_identify::{
+    Identification, IdentifyError, ParameterEstimate, Source, at_minimum, uncertainty::jackknife,
+};
 
 use crate::{candidates::Candidate, context::Context, selection::Path};
 
@@ -23,7 +25,7 @@ pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identifica
     }
     let problem = context.problem(&model)?;
     let mut found = at_minimum(&problem, &path.noise, &last.at)?;
-    let widths = influence::half_widths(&problem, &path.noise, &model, &last.at)?;
+    let widths = jackknife::half_widths(&problem, &path.noise, &model, &last.at)?;
     for (index, parameter) in model.parameters.iter().enumerate() {
         if parameter.fixed && !last.model.parameters[index].fixed {
             let estimate = &mut found.parameters[index];

@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError,
-    compare::{self, Traces},
+    comparison::{self, Traces},
 };
 
 use crate::{context::Context, selection::Path};
@@ -19,9 +19,9 @@ pub(crate) struct Moves {
 pub(crate) fn moves(context: &Context<'_>, path: &Path, term: usize) -> Result<Option<Moves>, IdentifyError> {
     let Some((model, values)) = path.begun_without(term) else { return Ok(None) };
     let problem = context.problem(&model)?;
-    let Some(at) = compare::measure(&problem, &path.noise, &values)? else { return Ok(None) };
-    let without = compare::traces(&problem, &at, None)?;
-    let with = compare::traces(&context.problem(&path.last.model)?, &path.last.at, None)?;
+    let Some(at) = comparison::measure(&problem, &path.noise, &values)? else { return Ok(None) };
+    let without = comparison::traces(&problem, &at, None)?;
+    let with = comparison::traces(&context.problem(&path.last.model)?, &path.last.at, None)?;
     let each = path.last.model.outputs().enumerate().filter_map(|(output, channel)| {
         // Beyond all of it, a free run without the term is another motion.
         let share = (difference(&with, &without, output) / spread(&with, output)).min(1.0);

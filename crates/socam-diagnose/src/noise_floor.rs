@@ -2,7 +2,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
-use socam_identify::{NoiseLevels, Predictor, Start, compare::Traces};
+use socam_identify::{NoiseLevels, Predictor, Start, comparison::Traces};
 use socam_model::{Channel, Model, Take};
 
 use crate::spectrum;

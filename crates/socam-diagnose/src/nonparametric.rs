@@ -7,13 +7,13 @@
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError,
-    compare::{self, Promise, Yardstick},
+    comparison::{self, CandidateScore, NoiseModel},
 };
 use socam_model::{
     Model, ModelError, Motion,
     effects::{
-        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight,
-        TRANSITION_SPEED,
+        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS,
+        Response, TRANSITION_SPEED,
     },
 };
 use socam_recording::Dataset;
@@ -21,7 +21,7 @@ use socam_recording::Dataset;
 use crate::{
     candidates::{Candidate, is_part},
     choice::Choice,
-    context::{Context, Fitted},
+    context::{Context, FittedModel},
     criterion::{self, Difference},
     document::{Curve, Over},
     scales::Scales,
@@ -53,71 +53,75 @@ const HUMP: &[EffectParameter] = &[
 /// The same of what rubs: it turns with the motion, within so much speed.
 const RUB: &[EffectParameter] = &[HUMP[0], HUMP[1], HUMP[2], EffectParameter { name: TRANSITION, ..HUMP[2] }];
 
-fn hump(sights: &[f64], p: &[f64]) -> Response {
-    let distance = (sights[0] - p[1]) / p[2];
-    let (mut slopes, mut slope_parameters) = ([0.0; MAX_SIGHTS], [0.0; MAX_PARAMETERS]);
+fn hump(law_inputs: &[f64], p: &[f64]) -> Response {
+    let distance = (law_inputs[0] - p[1]) / p[2];
+    let (mut derivatives, mut by_parameter) = ([0.0; MAX_LAW_INPUTS], [0.0; MAX_PARAMETERS]);
     if distance.abs() >= 1.0 {
-        return Response { torque: 0.0, slopes, slope_parameters };
+        return Response { torque: 0.0, derivatives, by_parameter };
     }
     let (sin, cos) = (std::f64::consts::PI * distance).sin_cos();
     let value = 0.5 * (1.0 + cos);
-    slopes[0] = -0.5 * std::f64::consts::PI * sin / p[2] * p[0];
-    slope_parameters[0] = value;
-    Response { torque: p[0] * value, slopes, slope_parameters }
+    derivatives[0] = -0.5 * std::f64::consts::PI * sin / p[2] * p[0];
+    by_parameter[0] = value;
+    Response { torque: p[0] * value, derivatives, by_parameter }
 }
 
 /// One wave per turn of a whole number, or its quarter.
-fn wave(sights: &[f64], p: &[f64]) -> Response {
-    let (sin, cos) = (p[1] * sights[0] + p[2]).sin_cos();
-    let (mut slopes, mut slope_parameters) = ([0.0; MAX_SIGHTS], [0.0; MAX_PARAMETERS]);
-    slopes[0] = p[0] * p[1] * cos;
-    slope_parameters[0] = sin;
-    Response { torque: p[0] * sin, slopes, slope_parameters }
+fn wave(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (sin, cos) = (p[1] * law_inputs[0] + p[2]).sin_cos();
+    let (mut derivatives, mut by_parameter) = ([0.0; MAX_LAW_INPUTS], [0.0; MAX_PARAMETERS]);
+    derivatives[0] = p[0] * p[1] * cos;
+    by_parameter[0] = sin;
+    Response { torque: p[0] * sin, derivatives, by_parameter }
 }
 
 /// So much of what is read, or of a twist, by time.
-fn swelling(sights: &[f64], p: &[f64]) -> Response {
-    let Response { torque, slopes: by_time, slope_parameters } = hump(&sights[1..], p);
-    let mut slopes = [0.0; MAX_SIGHTS];
-    slopes[..2].copy_from_slice(&[torque, sights[0] * by_time[0]]);
+fn swelling(law_inputs: &[f64], p: &[f64]) -> Response {
+    let Response { torque, derivatives: by_time, by_parameter } = hump(&law_inputs[1..], p);
+    let mut derivatives = [0.0; MAX_LAW_INPUTS];
+    derivatives[..2].copy_from_slice(&[torque, law_inputs[0] * by_time[0]]);
     Response {
-        torque: sights[0] * torque,
-        slopes,
-        slope_parameters: slope_parameters.map(|slope| sights[0] * slope),
+        torque: law_inputs[0] * torque,
+        derivatives,
+        by_parameter: by_parameter.map(|derivative| law_inputs[0] * derivative),
     }
 }
 
-fn against(sights: &[f64], p: &[f64]) -> Response {
-    turned(hump(sights, p))
+fn against(law_inputs: &[f64], p: &[f64]) -> Response {
+    turned(hump(law_inputs, p))
 }
 
-fn wave_against(sights: &[f64], p: &[f64]) -> Response {
-    turned(wave(sights, p))
+fn wave_against(law_inputs: &[f64], p: &[f64]) -> Response {
+    turned(wave(law_inputs, p))
 }
 
 /// Against the motion, by time or angle.
-fn rubbing(sights: &[f64], p: &[f64], shape: fn(&[f64], &[f64]) -> Response) -> Response {
-    let Response { torque, slopes: by_other, slope_parameters } = shape(&sights[1..], p);
-    let sign = (sights[0] / p[3]).tanh();
-    let mut slopes = [0.0; MAX_SIGHTS];
-    slopes[..2].copy_from_slice(&[-torque * (1.0 - sign * sign) / p[3], -sign * by_other[0]]);
-    Response { torque: -sign * torque, slopes, slope_parameters: slope_parameters.map(|slope| -sign * slope) }
+fn rubbing(law_inputs: &[f64], p: &[f64], shape: fn(&[f64], &[f64]) -> Response) -> Response {
+    let Response { torque, derivatives: by_other, by_parameter } = shape(&law_inputs[1..], p);
+    let sign = (law_inputs[0] / p[3]).tanh();
+    let mut derivatives = [0.0; MAX_LAW_INPUTS];
+    derivatives[..2].copy_from_slice(&[-torque * (1.0 - sign * sign) / p[3], -sign * by_other[0]]);
+    Response {
+        torque: -sign * torque,
+        derivatives,
+        by_parameter: by_parameter.map(|derivative| -sign * derivative),
+    }
 }
 
-fn hump_rubs(sights: &[f64], p: &[f64]) -> Response {
-    rubbing(sights, p, hump)
+fn hump_rubs(law_inputs: &[f64], p: &[f64]) -> Response {
+    rubbing(law_inputs, p, hump)
 }
 
-fn wave_rubs(sights: &[f64], p: &[f64]) -> Response {
-    rubbing(sights, p, wave)
+fn wave_rubs(law_inputs: &[f64], p: &[f64]) -> Response {
+    rubbing(law_inputs, p, wave)
 }
 
 /// Of a bearing the torque that it takes is drawn, not the one that it gives.
 fn turned(response: Response) -> Response {
     Response {
         torque: -response.torque,
-        slopes: response.slopes.map(|slope| -slope),
-        slope_parameters: response.slope_parameters.map(|slope| -slope),
+        derivatives: response.derivatives.map(|derivative| -derivative),
+        by_parameter: response.by_parameter.map(|derivative| -derivative),
     }
 }
 
@@ -125,28 +129,32 @@ const fn shape(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
     Effect::bare("shape", acts_at, HUMP, None, Form::Laws(laws), "")
 }
 
-const fn rub(sights: &'static [Sight], answer: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { bend: |parameters| parameters[3], ..law(sights, Acts::Torque, answer) }
+const fn rub(law_inputs: &'static [LawInput], evaluate: fn(&[f64], &[f64]) -> Response) -> Law {
+    Law { transition: |parameters| parameters[3], ..law(law_inputs, Acts::Torque, evaluate) }
 }
 
-const fn law(sights: &'static [Sight], acts: Acts, answer: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { sights, acts, answer, bend: |_| 0.0, silent: |parameters| parameters[0] == 0.0 }
+const fn law(law_inputs: &'static [LawInput], acts: Acts, evaluate: fn(&[f64], &[f64]) -> Response) -> Law {
+    Law { law_inputs, acts, evaluate, transition: |_| 0.0, inactive: |parameters| parameters[0] == 0.0 }
 }
 
-static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Speed], Acts::Torque, against)]);
-static BEARING_ANGLE: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Angle], Acts::Torque, wave_against)]);
-static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[Sight::Time], Acts::Torque, against)]);
-static BEARING_RUBS_BY_ANGLE: Effect =
-    Effect { parameters: RUB, ..shape(ActsAt::Bearing, &[rub(&[Sight::Speed, Sight::Angle], wave_rubs)]) };
-static BEARING_RUBS_BY_TIME: Effect =
-    Effect { parameters: RUB, ..shape(ActsAt::Bearing, &[rub(&[Sight::Speed, Sight::Time], hump_rubs)]) };
-static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[Sight::Twist], Acts::Torque, hump)]);
+static BEARING_SPEED: Effect = shape(ActsAt::Bearing, &[law(&[LawInput::Speed], Acts::Torque, against)]);
+static BEARING_ANGLE: Effect = shape(ActsAt::Bearing, &[law(&[LawInput::Angle], Acts::Torque, wave_against)]);
+static BEARING_TIME: Effect = shape(ActsAt::Bearing, &[law(&[LawInput::Time], Acts::Torque, against)]);
+static BEARING_RUBS_BY_ANGLE: Effect = Effect {
+    parameters: RUB,
+    ..shape(ActsAt::Bearing, &[rub(&[LawInput::Speed, LawInput::Angle], wave_rubs)])
+};
+static BEARING_RUBS_BY_TIME: Effect = Effect {
+    parameters: RUB,
+    ..shape(ActsAt::Bearing, &[rub(&[LawInput::Speed, LawInput::Time], hump_rubs)])
+};
+static SPRING_TWIST: Effect = shape(ActsAt::Spring, &[law(&[LawInput::Twist], Acts::Torque, hump)]);
 static SPRING_TIME: Effect =
-    shape(ActsAt::Spring, &[law(&[Sight::Twist, Sight::Time], Acts::Torque, swelling)]);
-static CHANNEL_READING: Effect = shape(ActsAt::Channel, &[law(&[Sight::Reading], Acts::Reading, hump)]);
-static CHANNEL_TIME: Effect = shape(ActsAt::Channel, &[law(&[Sight::Time], Acts::Reading, hump)]);
+    shape(ActsAt::Spring, &[law(&[LawInput::Twist, LawInput::Time], Acts::Torque, swelling)]);
+static CHANNEL_READING: Effect = shape(ActsAt::Channel, &[law(&[LawInput::Reading], Acts::Reading, hump)]);
+static CHANNEL_TIME: Effect = shape(ActsAt::Channel, &[law(&[LawInput::Time], Acts::Reading, hump)]);
 static CHANNEL_GAIN: Effect =
-    shape(ActsAt::Channel, &[law(&[Sight::Reading, Sight::Time], Acts::Reading, swelling)]);
+    shape(ActsAt::Channel, &[law(&[LawInput::Reading, LawInput::Time], Acts::Reading, swelling)]);
 
 /// A place, what its unknown torque may depend on, and from where to where that goes.
 #[derive(Debug, Clone)]
@@ -165,7 +173,7 @@ struct Free {
 /// What remains, as a shape at a place that would carry it.
 struct Shape {
     free: Free,
-    promise: Promise,
+    promise: CandidateScore,
     p_value: f64,
 }
 
@@ -187,7 +195,7 @@ pub(crate) struct Unexplained {
     free: Free,
     std: Vec<f64>,
     /// The model with it.
-    pub(crate) fitted: Fitted,
+    pub(crate) fitted: FittedModel,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
     /// What it gains over the last model without it.
@@ -261,10 +269,10 @@ fn all(context: &Context<'_>, path: &Path, free: &[Free]) -> Result<Vec<Shape>, 
     let (turns, others): (Vec<Free>, Vec<Free>) = free.iter().cloned().partition(Free::is_turn);
     let chunks: Vec<&[Free]> = turns.chunks(TOGETHER).chain(others.chunks(TOGETHER)).collect();
     let each = chunks.into_par_iter().map(|free| together(context, path, free));
-    let found: Result<Vec<Vec<(Free, Promise)>>, IdentifyError> = each.collect();
-    let found: Vec<(Free, Promise)> = found?.into_iter().flatten().collect();
-    let promises: Vec<&Promise> = found.iter().map(|(_, promise)| promise).collect();
-    let p_values = score_test::family_wise(&promises);
+    let found: Result<Vec<Vec<(Free, CandidateScore)>>, IdentifyError> = each.collect();
+    let found: Vec<(Free, CandidateScore)> = found?.into_iter().flatten().collect();
+    let scores_of_candidates: Vec<&CandidateScore> = found.iter().map(|(_, promise)| promise).collect();
+    let p_values = score_test::family_wise(&scores_of_candidates);
     let each =
         found.into_iter().zip(p_values).map(|((free, promise), p_value)| Shape { free, promise, p_value });
     let mut found: Vec<Shape> = each.collect();
@@ -412,7 +420,7 @@ fn together(
     context: &Context<'_>,
     path: &Path,
     free: &[Free],
-) -> Result<Vec<(Free, Promise)>, IdentifyError> {
+) -> Result<Vec<(Free, CandidateScore)>, IdentifyError> {
     let last = &path.last;
     let (mut model, mut heights, mut acting) = (last.model.clone(), Vec::new(), Vec::new());
     for free in free {
@@ -426,8 +434,8 @@ fn together(
     let problem = context.problem(&model)?;
     let base = estimated(&last.model, &model);
     let from = (&last.model, &last.at);
-    let promises = compare::screen(&problem, &path.noise, &values, from, &base, &heights)?;
-    Ok(acting.into_iter().zip(promises.unwrap_or_default()).collect())
+    let scores_of_candidates = comparison::score_test(&problem, &path.noise, &values, from, &base, &heights)?;
+    Ok(acting.into_iter().zip(scores_of_candidates.unwrap_or_default()).collect())
 }
 
 /// The last model with a shape, at its fit.
@@ -464,11 +472,11 @@ impl Unexplained {
         path: &Path,
         named: &Choice,
     ) -> Result<bool, IdentifyError> {
-        let Fitted { model, at, .. } = &self.fitted;
+        let FittedModel { model, at, .. } = &self.fitted;
         let own = context.noise_at(model, at, path.noise.levels())?;
         let noise =
             own.filter(|own| own.excess() < named.noise.excess()).unwrap_or_else(|| named.noise.clone());
-        let again = |fitted: &Fitted| context.compared(&fitted.model, &fitted.at, &noise);
+        let again = |fitted: &FittedModel| context.compared(&fitted.model, &fitted.at, &noise);
         let all = [again(&self.fitted)?, again(&named.fitted)?, again(&named.before)?];
         let [Some(curve), Some(named), Some(before)] = all else { return Ok(false) };
         let (worse, gained) = (path.gain(&curve, &named), path.gain(&curve, &before));
@@ -480,8 +488,8 @@ impl Unexplained {
         &self,
         context: &Context<'_>,
         (model, values): (&Model, &[f64]),
-        noise: &Yardstick,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
         let fitted = with_shape(context, (model, values), noise, (&self.free, &self.std))?;
         Ok(fitted.map(|(fitted, _)| fitted))
     }
@@ -499,9 +507,9 @@ impl Unexplained {
 fn with_shape(
     context: &Context<'_>,
     (model, values): (&Model, &[f64]),
-    noise: &Yardstick,
+    noise: &NoiseModel,
     (free, std): (&Free, &[f64]),
-) -> Result<Option<(Fitted, Vec<f64>)>, IdentifyError> {
+) -> Result<Option<(FittedModel, Vec<f64>)>, IdentifyError> {
     let Ok((mut grown, heights)) = grown(model, free) else { return Ok(None) };
     // A point where nothing ever was stays nothing.
     for (height, std) in heights.iter().zip(std) {
@@ -509,7 +517,7 @@ fn with_shape(
     }
     let values = carried((model, values), &grown);
     let problem = context.problem(&grown)?;
-    let at = compare::descend(&problem, noise, &values, None, (compare::COARSE, ITERATIONS))?;
+    let at = comparison::descend(&problem, noise, &values, None, (comparison::COARSE, ITERATIONS))?;
     let Some(at) = at else { return Ok(None) };
     let found = heights.iter().map(|height| at.values[*height]).collect();
     Ok(context.validated(&grown, at, noise)?.map(|fitted| (fitted, found)))

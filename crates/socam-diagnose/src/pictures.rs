@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured, Traces},
+    comparison::{self, Evaluation, Traces},
 };
 use socam_model::{Model, Quantity};
 
@@ -37,16 +37,16 @@ impl Pair {
         let mut pairs = Vec::new();
         let training: Vec<String> = context.training.iter().map(|data| data.name().to_owned()).collect();
         let (base, corrected) = (&path.base, path.corrected());
-        let before = compare::traces(&context.problem(&base.model)?, &base.at, None)?;
+        let before = comparison::traces(&context.problem(&base.model)?, &base.at, None)?;
         let after = match corrected {
-            Some(after) => compare::traces(&context.problem(&after.model)?, &after.at, None)?,
+            Some(after) => comparison::traces(&context.problem(&after.model)?, &after.at, None)?,
             None => Vec::new(),
         };
         pairs.extend(paired(&training, false, before, after));
         if let Some(proof) = proof {
             let names: Vec<String> = proof.holdout.iter().map(|data| data.name().to_owned()).collect();
-            let of = |model: &Model, at: &Measured| {
-                compare::traces(&Problem::new(model, proof.holdout, context.fit.clone())?, at, None)
+            let of = |model: &Model, at: &Evaluation| {
+                comparison::traces(&Problem::new(model, proof.holdout, context.fit.clone())?, at, None)
             };
             let before = of(&base.model, &proof.base)?;
             let after = match corrected {

@@ -5,7 +5,7 @@ use socam_model::{
     effects::{Kind, Prior, Rig},
 };
 
-use crate::context::Fitted;
+use crate::context::FittedModel;
 
 /// The base model as its file has it, and the machine in numbers.
 #[derive(Clone)]
@@ -18,11 +18,11 @@ impl Known {
     /// Logarithm of how plausible a fit's parameters are, relative to what is usual: 0 for usual ones, minus infinity for what cannot be. A base
     /// parameter is known from the model file to within a factor of e (one standard deviation of its logarithm); those of
     /// effects that were added have the priors of the catalogue.
-    pub(crate) fn log_prior(&self, fitted: &Fitted) -> f64 {
+    pub(crate) fn log_prior(&self, fitted: &FittedModel) -> f64 {
         self.displacement(fitted) + self.effects(fitted)
     }
 
-    fn displacement(&self, fitted: &Fitted) -> f64 {
+    fn displacement(&self, fitted: &FittedModel) -> f64 {
         let moved = self.base.parameters.iter().filter_map(|parameter| {
             let value = fitted.at.values[fitted.model.parameter(&parameter.name)?];
             let known = !parameter.fixed && parameter.bounds.0 >= 0.0 && parameter.value > 0.0 && value > 0.0;
@@ -31,7 +31,7 @@ impl Known {
         -0.5 * moved.map(|moved| moved * moved).sum::<f64>()
     }
 
-    fn effects(&self, fitted: &Fitted) -> f64 {
+    fn effects(&self, fitted: &FittedModel) -> f64 {
         let added = fitted.model.effects.iter().skip(self.base.effects.len());
         let each = added.map(|used| {
             let value = |name: &str| {

@@ -9,7 +9,7 @@ use socam_recording::{
 };
 
 /// The recordings with outliers beside `model` at `values` (SI) missing, and what these are. One without any stays as it is.
-pub(crate) fn cleaned(
+pub(crate) fn preprocessed(
     model: &Model,
     datasets: &[Dataset],
     values: &[f64],
@@ -56,7 +56,7 @@ pub(crate) fn connected(
             notes.push(format!("{name}: {} never changes and was left out: is its sensor connected?", channel.name));
         }
         let all = 0..dataset.rows();
-        blanked(dataset, columns.into_iter().map(|column| (column, vec![all.clone()])))
+        masked(dataset, columns.into_iter().map(|column| (column, vec![all.clone()])))
     });
     let datasets: Result<Vec<Dataset>, RecordingError> = each.collect();
     Ok((datasets?, notes))
@@ -125,11 +125,11 @@ fn without(model: &Model, dataset: &Dataset, outliers: &[&LeftOut]) -> Result<Da
         let channel = model.channels.iter().find(|channel| channel.name == note.channel)?;
         Some((channel.column.as_str(), note.rows.clone()))
     });
-    blanked(dataset, each)
+    masked(dataset, each)
 }
 
 /// A copy in memory with rows of columns missing.
-pub(crate) fn blanked<'c>(
+pub(crate) fn masked<'c>(
     dataset: &Dataset,
     rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,
 ) -> Result<Dataset, RecordingError> {

@@ -2,13 +2,13 @@
 
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured, Yardstick},
+    comparison::{self, Evaluation, NoiseModel},
 };
 use socam_model::Model;
 use socam_recording::Dataset;
 
 use crate::{
-    context::{Context, Fitted},
+    context::{Context, FittedModel},
     selection::Path,
 };
 
@@ -18,12 +18,12 @@ const CONTRADICTION: f64 = 0.05;
 /// Evaluations on held-out recordings, start states fitted to each.
 pub(crate) struct Proof<'a> {
     pub(crate) holdout: &'a [Dataset],
-    pub(crate) base: Measured,
+    pub(crate) base: Evaluation,
     /// Of the model with all that was found.
-    pub(crate) corrected: Measured,
+    pub(crate) corrected: Evaluation,
     /// Of the last model, and of that without each of its terms, in their order.
-    last: Measured,
-    without: Vec<Option<Measured>>,
+    last: Evaluation,
+    without: Vec<Option<Evaluation>>,
     /// Sensor noise of each output, SI.
     noise_std: Vec<f64>,
 }
@@ -39,14 +39,14 @@ impl<'a> Proof<'a> {
             return Ok(None);
         }
         let noise = noise(context, path, holdout)?;
-        let of = |fitted: &Fitted| {
+        let of = |fitted: &FittedModel| {
             let problem = Problem::new(&fitted.model, holdout, context.fit.clone())?;
-            compare::measure(&problem, &noise, &fitted.at.values)
+            comparison::measure(&problem, &noise, &fitted.at.values)
         };
         let all = of(&path.base)?.zip(of(path.whole())?).zip(of(&path.last)?);
         let Some(((base, corrected), last)) = all else { return Ok(None) };
         let without = path.terms.iter().map(|term| term.without.as_ref().map_or(Ok(None), of));
-        let without: Result<Vec<Option<Measured>>, IdentifyError> = without.collect();
+        let without: Result<Vec<Option<Evaluation>>, IdentifyError> = without.collect();
         let noise_std = path.noise.levels().outputs.clone();
         Ok(Some(Self { holdout, base, corrected, last, without: without?, noise_std }))
     }
@@ -77,8 +77,8 @@ impl<'a> Proof<'a> {
 }
 
 /// Fall of the residuals' power, in units of each output's sensor noise, over what of it is beyond that noise.
-fn percent(before: &Measured, after: &Measured, noise_std: &[f64]) -> f64 {
-    let power = |at: &Measured| -> f64 {
+fn percent(before: &Evaluation, after: &Evaluation, noise_std: &[f64]) -> f64 {
+    let power = |at: &Evaluation| -> f64 {
         let each = at.rms.iter().zip(&at.read).zip(noise_std).filter(|(_, std)| **std > 0.0);
         each.map(|((rms, read), std)| (rms / std).powi(2) * read).sum()
     };
@@ -88,10 +88,10 @@ fn percent(before: &Measured, after: &Measured, noise_std: &[f64]) -> f64 {
 }
 
 /// The noise model of the training recordings, with filters for the held-out recordings' sample times too.
-fn noise(context: &Context<'_>, path: &Path, holdout: &[Dataset]) -> Result<Yardstick, IdentifyError> {
-    let Fitted { model, at, .. } = &path.last;
+fn noise(context: &Context<'_>, path: &Path, holdout: &[Dataset]) -> Result<NoiseModel, IdentifyError> {
+    let FittedModel { model, at, .. } = &path.last;
     let training = context.problem(model)?;
     let held_out = Problem::new(model, holdout, context.fit.clone())?;
-    let sensor = Yardstick::new(&[&training, &held_out], &at.values, path.noise.levels().clone())?;
+    let sensor = NoiseModel::new(&[&training, &held_out], &at.values, path.noise.levels().clone())?;
     Ok(sensor.with_discrepancy(&training, at)?.unwrap_or(sensor))
 }

@@ -2,12 +2,12 @@
 
 use socam_identify::{
     IdentifyError,
-    compare::{self, Traces},
+    comparison::{self, Traces},
 };
 use socam_model::{Model, Motion, Quantity};
 
 use crate::{
-    context::{Context, Fitted},
+    context::{Context, FittedModel},
     document::Region,
     scales::with_sensor,
     spectrum,
@@ -41,16 +41,16 @@ struct Sample {
 /// `levels` are the outputs' noise, SI.
 pub(crate) fn region(
     context: &Context<'_>,
-    before: &Fitted,
-    after: Option<&Fitted>,
+    before: &FittedModel,
+    after: Option<&FittedModel>,
     place: &str,
     levels: &[f64],
 ) -> Result<Region, IdentifyError> {
-    let of = |fitted: &Fitted| compare::traces(&context.problem(&fitted.model)?, &fitted.at, None);
+    let of = |fitted: &FittedModel| comparison::traces(&context.problem(&fitted.model)?, &fitted.at, None);
     let (old, new) = (of(before)?, after.map(of).transpose()?);
     let mover = after.unwrap_or(before);
     let probe = probe(&mover.model, &mover.at.values, place);
-    let motion = compare::traces(&context.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
+    let motion = comparison::traces(&context.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
     let mut samples = Vec::new();
     let mut spectra = vec![(0.0, 0.0); spectrum_bins(&old)];
     let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);

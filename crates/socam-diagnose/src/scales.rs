@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Innovations, Measured, Traces, Yardstick},
+    comparison::{self, Evaluation, Innovations, NoiseModel, Traces},
 };
 use socam_model::{
     Channel, Model, Quantity, Role, Take,
@@ -31,7 +31,7 @@ pub(crate) struct Scales {
     /// The machine in numbers: effects take their grids, starts and priors from it.
     pub(crate) rig: Rig,
     /// By spring: the recording in which its torque is largest.
-    loudest: Vec<usize>,
+    largest_amplitude: Vec<usize>,
     /// By output: largest reading.
     readings: Vec<f64>,
 }
@@ -40,23 +40,23 @@ impl Scales {
     pub(crate) fn new(
         problem: &Problem<'_>,
         model: &Model,
-        yardstick: &Yardstick,
-        at: &Measured,
+        noise_model: &NoiseModel,
+        at: &Evaluation,
     ) -> Result<Self, IdentifyError> {
         let mut rig = Rig::of_model(model, &at.values);
         for (known, spring) in rig.springs.iter_mut().zip(&model.springs) {
             // By the file: of two springs in a row a fit may make anything.
             known.stiffness = model.parameters[spring.stiffness].value;
         }
-        let read = compare::traces(problem, at, None)?;
+        let read = comparison::traces(problem, at, None)?;
         rig.sample_time_s = read.iter().map(spectrum::step_s).reduce(f64::min).unwrap_or(0.0);
         rig.longest_s = longest_s(&read);
         let highest_hz = rig.wave_hz().1;
         rig.modes_hz.retain(|hz| *hz < highest_hz);
-        let loudest = add_motion(&mut rig, &read, (problem, model, at))?;
+        let largest_amplitude = add_motion(&mut rig, &read, (problem, model, at))?;
         add_torques(&mut rig, &read, (model, &at.values));
         add_channels(&mut rig, &read, model);
-        let white = compare::innovations(problem, yardstick, at)?.unwrap_or_default();
+        let white = comparison::innovations(problem, noise_model, at)?.unwrap_or_default();
         let lines: Vec<Vec<Option<Lines>>> = white.iter().map(lines).collect();
         rig.lines_hz = spectrum::peaks(lines.iter().flatten().flatten(), PEAKS_OF_ALL);
         for (output, channel) in model.outputs().enumerate() {
@@ -69,7 +69,7 @@ impl Scales {
         }
         let readings =
             (0..model.outputs().count()).map(|output| sizes_read(&read, output).fold(0.0, f64::max));
-        Ok(Self { readings: readings.collect(), rig, loudest })
+        Ok(Self { readings: readings.collect(), rig, largest_amplitude })
     }
 
     pub(crate) fn speed(&self, node: usize) -> f64 {
@@ -81,8 +81,8 @@ impl Scales {
     }
 
     /// Recording in which a spring carries that.
-    pub(crate) fn loudest(&self, spring: usize) -> usize {
-        self.loudest.get(spring).copied().unwrap_or(0)
+    pub(crate) fn largest_amplitude(&self, spring: usize) -> usize {
+        self.largest_amplitude.get(spring).copied().unwrap_or(0)
     }
 
     /// Largest magnitude that an output reads.
@@ -106,7 +106,7 @@ fn longest_s(read: &[Traces]) -> f64 {
 fn add_motion(
     rig: &mut Rig,
     read: &[Traces],
-    (problem, model, at): (&Problem<'_>, &Model, &Measured),
+    (problem, model, at): (&Problem<'_>, &Model, &Evaluation),
 ) -> Result<Vec<usize>, IdentifyError> {
     // Besides the model's own sensors: effects may sit in those.
     let mut probe = model.clone();
@@ -117,7 +117,7 @@ fn add_motion(
         seen.push(grown.is_some().then(|| probe.outputs().count()));
         probe = grown.unwrap_or(probe);
     }
-    let traces = compare::traces(problem, at, Some(&probe))?;
+    let traces = comparison::traces(problem, at, Some(&probe))?;
     let (of_nodes, of_springs) = seen.split_at(model.nodes.len());
     let waves = effects::screened().filter(|effect| effect.acts_at == ActsAt::Node && effect.is_by_turn());
     let waves = waves.filter(|effect| effect.given().any(|own| own.name == "order"));
@@ -143,9 +143,9 @@ fn add_motion(
         }
     }
     let torques = of_springs.iter().map(|output| output.map_or((0.0, 0), |output| largest(&traces, output)));
-    let (torques, loudest): (Vec<f64>, Vec<usize>) = torques.unzip();
+    let (torques, largest_amplitude): (Vec<f64>, Vec<usize>) = torques.unzip();
     rig.springs.iter_mut().zip(torques).for_each(|(spring, torque)| spring.torque = torque);
-    Ok(loudest)
+    Ok(largest_amplitude)
 }
 
 /// Orders at which residuals stand out over the turn of a node whose speed is an output of `traces`.

@@ -15,7 +15,7 @@ use rand_chacha::{
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, Options, Problem,
-    compare::{self, Measured, Promise, Yardstick},
+    comparison::{self, CandidateScore, Evaluation, NoiseModel},
 };
 use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
@@ -31,12 +31,12 @@ const DRAWS: usize = 1999;
 /// How much stronger than the noise model has it noise may be in the direction in which a candidate acts, in power.
 const INFLATION: f64 = 8.0;
 
-/// A candidate and what it promises, as a start for a fit.
+/// A candidate and what it scores_of_candidates, as a start for a fit.
 #[derive(Debug, Clone)]
-pub(crate) struct Promising {
+pub(crate) struct RankedCandidate {
     /// With the strength that the slopes foretell.
     pub(crate) start: Candidate,
-    pub(crate) promise: Promise,
+    pub(crate) promise: CandidateScore,
     /// Chance that anything among all candidates stands out as much where nothing is missing.
     pub(crate) p_value: f64,
     /// Whether the foretold strength is one that can be.
@@ -49,13 +49,13 @@ pub(crate) fn run(
     model: &Model,
     datasets: &[Dataset],
     options: &Options,
-    yardstick: &Yardstick,
-    at: &Measured,
+    noise_model: &NoiseModel,
+    at: &Evaluation,
     (scales, all): (&Scales, &[Candidate]),
-) -> Result<Vec<Promising>, IdentifyError> {
+) -> Result<Vec<RankedCandidate>, IdentifyError> {
     // What is of some strength already would change what the others see.
     let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
-        all.iter().partition(|candidate| candidate.is_full());
+        all.iter().partition(|candidate| candidate.starts_at_amplitude());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         linear.into_iter().partition(|candidate| candidate.effect.is_structural());
     // What has a memory answers the motion even at no strength, and several of them each other.
@@ -69,33 +69,33 @@ pub(crate) fn run(
     batches.extend(by_kind(structural));
     let whole = Problem::new(model, datasets, options.clone())?;
     let each = batches.par_iter().map(|batch| {
-        let on_all = || together(model, datasets, options, yardstick, at, batch);
+        let on_all = || together(model, datasets, options, noise_model, at, batch);
         let spring = model.springs.iter().position(|spring| spring.name == batch[0].place);
-        let (true, Some(spring)) = (batch[0].is_full(), spring) else { return on_all() };
-        let loudest = scales.loudest(spring);
-        let one = std::slice::from_ref(&datasets[loudest]);
-        let first = together(model, one, options, yardstick, &at.on_one(&whole, loudest), batch)?;
-        if first.iter().any(|promising| promising.promise.gain > 0.0) {
+        let (true, Some(spring)) = (batch[0].starts_at_amplitude(), spring) else { return on_all() };
+        let largest_amplitude = scales.largest_amplitude(spring);
+        let one = std::slice::from_ref(&datasets[largest_amplitude]);
+        let first = together(model, one, options, noise_model, &at.on_one(&whole, largest_amplitude), batch)?;
+        if first.iter().any(|ranked| ranked.promise.gain > 0.0) {
             return on_all();
         }
         // Nor is it a start for anything.
-        Ok(first.into_iter().map(|promising| Promising { possible: false, ..promising }).collect())
+        Ok(first.into_iter().map(|ranked| RankedCandidate { possible: false, ..ranked }).collect())
     });
-    let found: Result<Vec<Vec<Promising>>, IdentifyError> = each.collect();
-    let mut found: Vec<Promising> = found?.into_iter().flatten().collect();
+    let found: Result<Vec<Vec<RankedCandidate>>, IdentifyError> = each.collect();
+    let mut found: Vec<RankedCandidate> = found?.into_iter().flatten().collect();
     judge(&mut found);
     found.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
     Ok(found)
 }
 
 /// Gives each candidate its family-wise p-value.
-fn judge(all: &mut [Promising]) {
+fn judge(all: &mut [RankedCandidate]) {
     let p_values = family_wise(&all.iter().map(|one| &one.promise).collect::<Vec<_>>());
     all.iter_mut().zip(p_values).for_each(|(one, p_value)| one.p_value = p_value);
 }
 
 /// For each of several tests on the same blocks: the chance that any of them stands out as much where nothing is missing.
-pub(crate) fn family_wise(all: &[&Promise]) -> Vec<f64> {
+pub(crate) fn family_wise(all: &[&CandidateScore]) -> Vec<f64> {
     let statistics: Vec<Option<Statistic>> = all.iter().map(|one| Statistic::new(&one.scores)).collect();
     let largest = largest_by_chance(&statistics);
     let count = all.len().max(1) as f64;
@@ -188,18 +188,19 @@ fn together(
     model: &Model,
     datasets: &[Dataset],
     options: &Options,
-    yardstick: &Yardstick,
-    at: &Measured,
+    noise_model: &NoiseModel,
+    at: &Evaluation,
     batch: &[&Candidate],
-) -> Result<Vec<Promising>, IdentifyError> {
+) -> Result<Vec<RankedCandidate>, IdentifyError> {
     let Ok((grown, groups)) = grown(model, batch) else { return Ok(Vec::new()) };
     let values = carried((model, &at.values), &grown);
     let problem = Problem::new(&grown, datasets, options.clone())?;
     let base = estimated(model, &grown);
-    let promises = compare::screen(&problem, yardstick, &values, (model, at), &base, &groups)?;
-    let Some(promises) = promises else { return Ok(Vec::new()) };
-    let each = batch.iter().zip(promises).map(|(candidate, mut promise)| {
-        if candidate.is_full() {
+    let scores_of_candidates =
+        comparison::score_test(&problem, noise_model, &values, (model, at), &base, &groups)?;
+    let Some(scores_of_candidates) = scores_of_candidates else { return Ok(Vec::new()) };
+    let each = batch.iter().zip(scores_of_candidates).map(|(candidate, mut promise)| {
+        if candidate.starts_at_amplitude() {
             promise.gain += at.total() - promise.total;
         }
         foretold(model, candidate, promise)
@@ -261,7 +262,7 @@ pub(crate) fn estimated(model: &Model, grown: &Model) -> Vec<usize> {
 /// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.
 pub(crate) const A_LITTLE: f64 = 0.02;
 
-fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising {
+fn foretold(model: &Model, candidate: &Candidate, promise: CandidateScore) -> RankedCandidate {
     let mut start = candidate.clone();
     let mut possible = true;
     if candidate.is_wave() {
@@ -274,10 +275,10 @@ fn foretold(model: &Model, candidate: &Candidate, promise: Promise) -> Promising
             let (least, most) = candidate.bounds(model, name);
             let moved = |share: f64| candidate.moved(name, before, share * step);
             possible &= (least..=most).contains(&moved(1.0));
-            let share = if candidate.is_full() { 0.0 } else { A_LITTLE };
+            let share = if candidate.starts_at_amplitude() { 0.0 } else { A_LITTLE };
             let moved = moved(share).clamp(least, most);
             start = start.with(name, moved);
         }
     }
-    Promising { start, promise, p_value: 1.0, possible }
+    RankedCandidate { start, promise, p_value: 1.0, possible }
 }

@@ -2,7 +2,7 @@
 
 use socam_identify::{
     IdentifyError, NoiseLevels,
-    compare::{self, Yardstick},
+    comparison::{self, NoiseModel},
 };
 use socam_model::{Model, effects::Rig};
 use socam_recording::Dataset;
@@ -11,13 +11,13 @@ use crate::{
     alike::alike,
     candidates::{self, Candidate},
     choice::{self, Choice},
-    context::{Context, FAR_BEYOND_NOISE, Fitted},
+    context::{Context, FAR_BEYOND_NOISE, FittedModel},
     criterion::{self, Difference},
     halving,
     nonparametric::{self, Unexplained},
     plausibility::Known,
     scales::Scales,
-    score_test::{self, Promising, carried},
+    score_test::{self, RankedCandidate, carried},
 };
 
 /// Candidates that are fitted, and places of any one effect among them: in a long chain neighbours promise the same.
@@ -43,7 +43,7 @@ pub(crate) struct Term {
     /// What it gains now, beside all others.
     pub(crate) gain: Difference,
     /// The last model without it, at its fit.
-    pub(crate) without: Option<Fitted>,
+    pub(crate) without: Option<FittedModel>,
     /// Excess over sensor noise when nested laws were last tried in its place.
     pub(crate) excess_at_upgrade: f64,
 }
@@ -51,15 +51,15 @@ pub(crate) struct Term {
 /// From the base model to the corrected one.
 #[derive(Clone)]
 pub(crate) struct Path {
-    pub(crate) base: Fitted,
-    pub(crate) last: Fitted,
+    pub(crate) base: FittedModel,
+    pub(crate) last: FittedModel,
     pub(crate) terms: Vec<Term>,
     /// What is known before any recording.
     pub(crate) known: Known,
     /// Sensor noise and model discrepancy as the last model shows them.
-    pub(crate) noise: Yardstick,
+    pub(crate) noise: NoiseModel,
     /// The last score test, the largest gain first; empty where the model changed since.
-    pub(crate) tests: Vec<Promising>,
+    pub(crate) tests: Vec<RankedCandidate>,
     /// What remains without a name.
     pub(crate) unexplained: Option<Unexplained>,
 }
@@ -96,10 +96,10 @@ fn base(
     model: &Model,
     values: &[f64],
     levels: &NoiseLevels,
-) -> Result<Option<(Fitted, Yardstick)>, IdentifyError> {
+) -> Result<Option<(FittedModel, NoiseModel)>, IdentifyError> {
     let sensor = context.sensor_noise(model, values, levels.clone())?;
     let problem = context.problem(model)?;
-    let Some(first) = compare::measure(&problem, &sensor, values)? else { return Ok(None) };
+    let Some(first) = comparison::measure(&problem, &sensor, values)? else { return Ok(None) };
     let Some(noise) = context.noise_at(model, &first, levels)? else { return Ok(None) };
     let Some(base) = context.fitted(model, values, Some((model, &first)), &noise)? else { return Ok(None) };
     let noise = context.noise_at(model, &base.at, noise.levels())?.unwrap_or(noise);
@@ -108,7 +108,7 @@ fn base(
 
 impl Path {
     /// What a model gains over another one in cross-validation, and how much more plausible its parameters are.
-    pub(crate) fn gain(&self, after: &Fitted, before: &Fitted) -> Difference {
+    pub(crate) fn gain(&self, after: &FittedModel, before: &FittedModel) -> Difference {
         let own = criterion::difference(&after.validation, &before.validation);
         let prior = self.known.log_prior(after) - self.known.log_prior(before);
         Difference { log_score: own.log_score + prior, ..own }
@@ -137,7 +137,7 @@ impl Path {
                 _ => None,
             };
             if named.is_none() {
-                self.leave_to_curve(context)?;
+                self.replace_by_curve(context)?;
                 return Ok(false);
             }
             self.unexplained = None;
@@ -152,7 +152,7 @@ impl Path {
 
     /// The score test of all that was not added yet; returns how large motions and torques are.
     fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
-        let Fitted { model, at, .. } = &self.last;
+        let FittedModel { model, at, .. } = &self.last;
         let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
         if self.terms.is_empty() {
             self.known.rig = scales.rig.clone();
@@ -265,7 +265,7 @@ impl Path {
             let is_there = self.terms[index].candidate.place == choice.term.candidate.place;
             let discrepancy = if is_there { criterion::by_law } else { criterion::by_law_elsewhere };
             let Some((model, values)) = self.begun_without(index) else { continue };
-            let without = compare::measure(&context.problem(&model)?, &choice.noise, &values)?;
+            let without = comparison::measure(&context.problem(&model)?, &choice.noise, &values)?;
             let Some(without) = without else { continue };
             let earlier = 0.5 * (without.total() - choice.before.deviance());
             if choice.term.gain.log_score < discrepancy(earlier) {
@@ -316,13 +316,13 @@ impl Path {
     }
 
     /// With all that was found, the curve of what has no name among it; `None` where nothing was.
-    pub(crate) fn corrected(&self) -> Option<&Fitted> {
+    pub(crate) fn corrected(&self) -> Option<&FittedModel> {
         let named = (!self.terms.is_empty()).then_some(&self.last);
         self.unexplained.as_ref().map(|found| &found.fitted).or(named)
     }
 
     /// The same, or the last fit where nothing was found.
-    pub(crate) fn whole(&self) -> &Fitted {
+    pub(crate) fn whole(&self) -> &FittedModel {
         self.corrected().unwrap_or(&self.last)
     }
 
@@ -330,7 +330,7 @@ impl Path {
     pub(crate) fn levels(&self, context: &Context<'_>) -> Result<NoiseLevels, IdentifyError> {
         match &self.unexplained {
             Some(Unexplained { fitted, .. }) => {
-                compare::noise(&context.problem(&fitted.model)?, &fitted.at, self.noise.levels())
+                comparison::noise(&context.problem(&fitted.model)?, &fitted.at, self.noise.levels())
             }
             None => Ok(self.noise.levels().clone()),
         }
@@ -369,7 +369,7 @@ impl Path {
 }
 
 /// What is missing displaces all other parameters, and a fit may not find back from there: base parameters begin again at the file's values.
-fn restarted(context: &Context<'_>, path: &Path, fitted: Fitted) -> Result<Fitted, IdentifyError> {
+fn restarted(context: &Context<'_>, path: &Path, fitted: FittedModel) -> Result<FittedModel, IdentifyError> {
     let mut values = fitted.at.values.clone();
     for parameter in &path.base.model.parameters {
         if let Some(index) = fitted.model.parameter(&parameter.name) {

@@ -1,19 +1,19 @@
-//! Leave-one-sensor-out fits: a sensor that is far off displaces every parameter until nothing says what is wrong. Fitted without that
+//! Leave-one-sensor-out fits: a sensor that is far off displaces every parameter until nothing says what is wrong. FittedModel without that
 //! sensor, the context is where the others put it, and the sensor's own fault shows.
 
 use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, Problem,
-    compare::{self, Measured, Traces},
+    comparison::{self, Evaluation, Traces},
 };
 use socam_model::{Channel, effects::Form};
 use socam_recording::{Dataset, RecordingError};
 
 use crate::{
     candidates::{self, Candidate},
-    context::{Context, Fitted},
+    context::{Context, FittedModel},
     halving::{self, Finalist},
-    preprocessing::blanked,
+    preprocessing::masked,
     scales::Scales,
     score_test,
     selection::Path,
@@ -62,8 +62,8 @@ impl Path {
         let model = &self.last.model;
         let Some(at) = self.fitted_without_sensor(context, sensor)? else { return Ok(Vec::new()) };
         let problem = context.problem(model)?;
-        let Some(at) = compare::measure(&problem, &self.noise, &at.values)? else { return Ok(Vec::new()) };
-        let begun = Fitted { at, ..self.last.clone() };
+        let Some(at) = comparison::measure(&problem, &self.noise, &at.values)? else { return Ok(Vec::new()) };
+        let begun = FittedModel { at, ..self.last.clone() };
         let mut all = candidates::all(model, scales);
         all.retain(|candidate| candidate.place == sensor.name);
         let seen =
@@ -75,7 +75,7 @@ impl Path {
                 tried.push((one.start.clone(), one.p_value));
             }
         }
-        let traces = compare::traces(&problem, &begun.at, None)?;
+        let traces = comparison::traces(&problem, &begun.at, None)?;
         tried.extend(seen.iter().filter_map(|own| {
             let answer: Answer = match own.start.effect.form {
                 Form::Delay => late,
@@ -95,16 +95,16 @@ impl Path {
         &self,
         context: &Context<'_>,
         sensor: &Channel,
-    ) -> Result<Option<Measured>, IdentifyError> {
+    ) -> Result<Option<Evaluation>, IdentifyError> {
         let model = &self.last.model;
         let blind = |dataset: &Dataset| {
             let all = std::iter::once(0..dataset.rows()).collect();
-            blanked(dataset, std::iter::once((&*sensor.column, all)))
+            masked(dataset, std::iter::once((&*sensor.column, all)))
         };
         let blind: Result<Vec<Dataset>, RecordingError> = context.training.iter().map(blind).collect();
         let blind = blind?;
         let problem = Problem::new(model, &blind, context.fit.clone())?;
-        compare::descend(&problem, &self.noise, &model.values(), None, (compare::COARSE, ITERATIONS))
+        comparison::descend(&problem, &self.noise, &model.values(), None, (comparison::COARSE, ITERATIONS))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Spectra of residuals.
 
-use socam_identify::compare::Traces;
+use socam_identify::comparison::Traces;
 use socam_recording::Welch;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -21,7 +21,7 @@ pub(crate) fn step_s(trace: &Traces) -> f64 {
     if n < 2 { 1e-3 } else { (trace.time_s[n - 1] - trace.time_s[0]) / (n - 1) as f64 }
 }
 
-/// Measured minus predicted.
+/// Evaluation minus predicted.
 pub(crate) fn residual(trace: &Traces, output: usize) -> Vec<f64> {
     trace.measured[output].iter().zip(&trace.predicted[output]).map(|(y, p)| y - p).collect()
 }

@@ -4,8 +4,8 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError, Predictor, Problem, Start, StartState,
-    feed::{self, Chunk},
-    solver,
+    optimiser::descent,
+    preprocessing::segments::{self, Chunk},
 };
 
 /// A band of frequencies, both ends within.
@@ -73,7 +73,7 @@ impl Band {
 /// where nothing was measured within the band.
 ///
 /// # Method
-/// The residual and the measured channel are transformed over each uninterrupted stretch, their means removed, and the
+/// The residual and the measured channel are transformed over each uninterrupted segment, their means removed, and the
 /// transform's lines within the band are summed: a filter without phase and with perfectly steep edges.
 ///
 /// # Errors
@@ -86,11 +86,11 @@ pub fn evaluate_band(
     for dataset in problem.datasets {
         band.check(dataset)?;
     }
-    let locals = solver::fitted_locals(problem, values)?;
+    let nuisance = descent::fitted_nuisance(problem, values)?;
     let mut sums = vec![Sums::default(); problem.outputs()];
-    for (index, locals) in locals.iter().enumerate() {
-        let (measured, predicted) = run(problem, values, index, locals)?;
-        let sample_time_s = problem.stretches[index].sample_time_s;
+    for (index, nuisance) in nuisance.iter().enumerate() {
+        let (measured, predicted) = run(problem, values, index, nuisance)?;
+        let sample_time_s = problem.segments[index].sample_time_s;
         for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
             sums.add_stretch(band, sample_time_s, measured, predicted);
         }
@@ -99,25 +99,25 @@ pub fn evaluate_band(
     Ok(names.zip(sums.iter().map(Sums::fit)).collect())
 }
 
-/// A stretch's outputs as measured and, but for offsets, as predicted.
+/// A segment's outputs as measured and, but for offsets, as predicted.
 type Outputs = (Vec<Vec<f64>>, Vec<Vec<f64>>);
 
 fn run(
     problem: &Problem<'_>,
     values: &[f64],
     index: usize,
-    locals: &[f64],
+    nuisance: &[f64],
 ) -> Result<Outputs, IdentifyError> {
-    let stretch = &problem.stretches[index];
-    let dataset = &problem.datasets[stretch.recording];
+    let segment = &problem.segments[index];
+    let dataset = &problem.datasets[segment.recording];
     let mut whole = Chunk::default();
-    feed::read(problem.model, dataset, stretch, &problem.intersample, |chunk| {
+    segments::read(problem.model, dataset, segment, &problem.intersample, |chunk| {
         append(&mut whole.inputs, &chunk.inputs);
         append(&mut whole.outputs, &chunk.outputs);
     })?;
-    let predictor = Predictor::new(problem.model, values, stretch.sample_time_s)?;
+    let predictor = Predictor::new(problem.model, values, segment.sample_time_s)?;
     let start = match problem.options.start_state {
-        StartState::Free => Start::State(&locals[..predictor.states()]),
+        StartState::Free => Start::State(&nuisance[..predictor.states()]),
         StartState::Equilibrium => Start::Equilibrium,
     };
     let inputs: Vec<&[f64]> = whole.inputs.iter().map(Vec::as_slice).collect();

@@ -19,12 +19,12 @@ pub enum IdentifyError {
     NoRecordings,
     /// A recording is too short for the model.
     #[error(
-        "{recording}: its longest stretch without gaps has {rows} samples, but at least {needed} are needed"
+        "{recording}: its longest segment without gaps has {rows} samples, but at least {needed} are needed"
     )]
     TooShort {
         /// Recording name.
         recording: String,
-        /// Samples of its longest stretch.
+        /// Samples of its longest segment.
         rows: u64,
         /// Least number.
         needed: u64,

@@ -11,10 +11,12 @@ use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
-    IdentifyError, filters,
-    pass::ChannelSums,
+    IdentifyError,
+    evaluation::ChannelSums,
+    prediction::start_state,
+    preprocessing::filters,
     report::{self, CpuClock, End, Identification, ParameterEstimate, Source},
-    start, uncertainty,
+    uncertainty::covariance,
 };
 
 /// Low-pass of the position, Hz: five times the 20 Hz that the axis follows.
@@ -72,7 +74,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
     let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
     let mut point = axis.values.clone();
     axis.free.iter().zip(&change).for_each(|(index, change)| point[*index] += change);
-    let inverse = uncertainty::inverse_information(qr.thin_R());
+    let inverse = covariance::inverse_information(qr.thin_R());
     let std: Vec<f64> = (0..free).map(|j| (variance * inverse[(j, j)]).sqrt()).collect();
     let cpu_s = clock.seconds();
     Ok(axis.report(model, datasets, &point, &std, quantile, &tables, sum_of_squares, cpu_s))
@@ -98,10 +100,10 @@ struct Axis<'m> {
     values: Vec<f64>,
     free: Vec<usize>,
     equations: Equations,
-    slopes: Vec<Equations>,
+    derivatives: Vec<Equations>,
 }
 
-/// Filtered motion of one stretch.
+/// Filtered motion of one segment.
 struct Motion {
     position: Vec<f64>,
     speed: Vec<f64>,
@@ -149,7 +151,7 @@ impl<'m> Axis<'m> {
             values: Vec::new(),
             free,
             equations: model.equations(&model.values())?,
-            slopes: Vec::new(),
+            derivatives: Vec::new(),
         };
         axis.set(model, &model.values())?;
         if axis.equations.state.nrows() != 2 {
@@ -167,7 +169,7 @@ impl<'m> Axis<'m> {
                 }
             }
         }
-        (self.equations, self.slopes) = model.equations_with_slopes(&self.values, &self.free)?;
+        (self.equations, self.derivatives) = model.equations_with_derivatives(&self.values, &self.free)?;
         Ok(())
     }
 
@@ -215,34 +217,35 @@ impl<'m> Axis<'m> {
         Ok(motions)
     }
 
-    /// Force that the model needs for a motion, and its slopes: from v' = A x + B u + H f, solved for u.
+    /// Force that the model needs for a motion, and its derivatives: from v' = A x + B u + H f, solved for u.
     fn force(&self, x: &DVector<f64>, acceleration: f64) -> (f64, Vec<f64>) {
         let e = &self.equations;
         let gain = e.input[(1, 0)];
         let speeds = &e.port * x;
-        let (torque, _) = start::laws(e, &self.values, &speeds);
+        let (torque, _) = start_state::laws(e, &self.values, &speeds);
         let needed = acceleration - (e.state.row(1) * x)[0] - (e.force.row(1) * &torque)[0];
         let force = needed / gain;
-        let slopes = self.slopes.iter().zip(&self.free).map(|(d, parameter)| {
-            let law = start::law_slopes(e, &self.values, &speeds, *parameter);
+        let derivatives = self.derivatives.iter().zip(&self.free).map(|(d, parameter)| {
+            let law = start_state::law_sensitivities(e, &self.values, &speeds, *parameter);
             let moved = -(d.state.row(1) * x)[0] - (d.force.row(1) * &torque)[0] - (e.force.row(1) * law)[0];
             (moved - force * d.input[(1, 0)]) / gain
         });
-        (force, slopes.collect())
+        (force, derivatives.collect())
     }
 
     fn table(&self, motion: &Motion) -> Table {
         let count = motion.force.len();
         let mut needed = Vec::with_capacity(count);
-        let mut slopes = vec![Vec::with_capacity(count); self.free.len()];
+        let mut derivatives = vec![Vec::with_capacity(count); self.free.len()];
         for k in 0..count {
             let x = DVector::from_vec(vec![motion.position[k], motion.speed[k]]);
-            let (force, slope) = self.force(&x, motion.acceleration[k]);
+            let (force, derivative) = self.force(&x, motion.acceleration[k]);
             needed.push(motion.force[k] - force);
-            slopes.iter_mut().zip(slope).for_each(|(column, value)| column.push(value));
+            derivatives.iter_mut().zip(derivative).for_each(|(column, value)| column.push(value));
         }
         let factor = ((0.8 * 0.5 / motion.step_s / DECIMATED_HZ).round() as usize).max(1);
-        let columns: Vec<Vec<f64>> = slopes.iter().map(|column| filters::decimate(column, factor)).collect();
+        let columns: Vec<Vec<f64>> =
+            derivatives.iter().map(|column| filters::decimate(column, factor)).collect();
         let force = filters::decimate(&needed, factor);
         Table {
             regressors: (0..force.len()).map(|k| columns.iter().map(|column| column[k]).collect()).collect(),

@@ -6,75 +6,48 @@
 //! no value, only what is known of it.
 //!
 //! How a fit runs: [`Problem`] binds recordings to the model's channels. A pass over the data
-//! ([`modal`] where the model is linear, [`stepper`] where force laws bend it) yields for each
-//! uninterrupted stretch the triangular factor of its residuals and sensitivities, start state
-//! eliminated; memory is bounded by a block. [`solver`] joins the factors and steps, with bounds and
+//! ([`modal`] where the model is linear, [`sensitivity_integrator`] where force laws bend it) yields for each
+//! uninterrupted segment the triangular factor of its residuals and sensitivities, start state
+//! eliminated; memory is bounded by a block. [`descent`] joins the factors and steps, with bounds and
 //! linear constraints by a quadratic programme. [`report`] turns the last factor into intervals.
 
-mod advice;
-mod amends;
 mod band;
-mod bank;
-mod between;
-mod colour;
-mod combinations;
-mod combine;
-pub mod compare;
-pub mod cross_validation;
-mod discrepancy;
+pub mod comparison;
 mod error;
-mod exponential;
-mod feed;
-mod filters;
-mod foretell;
-pub mod influence;
-mod input_noise;
+mod evaluation;
 mod inverse_dynamics;
-mod laws;
-mod levels;
-mod listeners;
-mod modal;
-mod modes;
-mod noise_in_slopes;
-mod other_intersample;
-mod outliers;
-mod pass;
-mod phi;
-mod predict;
+mod noise;
+mod optimiser;
+mod prediction;
+mod preprocessing;
 mod problem;
-mod recursion;
-mod reflect;
-mod regimes;
+mod progress;
 mod report;
-mod sensitivity;
-mod solver;
-mod spikes;
-mod start;
-mod step;
-mod stepper;
-mod triangle;
-mod uncertainty;
-mod walker;
-mod watch;
-mod whitener;
+pub mod uncertainty;
 
 #[cfg(test)]
 mod tests;
 
-pub use amends::{LeftOut, Reason};
 pub use band::{Band, BandFit, evaluate_band};
-pub use combinations::{combination_values, pairs as springs_in_a_row};
 pub use error::IdentifyError;
-pub use foretell::Information;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
-pub use outliers::outliers;
-pub use predict::{Prediction, Predictor, Start};
+pub use noise::innovations_filter::NoiseLevels;
+pub use optimiser::descent::{Local, at_minimum, evaluate, output_error, start_states};
+pub use prediction::{
+    integrator::DEFAULT_TOLERANCE,
+    predictor::{Prediction, Predictor, Start},
+};
+pub use preprocessing::{
+    mask::{LeftOut, Reason},
+    outliers::outliers,
+};
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
+pub use progress::{Observer, Progress, ProgressMonitor, Stage};
 pub use report::{
     ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
 pub use socam_model::Intersample;
-pub use solver::{Local, at_minimum, evaluate, output_error, start_states};
-pub use walker::DEFAULT_TOLERANCE;
-pub use watch::{Observer, Progress, Stage, Watch};
-pub use whitener::NoiseLevels;
+pub use uncertainty::{
+    combinations::{combination_values, pairs as springs_in_series},
+    information::Information,
+};

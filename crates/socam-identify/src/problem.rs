@@ -5,11 +5,13 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError,
-    amends::{self, LeftOut},
-    feed::{self, Stretch},
-    start,
-    watch::Watch,
-    whitener::NoiseLevels,
+    noise::innovations_filter::NoiseLevels,
+    prediction::start_state,
+    preprocessing::{
+        mask::{self, LeftOut},
+        segments::{self, Segment},
+    },
+    progress::ProgressMonitor,
 };
 
 /// What is assumed of sensor noise: white, independent between channels.
@@ -22,7 +24,7 @@ pub enum Noise {
     Given(NoiseLevels),
 }
 
-/// Where each uninterrupted stretch of data starts from.
+/// Where each uninterrupted segment of data starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartState {
     /// Unknown: estimated with the parameters.
@@ -48,7 +50,7 @@ pub struct Constraint {
 pub struct Options {
     /// Noise levels.
     pub noise: Noise,
-    /// Start state of each stretch.
+    /// Start state of each segment.
     pub start_state: StartState,
     /// Every input between its samples; `None`: each as [`socam_model::Channel::intersample`] says.
     pub intersample: Option<Intersample>,
@@ -66,7 +68,7 @@ pub struct Options {
     /// Linear constraints on parameters.
     pub constraints: Vec<Constraint>,
     /// Who follows the search and may end it.
-    pub watch: Watch,
+    pub watch: ProgressMonitor,
 }
 
 impl Default for Options {
@@ -81,7 +83,7 @@ impl Default for Options {
             max_iterations: 150,
             most_steps: None,
             constraints: Vec::new(),
-            watch: Watch::default(),
+            watch: ProgressMonitor::default(),
         }
     }
 }
@@ -93,7 +95,7 @@ pub struct Problem<'a> {
     pub(crate) datasets: &'a [Dataset],
     /// Parameters to estimate, indices into the model's.
     pub(crate) free: Vec<usize>,
-    pub(crate) stretches: Vec<Stretch>,
+    pub(crate) segments: Vec<Segment>,
     pub(crate) options: Options,
     /// One per input.
     pub(crate) intersample: Vec<Intersample>,
@@ -164,19 +166,19 @@ impl<'a> Problem<'a> {
         let mut warnings = Vec::new();
         // A piece in the middle of a motion is not in equilibrium.
         let longest = match options.start_state {
-            StartState::Free => feed::PIECE_ROWS,
+            StartState::Free => segments::PIECE_ROWS,
             StartState::Equilibrium => u64::MAX,
         };
-        let mut stretches = feed::stretches(model, datasets, longest, &mut warnings)?;
+        let mut segments = segments::segments(model, datasets, longest, &mut warnings)?;
         let (inputs, outputs): (Vec<_>, Vec<_>) = (model.inputs().collect(), model.outputs().collect());
-        let left_out = amends::screen(&inputs, &outputs, datasets, &mut stretches)?;
+        let left_out = mask::find(&inputs, &outputs, datasets, &mut segments)?;
         let intersample =
             inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
         Ok(Self {
             model,
             datasets,
             free,
-            stretches,
+            segments,
             options,
             intersample,
             warnings,
@@ -195,7 +197,7 @@ impl<'a> Problem<'a> {
 fn start_at_rest(model: &Model) -> Result<(), IdentifyError> {
     let values = model.values();
     let inputs = vec![0.0; model.inputs().count()];
-    match start::equilibrium(&model.equations(&values)?, &values, &inputs) {
+    match start_state::equilibrium(&model.equations(&values)?, &values, &inputs) {
         Some(_) => Ok(()),
         None => Err(IdentifyError::Unsuited {
             method: "a start from equilibrium",
@@ -246,7 +248,7 @@ fn check(model: &Model, options: &Options) -> Result<(), IdentifyError> {
 
 /// The different sample times of a problem.
 pub(crate) fn sample_times(problem: &Problem<'_>) -> Vec<f64> {
-    let mut times: Vec<f64> = problem.stretches.iter().map(|stretch| stretch.sample_time_s).collect();
+    let mut times: Vec<f64> = problem.segments.iter().map(|segment| segment.sample_time_s).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
     times

@@ -1,4 +1,4 @@
-//! Predictions against independent arithmetic, slopes against differences, known truth in and truth out.
+//! Predictions against independent arithmetic, sensitivities against differences, known truth in and truth out.
 
 mod encoder;
 mod odd_models;
@@ -9,9 +9,11 @@ use socam_recording::{Channel, Dataset, Unit};
 
 use crate::{
     Constraint, Intersample, Noise, NoiseLevels, Options, Problem, StartState, at_minimum,
-    compare::{self, Yardstick},
-    evaluate, feed, output_error,
-    pass::{self, Point, Weights},
+    comparison::{self, NoiseModel},
+    evaluate,
+    evaluation::{self, Point, Weights},
+    output_error,
+    preprocessing::segments,
 };
 
 const STEP_S: f64 = 1e-3;
@@ -99,8 +101,8 @@ fn bench(truth: Truth, seconds: f64, noise: f64, seed: u64) -> Dataset {
             let mut next = x;
             for _ in 0..4 {
                 let half: [f64; 6] = std::array::from_fn(|i| 0.5 * (x[i] + next[i]));
-                let slope = rate(&half, middle);
-                let mut defect = nalgebra::DVector::from_fn(6, |i, _| next[i] - x[i] - h * slope[i]);
+                let sensitivity = rate(&half, middle);
+                let mut defect = nalgebra::DVector::from_fn(6, |i, _| next[i] - x[i] - h * sensitivity[i]);
                 jacobian.solve_mut(&mut defect);
                 next.iter_mut().zip(defect.iter()).for_each(|(next, d)| *next -= d);
             }
@@ -150,24 +152,24 @@ fn emps_data() -> Dataset {
     Dataset::from_columns("axis", channels, time, vec![force, position]).unwrap()
 }
 
-/// Worst disagreement between analytic and difference slopes of the cost, relative to the largest.
-fn slope_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 {
+/// Worst disagreement between analytic and difference sensitivities of the cost, relative to the largest.
+fn sensitivity_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 {
     let datasets = [dataset];
     let problem = Problem::new(model, &datasets, Options { start_state, ..Options::default() }).unwrap();
     let values = model.values();
-    let point = Point { locals: pass::first_locals(&problem, &values).unwrap(), values };
+    let point = Point { nuisance: evaluation::first_nuisance(&problem, &values).unwrap(), values };
     let size = |value: f64| if value == 0.0 { 0.1 } else { value.abs() };
     let scales = problem.free.iter().map(|index| size(point.values[*index])).collect();
     let weights = Weights::white(vec![0.1; problem.outputs()], scales);
     let cost = |point: &Point| -> f64 {
-        let results = pass::run(&problem, point, &weights).unwrap().unwrap();
+        let results = evaluation::run(&problem, point, &weights).unwrap().unwrap();
         results.iter().flat_map(|r| &r.channels).map(|c| c.residual_squares / 0.01).sum()
     };
-    let results = pass::run(&problem, &point, &weights).unwrap().unwrap();
+    let results = evaluation::run(&problem, &point, &weights).unwrap().unwrap();
     let r = &results[0].factor;
     let last = r.ncols() - 1;
     let analytic = |column: usize| 2.0 * (0..=last).map(|i| r[(i, column)] * r[(i, last)]).sum::<f64>();
-    let locals = point.locals[0].len();
+    let nuisance = point.nuisance[0].len();
     let mut pairs = Vec::new();
     for (j, index) in problem.free.iter().enumerate() {
         let eps = 1e-5;
@@ -176,16 +178,16 @@ fn slope_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 
             moved.values[*index] += sign * eps * weights.scales[j];
             cost(&moved)
         };
-        pairs.push((analytic(locals + j), (moved(1.0) - moved(-1.0)) / (2.0 * eps)));
+        pairs.push((analytic(nuisance + j), (moved(1.0) - moved(-1.0)) / (2.0 * eps)));
     }
-    for i in 0..locals {
-        let eps = 1e-5 * point.locals[0][i].abs().max(1e-3);
+    for i in 0..nuisance {
+        let eps = 1e-5 * point.nuisance[0][i].abs().max(1e-3);
         let moved = |sign: f64| {
             let mut moved = point.clone();
-            moved.locals[0][i] += sign * eps;
+            moved.nuisance[0][i] += sign * eps;
             cost(&moved)
         };
-        let size = point.locals[0][i].abs().max(1e-3);
+        let size = point.nuisance[0][i].abs().max(1e-3);
         pairs.push((analytic(i) * size, (moved(1.0) - moved(-1.0)) / (2.0 * eps) * size));
     }
     let largest = pairs.iter().map(|(a, _)| a.abs()).fold(0.0, f64::max);
@@ -193,22 +195,22 @@ fn slope_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 
 }
 
 #[test]
-fn slopes_agree_with_differences() {
+fn sensitivities_agree_with_differences() {
     let linear = model(|text| text);
     let bent = model(with_friction);
     let axis = Model::builtin("emps").unwrap();
     for start in [StartState::Free, StartState::Equilibrium] {
         let data = || bench(TRUTH, 0.5, 1.0, 3);
-        let error = slope_error(&linear, data(), start);
+        let error = sensitivity_error(&linear, data(), start);
         assert!(error < 1e-6, "linear, {start:?}: {error:e}");
-        let error = slope_error(&bent, data(), start);
+        let error = sensitivity_error(&bent, data(), start);
         assert!(error < 1e-5, "with friction, {start:?}: {error:e}");
     }
     // Teeth that knock: what each unknown does to the times at which they meet counts too.
     let loose = linear.with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
-    let error = slope_error(&loose, bench(TRUTH, 0.2, 1.0, 3), StartState::Equilibrium);
+    let error = sensitivity_error(&loose, bench(TRUTH, 0.2, 1.0, 3), StartState::Equilibrium);
     assert!(error < 2e-4, "with play: {error:e}");
-    let error = slope_error(&axis, emps_data(), StartState::Free);
+    let error = sensitivity_error(&axis, emps_data(), StartState::Free);
     assert!(error < 1e-4, "axis: {error:e}");
 }
 
@@ -225,8 +227,8 @@ fn an_effect_at_a_channel_is_no_regression_of_the_force() {
 
 /// What laws of no strength would answer, on a bench that moves in one way and in three.
 #[test]
-fn slopes_of_silent_laws_agree_with_differences() {
-    let silent = |mut model: Model| {
+fn sensitivities_of_silent_laws_agree_with_differences() {
+    let inactive = |mut model: Model| {
         for (effect, place, values) in [
             ("coulomb_friction", "cam_bearing", &[("torque", 0.0)][..]),
             ("stiffness_hardening", "coupling_1", &[("cubic", 0.0)]),
@@ -241,11 +243,11 @@ fn slopes_of_silent_laws_agree_with_differences() {
     };
     let data = || bench(TRUTH, 0.3, 1.0, 3);
     for start in [StartState::Free, StartState::Equilibrium] {
-        let error = slope_error(&silent(model(with_friction)), data(), start);
+        let error = sensitivity_error(&inactive(model(with_friction)), data(), start);
         assert!(error < 1e-5, "{start:?}: {error:e}");
     }
     let loose = model(|text| text).with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
-    let error = slope_error(&silent(loose), data(), StartState::Equilibrium);
+    let error = sensitivity_error(&inactive(loose), data(), StartState::Equilibrium);
     assert!(error < 2e-4, "with play: {error:e}");
 }
 
@@ -336,9 +338,9 @@ fn at_a_minimum_intervals_are_those_of_a_search() {
         parameter.value = *value;
     }
     let problem = Problem::new(&model, &data, options).unwrap();
-    let yardstick = Yardstick::new(&[&problem], &sought.point, levels).unwrap();
-    let at = compare::measure(&problem, &yardstick, &sought.point).unwrap().unwrap();
-    let there = at_minimum(&problem, &yardstick, &at).unwrap();
+    let noise_model = NoiseModel::new(&[&problem], &sought.point, levels).unwrap();
+    let at = comparison::measure(&problem, &noise_model, &sought.point).unwrap().unwrap();
+    let there = at_minimum(&problem, &noise_model, &at).unwrap();
     assert!(there.converged && there.point == sought.point);
     assert!((there.cost / sought.cost - 1.0).abs() < 1e-6, "{} {}", there.cost, sought.cost);
     for (there, sought) in there.parameters.iter().zip(&sought.parameters) {
@@ -432,7 +434,7 @@ fn gaps_and_missing_values_are_survived() {
     let mut model = model(|text| text);
     fix(&mut model, &[("k2", 54.4), ("k3", 52485.0), ("c3", 0.02)]);
     let problem = Problem::new(&model, &holed, Options { starts: 1, ..Options::default() }).unwrap();
-    assert_eq!(problem.stretches.len(), 3);
+    assert_eq!(problem.segments.len(), 3);
     let result = output_error(&problem).unwrap();
     let k4 = &result.parameters[model.parameter("k4").unwrap()];
     assert!((k4.value.unwrap() / 110.0 - 1.0).abs() < 0.01, "{k4:?}");
@@ -449,8 +451,8 @@ fn the_same_digits_whatever_the_number_of_threads() {
         pool.install(|| {
             let options = Options { starts: 2, ..Options::default() };
             let mut problem = Problem::new(&model, &data, options).unwrap();
-            problem.stretches = feed::stretches(&model, &data, 450, &mut Vec::new()).unwrap();
-            assert!(problem.stretches.len() > 10);
+            problem.segments = segments::segments(&model, &data, 450, &mut Vec::new()).unwrap();
+            assert!(problem.segments.len() > 10);
             let mut result = output_error(&problem).unwrap();
             result.cpu_s = 0.0;
             let point: Vec<u64> = result.point.iter().map(|value| value.to_bits()).collect();

@@ -15,7 +15,7 @@ const TRUTH: [(&str, f64); 6] = [
     ("load_damping", 1.1e-2),
 ];
 
-/// [motor speed, load speed, twist, torque, slope of the torque].
+/// [motor speed, load speed, twist, torque, sensitivity of the torque].
 type State = [f64; 5];
 
 fn derivative(x: &State) -> State {

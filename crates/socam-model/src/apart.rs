@@ -18,7 +18,7 @@ impl Port {
 
 impl Equations {
     /// The motion while the teeth at the gear of `port` (the first of its law) are apart: what else takes their contact's torque
-    /// back is done by the network, and the law's force is zero. `slopes` are those of these equations with respect to the
+    /// back is done by the network, and the law's force is zero. `derivatives` are those of these equations with respect to the
     /// parameters `wrt` at `values`; the answer has them too.
     ///
     /// The law's answer is K v there, K being the contact's stiffness and damping with a minus. With f = K v + g, the speeds are
@@ -26,7 +26,7 @@ impl Equations {
     #[must_use]
     pub fn apart(
         &self,
-        slopes: &[Self],
+        derivatives: &[Self],
         values: &[f64],
         wrt: &[usize],
         port: usize,
@@ -35,17 +35,17 @@ impl Equations {
         let own = &self.ports.get(port)?.parameters;
         let contact = &own[own.len().checked_sub(2)?..];
         let mut released = Jet::zeros(ports, ports, wrt.len());
-        for (sight, parameter) in contact.iter().enumerate() {
+        for (law_input, parameter) in contact.iter().enumerate() {
             let moved = wrt.iter().map(|index| if index == parameter { -1.0 } else { 0.0 });
             released.add_at(
                 port,
-                port + sight,
-                &Scalar { value: -values[*parameter], slopes: moved.collect() },
+                port + law_input,
+                &Scalar { value: -values[*parameter], derivatives: moved.collect() },
             );
         }
         let all = |pick: &dyn Fn(&Self) -> [&DMatrix<f64>; 3]| Jet {
             value: beside(pick(self)),
-            slopes: slopes.iter().map(|slope| beside(pick(slope))).collect(),
+            derivatives: derivatives.iter().map(|derivative| beside(pick(derivative))).collect(),
         };
         let rates = all(&|e| [&e.state, &e.input, &e.force]);
         let observed = all(&|e| [&e.output, &e.feedthrough, &e.force_output]);
@@ -58,9 +58,9 @@ impl Equations {
         let rates = rates.plus(&by_force(&rates).times(&torque));
         let observed = observed.plus(&by_force(&observed).times(&torque));
         let rows = Rows { rates, observed, seen };
-        let (apart, slopes) = rows.split([states, inputs, ports]);
+        let (apart, derivatives) = rows.split([states, inputs, ports]);
         let (ports, state_names, takes) = (self.ports.clone(), self.state_names.clone(), self.takes.clone());
-        Some((Self { ports, state_names, takes, ..apart }, slopes))
+        Some((Self { ports, state_names, takes, ..apart }, derivatives))
     }
 }
 

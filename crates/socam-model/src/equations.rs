@@ -8,7 +8,7 @@ use crate::{
     jet::Jet,
 };
 
-/// One thing that a nonlinear law sees. The ports of a law stand next to each other, one for each of its sights (one also where
+/// One thing that a nonlinear law sees. The ports of a law stand next to each other, one for each of its law_inputs (one also where
 /// it sees nothing); what it answers is the force of the first, the others' is zero, and they all act in the same way.
 #[derive(Debug, Clone)]
 pub struct Port {
@@ -20,21 +20,21 @@ pub struct Port {
     pub place: String,
     /// Indices of its parameters among the model's.
     pub parameters: Vec<usize>,
-    /// Which of the law's sights this is.
-    pub sight: usize,
+    /// Which of the law's law_inputs this is.
+    pub law_input: usize,
 }
 
 impl Port {
     /// Ports of its law.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.law.sights.len().max(1)
+        self.law.law_inputs.len().max(1)
     }
 
     /// Whether the law's answer depends on nothing.
     #[must_use]
     pub fn is_constant(&self) -> bool {
-        self.law.sights.is_empty()
+        self.law.law_inputs.is_empty()
     }
 
     /// The law's parameters out of all of the model's.
@@ -46,13 +46,13 @@ impl Port {
     /// Whether its law answers nothing, whatever it sees, at these `values` of all of the model's parameters.
     #[must_use]
     pub fn is_silent(&self, values: &[f64]) -> bool {
-        (self.law.silent)(&self.values(values))
+        (self.law.inactive)(&self.values(values))
     }
 
     /// The law's answer; `seen` begins with what this port sees, and this port must be the first of its law.
     #[must_use]
-    pub fn answer(&self, seen: &[f64], parameters: &[f64]) -> Response {
-        (self.law.answer)(&seen[..self.law.sights.len()], parameters)
+    pub fn evaluate(&self, seen: &[f64], parameters: &[f64]) -> Response {
+        (self.law.evaluate)(&seen[..self.law.law_inputs.len()], parameters)
     }
 }
 
@@ -104,7 +104,7 @@ impl Equations {
     }
 }
 
-/// The same as rows over [states | inputs | ports], with their slopes.
+/// The same as rows over [states | inputs | ports], with their derivatives.
 pub(crate) struct Rows {
     /// Of the states.
     pub(crate) rates: Jet,
@@ -114,11 +114,11 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// The equations, without what is no matrix, and their slopes.
+    /// The equations, without what is no matrix, and their derivatives.
     pub(crate) fn split(&self, [states, inputs, ports]: [usize; 3]) -> (Equations, Vec<Equations>) {
-        let part = |slope: Option<usize>| {
+        let part = |derivative: Option<usize>| {
             let pick = |jet: &Jet, start: usize, count: usize| {
-                let matrix = slope.map_or(&jet.value, |index| &jet.slopes[index]);
+                let matrix = derivative.map_or(&jet.value, |index| &jet.derivatives[index]);
                 matrix.columns(start, count).into_owned()
             };
             let all = |jet: &Jet| {
@@ -143,8 +143,8 @@ impl Rows {
                 takes: Vec::new(),
             }
         };
-        let slopes = (0..self.rates.slopes.len()).map(|index| part(Some(index))).collect();
-        (part(None), slopes)
+        let derivatives = (0..self.rates.derivatives.len()).map(|index| part(Some(index))).collect();
+        (part(None), derivatives)
     }
 }
 

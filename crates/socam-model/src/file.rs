@@ -5,7 +5,7 @@ use toml::Spanned;
 use crate::{
     Bearing, Channel, EffectUse, Gear, Model, ModelError, Motion, Node, Parameter, Prior, Quantity, Role,
     Servo, Shaft, Site, Spring, Take,
-    effects::{self, ActsAt, Borrowed, Effect, Kind, Sight},
+    effects::{self, ActsAt, Borrowed, Effect, Kind, LawInput},
     model::{CONTACT_DAMPING, CONTACT_RELAXATION_S},
     units,
 };
@@ -580,7 +580,7 @@ impl Reader<'_> {
 
 /// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
 fn add_clocks(model: &mut Model) {
-    let asks = |sight: Sight| model.effects.iter().any(|used| used.effect.sees(sight));
+    let asks = |law_input: LawInput| model.effects.iter().any(|used| used.effect.sees(law_input));
     let tachometer = |role: Role| {
         let is_one = |c: &&Channel| {
             c.role == role && c.quantity == Quantity::Speed && matches!(c.take, Take::Value | Take::Rate)
@@ -607,19 +607,19 @@ fn add_clocks(model: &mut Model) {
         },
     };
     let mut clocks = Vec::new();
-    if asks(Sight::Time)
+    if asks(LawInput::Time)
         && let Some(input) = model.channels.iter().find(|channel| channel.role == Role::Input)
     {
         clocks.push(clock(input, "time", Quantity::Time, Take::Elapsed));
     }
-    if asks(Sight::Angle)
+    if asks(LawInput::Angle)
         && let Some(tachometer) = tachometer(Role::Input).or_else(|| tachometer(Role::Output))
     {
         // The rate of an encoder's angle: then the angle itself is there, and counts on from one recording to the next.
         let take = if tachometer.take == Take::Rate { Take::Value } else { Take::Turned };
         clocks.push(clock(tachometer, "turned", Quantity::Turned, take));
     }
-    for used in model.effects.iter().filter(|used| used.effect.sees(Sight::Change)) {
+    for used in model.effects.iter().filter(|used| used.effect.sees(LawInput::Change)) {
         let Site::Channel(channel) = used.at else { continue };
         let own = &model.channels[channel];
         let changes = clock(own, &change_of(&own.name), Quantity::Change, Take::Rate);

@@ -1,4 +1,4 @@
-//! Matrices that carry their slopes with respect to chosen parameters.
+//! Matrices that carry their derivatives with respect to chosen parameters.
 //!
 //! Forward differentiation of the few matrix operations that assembly needs; exact to rounding, so
 //! that estimators need no finite differences.
@@ -9,40 +9,40 @@ use nalgebra::DMatrix;
 #[derive(Debug, Clone)]
 pub(crate) struct Jet {
     pub(crate) value: DMatrix<f64>,
-    pub(crate) slopes: Vec<DMatrix<f64>>,
+    pub(crate) derivatives: Vec<DMatrix<f64>>,
 }
 
 /// A number and its derivatives; the 1 x 1 case, kept light because assembly handles many.
 #[derive(Debug, Clone)]
 pub(crate) struct Scalar {
     pub(crate) value: f64,
-    pub(crate) slopes: Vec<f64>,
+    pub(crate) derivatives: Vec<f64>,
 }
 
 impl Scalar {
     pub(crate) fn constant(value: f64, count: usize) -> Self {
-        Self { value, slopes: vec![0.0; count] }
+        Self { value, derivatives: vec![0.0; count] }
     }
 
     pub(crate) fn times(&self, other: &Self) -> Self {
-        let slopes = self.slopes.iter().zip(&other.slopes);
+        let derivatives = self.derivatives.iter().zip(&other.derivatives);
         Self {
             value: self.value * other.value,
-            slopes: slopes.map(|(a, b)| a * other.value + self.value * b).collect(),
+            derivatives: derivatives.map(|(a, b)| a * other.value + self.value * b).collect(),
         }
     }
 
     pub(crate) fn over(&self, other: &Self) -> Self {
         let value = self.value / other.value;
-        let slopes = self.slopes.iter().zip(&other.slopes);
-        Self { value, slopes: slopes.map(|(a, b)| (a - value * b) / other.value).collect() }
+        let derivatives = self.derivatives.iter().zip(&other.derivatives);
+        Self { value, derivatives: derivatives.map(|(a, b)| (a - value * b) / other.value).collect() }
     }
 }
 
 impl Jet {
     pub(crate) fn zeros(rows: usize, columns: usize, count: usize) -> Self {
         let zero = DMatrix::zeros(rows, columns);
-        Self { slopes: vec![zero.clone(); count], value: zero }
+        Self { derivatives: vec![zero.clone(); count], value: zero }
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -50,12 +50,12 @@ impl Jet {
     }
 
     fn zip(&self, other: &Self, f: impl Fn(&DMatrix<f64>, &DMatrix<f64>) -> DMatrix<f64>) -> Self {
-        let slopes = self.slopes.iter().zip(&other.slopes);
-        Self { value: f(&self.value, &other.value), slopes: slopes.map(|(a, b)| f(a, b)).collect() }
+        let derivatives = self.derivatives.iter().zip(&other.derivatives);
+        Self { value: f(&self.value, &other.value), derivatives: derivatives.map(|(a, b)| f(a, b)).collect() }
     }
 
     fn map(&self, f: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
-        Self { value: f(&self.value), slopes: self.slopes.iter().map(f).collect() }
+        Self { value: f(&self.value), derivatives: self.derivatives.iter().map(f).collect() }
     }
 
     pub(crate) fn plus(&self, other: &Self) -> Self {
@@ -67,18 +67,18 @@ impl Jet {
     }
 
     pub(crate) fn times(&self, other: &Self) -> Self {
-        let slopes = self.slopes.iter().zip(&other.slopes);
+        let derivatives = self.derivatives.iter().zip(&other.derivatives);
         Self {
             value: &self.value * &other.value,
-            slopes: slopes.map(|(a, b)| a * &other.value + &self.value * b).collect(),
+            derivatives: derivatives.map(|(a, b)| a * &other.value + &self.value * b).collect(),
         }
     }
 
     pub(crate) fn scaled(&self, factor: &Scalar) -> Self {
-        let slopes = self.slopes.iter().zip(&factor.slopes);
+        let derivatives = self.derivatives.iter().zip(&factor.derivatives);
         Self {
             value: &self.value * factor.value,
-            slopes: slopes.map(|(a, b)| a * factor.value + &self.value * *b).collect(),
+            derivatives: derivatives.map(|(a, b)| a * factor.value + &self.value * *b).collect(),
         }
     }
 
@@ -104,9 +104,10 @@ impl Jet {
         }
         let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] / scale[i]);
         let value = lu.solve(&scaled(&right.value))?;
-        let slopes = self.slopes.iter().zip(&right.slopes);
-        let slopes: Option<Vec<_>> = slopes.map(|(a, b)| lu.solve(&scaled(&(b - a * &value)))).collect();
-        Some(Self { value, slopes: slopes? })
+        let derivatives = self.derivatives.iter().zip(&right.derivatives);
+        let derivatives: Option<Vec<_>> =
+            derivatives.map(|(a, b)| lu.solve(&scaled(&(b - a * &value)))).collect();
+        Some(Self { value, derivatives: derivatives? })
     }
 
     pub(crate) fn select(&self, rows: &[usize], columns: &[usize]) -> Self {
@@ -129,15 +130,15 @@ impl Jet {
             view += source;
         };
         add(&mut self.value, &block.value);
-        for (target, source) in self.slopes.iter_mut().zip(&block.slopes) {
+        for (target, source) in self.derivatives.iter_mut().zip(&block.derivatives) {
             add(target, source);
         }
     }
 
     pub(crate) fn add_at(&mut self, row: usize, column: usize, number: &Scalar) {
         self.value[(row, column)] += number.value;
-        for (target, slope) in self.slopes.iter_mut().zip(&number.slopes) {
-            target[(row, column)] += slope;
+        for (target, derivative) in self.derivatives.iter_mut().zip(&number.derivatives) {
+            target[(row, column)] += derivative;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     Intersample, ModelError, Take, edit,
-    effects::{ActsAt, Borrowed, Effect, Form, Kind, Places, Sight},
+    effects::{ActsAt, Borrowed, Effect, Form, Kind, LawInput, Places},
     file,
 };
 
@@ -383,7 +383,7 @@ impl Model {
             ActsAt::Shaft => self.shafts.iter().map(|shaft| &*shaft.name).collect(),
             ActsAt::Channel => {
                 let of_outputs =
-                    matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(Sight::Reading);
+                    matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(LawInput::Reading);
                 let fits = |channel: &&Channel| match effect.places {
                     Places::Sensors => channel.role == Role::Output,
                     Places::Channels => true,

@@ -3,7 +3,7 @@
 //! Rigid gears and shafts tie nodes into groups, one coordinate each. A coordinate is prescribed (its
 //! speed is an input), massive, damped (massless, but a damper makes its equation first order) or static
 //! (massless and undamped: its equation is algebraic and it is condensed out). All of it is done on
-//! [`Jet`]s, so that every matrix comes with its exact slopes.
+//! [`Jet`]s, so that every matrix comes with its exact derivatives.
 
 use crate::{
     ModelError,
@@ -25,15 +25,15 @@ impl Model {
     /// not positive, a damping below zero, a ratio of zero); [`ModelError::Network`] where
     /// a node has nothing that decides its motion.
     pub fn equations(&self, values: &[f64]) -> Result<Equations, ModelError> {
-        self.equations_with_slopes(values, &[]).map(|(equations, _)| equations)
+        self.equations_with_derivatives(values, &[]).map(|(equations, _)| equations)
     }
 
-    /// The same with the derivative of every matrix with respect to each parameter in `wrt`; the slopes'
+    /// The same with the derivative of every matrix with respect to each parameter in `wrt`; the derivatives'
     /// `ports`, `state_names` and `takes` are empty.
     ///
     /// # Errors
     /// As [`Model::equations`].
-    pub fn equations_with_slopes(
+    pub fn equations_with_derivatives(
         &self,
         values: &[f64],
         wrt: &[usize],
@@ -382,8 +382,8 @@ impl<'m> Assembly<'m> {
 }
 
 fn scalar(values: &[f64], wrt: &[usize], parameter: usize) -> Scalar {
-    let slopes = wrt.iter().map(|index| f64::from(*index == parameter)).collect();
-    Scalar { value: values[parameter], slopes }
+    let derivatives = wrt.iter().map(|index| f64::from(*index == parameter)).collect();
+    Scalar { value: values[parameter], derivatives }
 }
 
 /// Joins nodes that gears and shafts tie rigidly: group of each node, its lever, number of groups.

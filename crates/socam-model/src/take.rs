@@ -126,7 +126,7 @@ fn rate(values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// Of the differences between the k-th neighbours, k from 1: the polynomial's slope through `reach` samples to either side.
+/// Of the differences between the k-th neighbours, k from 1: the polynomial's derivative through `reach` samples to either side.
 fn weights(reach: usize) -> Vec<f64> {
     let m = reach as f64;
     let next =
@@ -174,8 +174,8 @@ mod tests {
         let line = |k: f64| 1e4 + 3.0 * k + 0.25 * k * k;
         for rows in 3..40 {
             let values: Vec<f64> = (0..rows).map(|k| line(f64::from(k))).collect();
-            for (k, slope) in rate(&values).into_iter().enumerate() {
-                assert!((slope - (3.0 + 0.5 * k as f64)).abs() < 1e-9, "{rows} {k}: {slope}");
+            for (k, derivative) in rate(&values).into_iter().enumerate() {
+                assert!((derivative - (3.0 + 0.5 * k as f64)).abs() < 1e-9, "{rows} {k}: {derivative}");
             }
         }
         assert_eq!((rate(&[]), rate(&[2.0]), rate(&[2.0, 5.0])), (vec![], vec![0.0], vec![3.0, 3.0]));

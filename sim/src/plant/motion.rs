@@ -155,18 +155,18 @@ impl Motion {
             return;
         }
         self.seen.times(&now.point, &mut now.seen, false);
-        self.answer(now);
+        self.evaluate(now);
         if let Some(coupling) = &self.coupling {
             self.settle(coupling, now);
         }
     }
 
-    fn answer(&self, now: &mut Now) {
-        for (index, law) in self.laws.iter().enumerate().filter(|(_, law)| law.port.sight == 0) {
-            let response = law.port.answer(&now.seen[index..], &law.parameters);
+    fn evaluate(&self, now: &mut Now) {
+        for (index, law) in self.laws.iter().enumerate().filter(|(_, law)| law.port.law_input == 0) {
+            let response = law.port.evaluate(&now.seen[index..], &law.parameters);
             now.force[index] = response.torque;
-            let own = law.port.law.sights.len();
-            now.slopes[index..index + own].copy_from_slice(&response.slopes[..own]);
+            let own = law.port.law.law_inputs.len();
+            now.slopes[index..index + own].copy_from_slice(&response.derivatives[..own]);
         }
     }
 
@@ -181,7 +181,7 @@ impl Motion {
             }
             let Some(change) = self.closed_loop(coupling, &now.slopes).lu().solve(&residual) else { return };
             now.seen.iter_mut().zip(change.iter()).for_each(|(seen, change)| *seen += change);
-            self.answer(now);
+            self.evaluate(now);
         }
     }
 

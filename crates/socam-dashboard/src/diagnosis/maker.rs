@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{RichText, Ui};
 use socam_answer::{Diagnosis, Evidence};
 use socam_diagnose::{Options, diagnose};
-use socam_identify::{Observer, Progress, Stage, Watch};
+use socam_identify::{Observer, Progress, ProgressMonitor, Stage};
 use socam_model::Model;
 use socam_recording::Dataset;
 
@@ -127,7 +127,8 @@ fn start(ctx: &egui::Context, model: Model, training: Vec<String>, holdout: Vec<
                 .map_err(|e| e.to_string())
         };
         let (training, holdout) = (open(&training)?, open(&holdout)?);
-        let options = Options { watch: Watch::by(Arc::new(Follow(handle.clone()))), ..Options::default() };
+        let options =
+            Options { watch: ProgressMonitor::by(Arc::new(Follow(handle.clone()))), ..Options::default() };
         let answer = diagnose(&model, &training, &holdout, &options).map_err(|error| error.to_string())?;
         if handle.is_cancelled() {
             return Err(CANCELLED.into());

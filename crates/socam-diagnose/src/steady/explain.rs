@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use socam_model::{
     Model,
-    effects::{Acts, ActsAt, CATALOGUE, Effect, EffectParameter, Form, Sight, Steady},
+    effects::{Acts, ActsAt, CATALOGUE, Effect, EffectParameter, Form, LawInput, Steady},
 };
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
@@ -43,7 +43,7 @@ pub(super) struct Explanation {
 
 /// How well it does.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub(super) struct FittedModel {
     /// Coefficients of the base, then of the explanation.
     coefficients: Vec<f64>,
     std: Vec<f64>,
@@ -60,7 +60,7 @@ pub(super) struct Fitted {
 
 impl Explanation {
     /// Value of the effect's parameter and its 95 % interval, SI.
-    pub(super) fn estimate(&self, fitted: &Fitted) -> (f64, [f64; 2]) {
+    pub(super) fn estimate(&self, fitted: &FittedModel) -> (f64, [f64; 2]) {
         let last = fitted.coefficients.len() - 1;
         let (theta, half) = (fitted.coefficients[last], fitted.quantile * fitted.std[last]);
         let mut ends = [(self.value)(theta - half), (self.value)(theta + half)];
@@ -69,14 +69,14 @@ impl Explanation {
     }
 
     /// Whether a parameter may have such a value.
-    pub(super) fn is_possible(&self, fitted: &Fitted) -> bool {
+    pub(super) fn is_possible(&self, fitted: &FittedModel) -> bool {
         let own = self.effect.parameters.iter().find(|own| own.name == self.parameter);
         let (low, high) = own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| own.bounds);
         (low..=high).contains(&self.estimate(fitted).0)
     }
 
     /// Change of the parameter that moves the sum of squares by one.
-    pub(super) fn resolution(&self, fitted: &Fitted) -> f64 {
+    pub(super) fn resolution(&self, fitted: &FittedModel) -> f64 {
         let last = fitted.std.len() - 1;
         ((self.value)(fitted.std[last]) - (self.value)(0.0)).abs()
     }
@@ -142,7 +142,7 @@ impl<'a> Case<'a> {
         model: &Model,
         explanation: Option<&Explanation>,
         without: Option<usize>,
-    ) -> Option<Fitted> {
+    ) -> Option<FittedModel> {
         let mut held: Vec<Option<f64>> = vec![None; self.base.len()];
         loop {
             let fitted = self.fit_held(explanation, &held, without)?;
@@ -163,7 +163,7 @@ impl<'a> Case<'a> {
         explanation: Option<&Explanation>,
         held: &[Option<f64>],
         without: Option<usize>,
-    ) -> Option<Fitted> {
+    ) -> Option<FittedModel> {
         let n = self.error.len();
         let columns: Vec<&[f64]> = self
             .base
@@ -227,11 +227,11 @@ impl<'a> Case<'a> {
         } else {
             1.96
         };
-        Some(Fitted { coefficients, std, quantile, chi2, p_value, left, residual })
+        Some(FittedModel { coefficients, std, quantile, chi2, p_value, left, residual })
     }
 
     /// Value and 95 % interval of the base's dampings.
-    pub(super) fn dampings(&self, fitted: &Fitted) -> Vec<(usize, f64, [f64; 2])> {
+    pub(super) fn dampings(&self, fitted: &FittedModel) -> Vec<(usize, f64, [f64; 2])> {
         let each = self.base.iter().enumerate().map(|(k, (parameter, _))| {
             let (value, half) = (fitted.coefficients[k], fitted.quantile * fitted.std[k]);
             (*parameter, value, [value - half, value + half])
@@ -271,7 +271,7 @@ impl<'a> Case<'a> {
             }
             (_, Kind::Speeds) => Vec::new(),
             (Form::Laws(laws), _) => {
-                let on = if laws[0].sights.contains(&Sight::Torque) { On::First } else { On::Neither };
+                let on = if laws[0].law_inputs.contains(&LawInput::Torque) { On::First } else { On::Neither };
                 let column = |weight: f64| {
                     let points = readings.first.iter().zip(&readings.speed);
                     let each = points
@@ -344,19 +344,19 @@ struct Column {
 /// be forward, if the answer does not depend on how fast.
 fn answer(effect: &Effect, torque: f64, speed: f64) -> f64 {
     let Form::Laws([law, ..]) = effect.form else { return f64::NAN };
-    let seen = |sight: &Sight, speed: f64| match sight {
-        Sight::Speed => speed,
-        Sight::Torque => torque,
+    let seen = |law_input: &LawInput, speed: f64| match law_input {
+        LawInput::Speed => speed,
+        LawInput::Torque => torque,
         _ => f64::NAN,
     };
     // Numerical widths of corners are no part of a steady state.
     let widths = |own: &EffectParameter| own.default.map_or(1.0, |(rotation, _)| NARROW * rotation);
     let parameters: Vec<f64> = effect.parameters.iter().map(widths).collect();
     let at = |speed: f64| {
-        let sights: Vec<f64> = law.sights.iter().map(|sight| seen(sight, speed)).collect();
-        (law.answer)(&sights, &parameters).torque
+        let law_inputs: Vec<f64> = law.law_inputs.iter().map(|law_input| seen(law_input, speed)).collect();
+        (law.evaluate)(&law_inputs, &parameters).torque
     };
-    if speed.is_nan() && law.sights.contains(&Sight::Speed) {
+    if speed.is_nan() && law.law_inputs.contains(&LawInput::Speed) {
         let [slow, fast] = [1.0, 1e3].map(at);
         return if slow == fast { slow } else { f64::NAN };
     }

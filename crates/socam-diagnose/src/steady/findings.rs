@@ -7,7 +7,7 @@ use socam_model::{
 
 use super::{
     Outcome,
-    explain::{Explanation, Fitted},
+    explain::{Explanation, FittedModel},
     ties::Kind,
 };
 use crate::{
@@ -82,7 +82,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
     }
 }
 
-fn estimate(model: &Model, own: &Explanation, fitted: &Fitted) -> EffectParameter {
+fn estimate(model: &Model, own: &Explanation, fitted: &FittedModel) -> EffectParameter {
     let (value, ci95) = own.estimate(fitted);
     EffectParameter {
         name: own.parameter.into(),
@@ -242,7 +242,7 @@ pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) 
 /// Dampings that steady states determine; all else of the model they do not.
 pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<ParameterChange> {
     let each = model.parameters.iter().enumerate().map(|(index, parameter)| {
-        let find = |outcome: &Outcome<'_>, fitted: &Fitted| {
+        let find = |outcome: &Outcome<'_>, fitted: &FittedModel| {
             outcome
                 .case
                 .dampings(fitted)

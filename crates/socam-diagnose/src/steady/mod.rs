@@ -20,7 +20,7 @@ use crate::{
     document::{Finding, Fit, RecordingUse, SCHEMA, UNEXPLAINED, Validation, Verdict},
     experiment, words,
 };
-use explain::{Case, Explanation, Fitted, Readings};
+use explain::{Case, Explanation, FittedModel, Readings};
 use findings::{finding, fit, parameters, unseen};
 use ties::{Kind, Tie};
 
@@ -79,9 +79,9 @@ struct Outcome<'a> {
     tie: &'a Tie,
     case: Case<'a>,
     readings: &'a Readings,
-    base: Fitted,
+    base: FittedModel,
     /// What explains it, best first; not only if the tie breaks.
-    ranked: Vec<(Explanation, Fitted)>,
+    ranked: Vec<(Explanation, FittedModel)>,
     broken: bool,
     /// Of these so many explain it.
     good: usize,
@@ -256,7 +256,7 @@ fn outcome<'a>(
 ) -> Option<Outcome<'a>> {
     let case = Case::new(model, tie, readings, options.repeatability);
     let base = case.fit(model, None, None)?;
-    let mut ranked: Vec<(Explanation, Fitted)> = case
+    let mut ranked: Vec<(Explanation, FittedModel)> = case
         .explanations(model)
         .into_iter()
         .filter_map(|own| case.fit(model, Some(&own), None).map(|fitted| (own, fitted)))
@@ -274,7 +274,7 @@ fn outcome<'a>(
 
 impl Outcome<'_> {
     /// What explains it best, if anything does.
-    fn named(&self) -> Option<&(Explanation, Fitted)> {
+    fn named(&self) -> Option<&(Explanation, FittedModel)> {
         self.ranked.first().filter(|_| self.broken && self.good > 0)
     }
 

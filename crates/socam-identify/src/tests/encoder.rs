@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use socam_recording::{Channel, Dataset, Unit};
 
-use super::{TONES, TRUTH, bench, fix, model};
+use crate::tests::{TONES, TRUTH, bench, fix, model};
 use crate::{Identification, Options, Problem, output_error};
 
 /// A bench's recording with the motor's angle, rounded to so many counts per turn, in place of its speed.

@@ -3,7 +3,7 @@
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
 
-use super::*;
+use crate::tests::*;
 
 /// Two driven ends with a mass between them: only relative angles matter, and both absolute ones are states.
 const TWO_ENDS: &str = r#"

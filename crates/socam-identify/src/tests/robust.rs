@@ -3,8 +3,8 @@
 use socam_model::Model;
 use socam_recording::Dataset;
 
-use super::{TRUTH, bench, fix, model, with_friction};
-use crate::{Identification, Options, Problem, Reason, compare, influence, output_error};
+use crate::tests::{TRUTH, bench, fix, model, with_friction};
+use crate::{Identification, Options, Problem, Reason, comparison, output_error, uncertainty::jackknife};
 
 const NAMES: [&str; 4] = ["motor_speed", "output_speed", "torque_in", "torque_out"];
 
@@ -76,7 +76,7 @@ fn spikes_saturation_and_gaps_do_not_move_the_estimates() {
     let outliers =
         ["output_speed", "torque_in", "torque_out"].map(|name| samples(&result, name, Reason::Outliers));
     assert_eq!(outliers, [7, 7, 6], "{:?}", result.left_out);
-    assert_eq!(samples(&result, "motor_speed", Reason::Bridged), 3, "{:?}", result.left_out);
+    assert_eq!(samples(&result, "motor_speed", Reason::Imputed), 3, "{:?}", result.left_out);
     assert!(samples(&result, "torque_out", Reason::Saturated) >= 120, "{:?}", result.left_out);
     for text in ["has outliers in 7 places", "is saturated in", "has spikes in 3 places", "1 gap"] {
         assert!(
@@ -134,7 +134,7 @@ fn a_law_too_steep_for_any_step_is_said() {
 /// The thesis' bench at its fit, measured by the noise levels that the fit found.
 fn at_its_fit<T>(
     data: &[Dataset],
-    ask: impl Fn(&Problem<'_>, &compare::Yardstick, &Model, &compare::Measured) -> T,
+    ask: impl Fn(&Problem<'_>, &comparison::NoiseModel, &Model, &comparison::Evaluation) -> T,
 ) -> T {
     let mut model = model(|text| text);
     fix(&mut model, &[("k2", TRUTH[1]), ("k3", TRUTH[2]), ("c3", TRUTH[5])]);
@@ -142,10 +142,12 @@ fn at_its_fit<T>(
     let fit = output_error(&problem).unwrap();
     let outputs = fit.fit.channels.iter().map(|(_, channel)| channel.noise_std).collect();
     let inputs = fit.input_noise_std.iter().map(|(_, std)| *std).collect();
-    let yardstick =
-        compare::Yardstick::new(&[&problem], &fit.point, crate::NoiseLevels { outputs, inputs }).unwrap();
-    let at = compare::descend(&problem, &yardstick, &fit.point, None, (compare::FINE, 10)).unwrap().unwrap();
-    ask(&problem, &yardstick, &model, &at)
+    let noise_model =
+        comparison::NoiseModel::new(&[&problem], &fit.point, crate::NoiseLevels { outputs, inputs }).unwrap();
+    let at = comparison::descend(&problem, &noise_model, &fit.point, None, (comparison::FINE, 10))
+        .unwrap()
+        .unwrap();
+    ask(&problem, &noise_model, &model, &at)
 }
 
 #[test]
@@ -154,8 +156,8 @@ fn recordings_that_differ_by_more_than_noise_widen_what_hangs_on_them() {
         let with =
             |c5: f64| [TRUTH[0], TRUTH[1], TRUTH[2], TRUTH[3], TRUTH[4], TRUTH[5], TRUTH[6], c5, TRUTH[8]];
         let data: Vec<Dataset> = (0..4).map(|k| bench(with(viscous[k]), 1.5, 1.0, 60 + k as u64)).collect();
-        at_its_fit(&data, |problem, yardstick, model, at| {
-            let widths = influence::half_widths(problem, yardstick, model, at).unwrap().unwrap();
+        at_its_fit(&data, |problem, noise_model, model, at| {
+            let widths = jackknife::half_widths(problem, noise_model, model, at).unwrap().unwrap();
             widths[model.parameter("c5").unwrap()]
         })
     };

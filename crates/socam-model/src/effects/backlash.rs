@@ -1,8 +1,8 @@
 //! Play in a gear.
 
 use super::{
-    Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
-    POSITIVE, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+    Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
 };
 use crate::model::CONTACT_DAMPING;
 
@@ -20,11 +20,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: Some(Borrowed::Contact),
     form: Form::Laws(&[Law {
-        sights: &[Sight::Twist, Sight::TwistRate],
+        law_inputs: &[LawInput::Twist, LawInput::TwistRate],
         acts: Acts::Torque,
-        answer,
-        bend: |parameters| 0.5 * parameters[0],
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: |parameters| 0.5 * parameters[0],
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["gap"]),
     linearisation: Linearisation::NearNull,
@@ -54,9 +54,9 @@ const REBOUND: f64 = 2.5;
 /// Of the rounded corners, rad (m): a thousandth of the least play that any sensor shows.
 const ROUNDING: f64 = 1e-8;
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (rate, stiffness, damping) = (sights[1], p[2], p[3]);
-    let inside = shape::clip(sights[0], 0.5 * p[0], ROUNDING);
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (rate, stiffness, damping) = (law_inputs[1], p[2], p[3]);
+    let inside = shape::clip(law_inputs[0], 0.5 * p[0], ROUNDING);
     shape::response(
         -stiffness * inside.value - damping * rate * inside.by_x,
         &[-stiffness * inside.by_x - damping * rate * inside.by_x_x, -damping * inside.by_x],

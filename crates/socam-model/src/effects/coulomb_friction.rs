@@ -2,8 +2,8 @@
 
 use super::{
     Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment,
-    shape,
+    LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    experiment, shape,
 };
 
 /// T = -torque tanh(speed / transition_speed).
@@ -22,11 +22,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed],
+        law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        answer,
-        bend: |parameters| parameters[1],
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: |parameters| parameters[1],
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,
@@ -49,7 +49,7 @@ pub(super) const FRICTION: &str =
 /// Speed within which friction turns its direction unless a file says otherwise, rad/s and m/s: small against the speeds of a recording.
 pub const TRANSITION_SPEED: (f64, f64) = (0.05, 2e-3);
 
-fn answer(sights: &[f64], parameters: &[f64]) -> Response {
-    let (sign, bend, by_width) = shape::sign(sights[0], parameters[1]);
+fn evaluate(law_inputs: &[f64], parameters: &[f64]) -> Response {
+    let (sign, bend, by_width) = shape::sign(law_inputs[0], parameters[1]);
     shape::response(-parameters[0] * sign, &[-parameters[0] * bend], &[-sign, -parameters[0] * by_width])
 }

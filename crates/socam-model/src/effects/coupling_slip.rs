@@ -2,7 +2,7 @@
 
 use super::{
     Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
-    Equivalent, Form, Kind, Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady,
+    Equivalent, Form, Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady,
     begin_with_little, experiment, shape,
 };
 
@@ -17,18 +17,18 @@ pub(super) const EFFECT: Effect = Effect {
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[
         Law {
-            sights: &[Sight::TwistRate, Sight::Twist, Sight::State],
+            law_inputs: &[LawInput::TwistRate, LawInput::Twist, LawInput::State],
             acts: Acts::State,
-            answer: slip,
-            bend: shape::straight,
-            silent: shape::never,
+            evaluate: slip,
+            transition: shape::no_transition,
+            inactive: shape::never,
         },
         Law {
-            sights: &[Sight::State],
+            law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            answer: relief,
-            bend: shape::straight,
-            silent: shape::never,
+            evaluate: relief,
+            transition: shape::no_transition,
+            inactive: shape::never,
         },
     ]),
     amplitude: Amplitude { parameters: &["torque"], null: f64::INFINITY, coordinate: Coordinate::Value },
@@ -62,8 +62,8 @@ const HALF_POWER: i32 = 8;
 /// Of the twist's rate, rad/s: over it slip sets in.
 const ROUNDING: f64 = 1e-2;
 
-fn slip(sights: &[f64], p: &[f64]) -> Response {
-    let (rate, wound) = (sights[0], sights[1] - sights[2]);
+fn slip(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (rate, wound) = (law_inputs[0], law_inputs[1] - law_inputs[2]);
     let (limit, stiffness) = (p[0], p[1]);
     let share = stiffness * wound / limit;
     let power = (share * share).min(4.0).powi(HALF_POWER);
@@ -82,6 +82,6 @@ fn slip(sights: &[f64], p: &[f64]) -> Response {
     )
 }
 
-fn relief(sights: &[f64], p: &[f64]) -> Response {
-    shape::response(-p[1] * sights[0], &[-p[1]], &[0.0, -sights[0]])
+fn relief(law_inputs: &[f64], p: &[f64]) -> Response {
+    shape::response(-p[1] * law_inputs[0], &[-p[1]], &[0.0, -law_inputs[0]])
 }

@@ -1,8 +1,8 @@
 //! A bearing's viscous damping that changes while it runs.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
-    Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
 };
 
 /// T = -damping rate time speed, beside the bearing's own -damping speed.
@@ -14,11 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("rate", Kind::Rate, ANY)],
     borrows: Some(Borrowed::Damping),
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed, Sight::Time],
+        law_inputs: &[LawInput::Speed, LawInput::Time],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["rate"]),
     linearisation: Linearisation::Null,
@@ -50,8 +50,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (speed, time) = (sights[0], sights[1]);
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (speed, time) = (law_inputs[0], law_inputs[1]);
     let (rate, damping) = (p[0], p[1]);
     shape::response(
         -damping * rate * time * speed,

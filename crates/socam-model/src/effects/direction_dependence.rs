@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment,
+    Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment,
     shape,
 };
 
@@ -22,11 +22,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed],
+        law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        answer,
-        bend: |parameters| parameters[2],
-        silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
+        evaluate,
+        transition: |parameters| parameters[2],
+        inactive: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque_difference", "damping_difference"]),
     linearisation: Linearisation::Null,
@@ -63,8 +63,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let speed = sights[0];
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let speed = law_inputs[0];
     let (sign, bend, by_width) = shape::sign(speed, p[2]);
     // |speed|, smooth at zero on the same scale.
     let size = speed * sign;

@@ -1,8 +1,8 @@
 //! A gain that is another one way than the other.
 
 use super::{
-    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, Places,
-    Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation,
+    Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
 };
 
 /// reading = truth + difference |truth| / 2: the difference is that of the gains for positive and negative values; their mean is left to
@@ -15,11 +15,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("difference", Kind::Ratio, (-1.9, 1.9))],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Reading],
+        law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["difference"]),
     linearisation: Linearisation::Null,
@@ -47,7 +47,7 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (size, sign) = (sights[0].abs(), sights[0].signum());
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (size, sign) = (law_inputs[0].abs(), law_inputs[0].signum());
     shape::response(0.5 * p[0] * size, &[0.5 * p[0] * sign], &[0.5 * size])
 }

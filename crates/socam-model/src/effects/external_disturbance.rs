@@ -1,8 +1,8 @@
 //! A torque from outside that swings at a frequency of its own.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
-    POSITIVE, Places, Prior, Sight, Steady, begin_with_little, experiment, shape, wave,
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, shape, wave,
 };
 
 /// T = torque sin(2 pi frequency time + phase), time counted from where the recording began.
@@ -18,13 +18,13 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Time],
+        law_inputs: &[LawInput::Time],
         acts: Acts::Torque,
-        answer: |sights, p| {
-            shape::wave(p[0], std::f64::consts::TAU * p[1], p[2], sights[0], std::f64::consts::TAU)
+        evaluate: |law_inputs, p| {
+            shape::wave(p[0], std::f64::consts::TAU * p[1], p[2], law_inputs[0], std::f64::consts::TAU)
         },
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,

@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
     shape,
 };
 
@@ -18,11 +18,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Angle],
+        law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,
@@ -49,7 +49,7 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (sin, cos) = (sights[0] + p[1]).sin_cos();
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (sin, cos) = (law_inputs[0] + p[1]).sin_cos();
     shape::response(-p[0] * sin, &[-p[0] * cos], &[-sin, -p[0] * cos])
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
     presliding, shape,
 };
 
@@ -25,18 +25,18 @@ pub(super) const EFFECT: Effect = Effect {
     borrows: None,
     form: Form::Laws(&[
         Law {
-            sights: &[Sight::TwistRate, Sight::State],
+            law_inputs: &[LawInput::TwistRate, LawInput::State],
             acts: Acts::State,
-            answer: creep,
-            bend: shape::straight,
-            silent: shape::never,
+            evaluate: creep,
+            transition: shape::no_transition,
+            inactive: shape::never,
         },
         Law {
-            sights: &[Sight::State],
+            law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            answer: pull,
-            bend: shape::straight,
-            silent: |parameters| parameters[0] == 0.0,
+            evaluate: pull,
+            transition: shape::no_transition,
+            inactive: |parameters| parameters[0] == 0.0,
         },
     ]),
     amplitude: Amplitude::of(&["torque"]),
@@ -80,13 +80,13 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-fn creep(sights: &[f64], p: &[f64]) -> Response {
-    let (rate, slopes, [.., by_deflection, by_width]) =
-        presliding::bend(sights, [p[1], p[2]], presliding::STEADY);
-    shape::response(rate, &slopes, &[0.0, by_deflection, by_width])
+fn creep(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (rate, derivatives, [.., by_deflection, by_width]) =
+        presliding::bend(law_inputs, [p[1], p[2]], presliding::STEADY);
+    shape::response(rate, &derivatives, &[0.0, by_deflection, by_width])
 }
 
-fn pull(sights: &[f64], p: &[f64]) -> Response {
-    let (against, by_state, by_deflection) = presliding::pull(sights[0], p[0], p[1]);
-    shape::response(-against, &[-by_state], &[sights[0] / p[1], -by_deflection])
+fn pull(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (against, by_state, by_deflection) = presliding::pull(law_inputs[0], p[0], p[1]);
+    shape::response(-against, &[-by_state], &[law_inputs[0] / p[1], -by_deflection])
 }

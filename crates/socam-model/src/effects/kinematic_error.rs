@@ -1,9 +1,8 @@
 //! A reduction that does not roll true.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
-    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment, shape,
-    wave,
+    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment, shape, wave,
 };
 
 /// The slow side is ahead by amplitude sin(order angle of the fast side + phase): a torque on a stiff spring at the mesh
@@ -20,11 +19,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {
-        sights: &[Sight::Angle],
+        law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[1] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[1] == 0.0,
     }]),
     amplitude: Amplitude::of(&["amplitude"]),
     linearisation: Linearisation::Null,
@@ -67,13 +66,13 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::FAST_MOTION,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (sin, cos) = (p[0] * sights[0] + p[2]).sin_cos();
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (sin, cos) = (p[0] * law_inputs[0] + p[2]).sin_cos();
     let (amplitude, stiffness) = (p[1], p[3]);
     let size = stiffness * amplitude;
     shape::response(
         size * sin,
         &[size * p[0] * cos],
-        &[size * sights[0] * cos, stiffness * sin, size * cos, amplitude * sin],
+        &[size * law_inputs[0] * cos, stiffness * sin, size * cos, amplitude * sin],
     )
 }

@@ -3,11 +3,11 @@
 /// Most parameters that a law has.
 pub const MAX_PARAMETERS: usize = 6;
 /// Most quantities that one sees.
-pub const MAX_SIGHTS: usize = 3;
+pub const MAX_LAW_INPUTS: usize = 3;
 
 /// What a law sees of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
+pub enum LawInput {
     /// Speed of its node, rad/s; of a gear: of its slow side.
     Speed,
     /// Twist of its spring, rad: from less to.
@@ -41,30 +41,30 @@ pub enum Acts {
     Reading,
 }
 
-/// What a law answers, and its slopes.
+/// What a law answers, and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// Torque, N m (N), or whatever else it is that the law answers.
     pub torque: f64,
-    /// By each sight.
-    pub slopes: [f64; MAX_SIGHTS],
+    /// By each law_input.
+    pub derivatives: [f64; MAX_LAW_INPUTS],
     /// By each parameter, in the order of [`super::Effect::parameters`], borrowed ones last.
-    pub slope_parameters: [f64; MAX_PARAMETERS],
+    pub by_parameter: [f64; MAX_PARAMETERS],
 }
 
 /// A force law.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
     /// What it sees.
-    pub sights: &'static [Sight],
+    pub law_inputs: &'static [LawInput],
     /// What its answer does.
     pub acts: Acts,
-    /// The answer to sights and parameters.
-    pub answer: fn(sights: &[f64], parameters: &[f64]) -> Response,
-    /// Range of its first sight in which it bends (0: it bends nowhere sharply). Fast predictors take shorter steps there.
-    pub bend: fn(parameters: &[f64]) -> f64,
+    /// The answer to law_inputs and parameters.
+    pub evaluate: fn(law_inputs: &[f64], parameters: &[f64]) -> Response,
+    /// Range of its first law_input in which it bends (0: it bends nowhere sharply). Fast predictors take shorter steps there.
+    pub transition: fn(parameters: &[f64]) -> f64,
     /// Whether it answers nothing, whatever it sees. Fast predictors then only listen to what it would answer.
-    pub silent: fn(parameters: &[f64]) -> bool,
+    pub inactive: fn(parameters: &[f64]) -> bool,
 }
 
 /// How an effect enters the equations of motion.

@@ -2,7 +2,7 @@
 
 use super::{
     Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+    LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
 };
 
 /// A share of the torque that enters the mesh, from whichever side, on the slow side, whose speed and torque are meant. While the fast side
@@ -21,11 +21,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed, Sight::Torque],
+        law_inputs: &[LawInput::Speed, LawInput::Torque],
         acts: Acts::Drag,
-        answer,
-        bend: |parameters| parameters[1],
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: |parameters| parameters[1],
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["fraction"]),
     linearisation: Linearisation::Null,
@@ -50,9 +50,9 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::DRIVEN_BY_LOAD,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (sign, bend, by_width) = shape::sign(sights[0], p[1]);
-    let torque = sights[1];
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (sign, bend, by_width) = shape::sign(law_inputs[0], p[1]);
+    let torque = law_inputs[1];
     let (turn, turn_bend, by_transition) = shape::sign(torque, p[2]);
     // |torque|, smooth at zero and exact away from it.
     let size = torque * turn;

@@ -1,7 +1,7 @@
 //! The catalogue of physics that a plain spring-damper network leaves out, one file each.
 //!
 //! An effect changes the drivetrain's structure ([`Form::Inertia`] and the like) or is made of force laws ([`Form::Laws`]):
-//! static functions of what they see of the motion, with exact slopes. Its file says all that is known of it: law, amplitude,
+//! static functions of what they see of the motion, with exact derivatives. Its file says all that is known of it: law, amplitude,
 //! places, starts, priors, how nearly it is obeyed, what it is mistaken for, and its words. Adding one is adding its file and
 //! its line in [`CATALOGUE`]; simulator, predictors, model files and diagnosis take it from there, and name no effect.
 
@@ -49,7 +49,7 @@ use kinds::{ANY, POSITIVE};
 
 pub use coulomb_friction::TRANSITION_SPEED;
 pub use kinds::{EffectParameter, Kind};
-pub use law::{Acts, Borrowed, Form, Law, MAX_PARAMETERS, MAX_SIGHTS, Response, Sight};
+pub use law::{Acts, Borrowed, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 pub use places::{Places, is_part};
 pub use prior::{Prior, Shape};
 pub(crate) use rig::rigid_stiffness;
@@ -360,13 +360,13 @@ impl Effect {
     /// Whether it depends on an angle, so that it needs something that turns.
     #[must_use]
     pub fn is_by_turn(&self) -> bool {
-        self.sees(Sight::Angle)
+        self.sees(LawInput::Angle)
     }
 
     /// Whether its laws have a state of their own.
     #[must_use]
     pub fn has_memory(&self) -> bool {
-        self.sees(Sight::State)
+        self.sees(LawInput::State)
     }
 
     /// Whether it changes the network itself, so that it is tried in a model without others of its kind.
@@ -414,8 +414,8 @@ impl Effect {
     }
 
     /// Whether some law sees this.
-    pub(crate) fn sees(&self, sight: Sight) -> bool {
-        self.laws().iter().any(|law| law.sights.contains(&sight))
+    pub(crate) fn sees(&self, law_input: LawInput) -> bool {
+        self.laws().iter().any(|law| law.law_inputs.contains(&law_input))
     }
 }
 

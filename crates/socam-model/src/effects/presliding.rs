@@ -2,8 +2,8 @@
 //! standstill, C. Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995, but for the bristles' own damping).
 
 use super::{
-    Acts, ActsAt, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, POSITIVE, Places,
-    Prior, Replaces, Rig, Sight, Sizes, Steady, Values, begin_with_little, coulomb_friction, experiment,
+    Acts, ActsAt, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation, POSITIVE,
+    Places, Prior, Replaces, Rig, Sizes, Steady, Values, begin_with_little, coulomb_friction, experiment,
     shape, stribeck_friction,
 };
 
@@ -22,24 +22,25 @@ pub(super) const COULOMB: Effect = Effect {
     borrows: None,
     form: Form::Laws(&[
         Law {
-            sights: &[Sight::Speed, Sight::State],
+            law_inputs: &[LawInput::Speed, LawInput::State],
             acts: Acts::State,
-            answer: |sights, p| {
-                let (rate, slopes, [.., by_deflection, by_transition]) = bend(sights, [p[1], p[2]], STEADY);
-                shape::response(rate, &slopes, &[0.0, by_deflection, by_transition])
+            evaluate: |law_inputs, p| {
+                let (rate, derivatives, [.., by_deflection, by_transition]) =
+                    bend(law_inputs, [p[1], p[2]], STEADY);
+                shape::response(rate, &derivatives, &[0.0, by_deflection, by_transition])
             },
-            bend: |p| p[2],
-            silent: shape::never,
+            transition: |p| p[2],
+            inactive: shape::never,
         },
         Law {
-            sights: &[Sight::State],
+            law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            answer: |sights, p| {
-                let (pull, by_state, by_deflection) = pull(sights[0], p[0], p[1]);
-                shape::response(pull, &[by_state], &[-sights[0] / p[1], by_deflection])
+            evaluate: |law_inputs, p| {
+                let (pull, by_state, by_deflection) = pull(law_inputs[0], p[0], p[1]);
+                shape::response(pull, &[by_state], &[-law_inputs[0] / p[1], by_deflection])
             },
-            bend: shape::straight,
-            silent: |parameters| parameters[0] == 0.0,
+            transition: shape::no_transition,
+            inactive: |parameters| parameters[0] == 0.0,
         },
     ]),
     amplitude: coulomb_friction::EFFECT.amplitude,
@@ -91,24 +92,25 @@ pub(super) const STRIBECK: Effect = Effect {
     borrows: None,
     form: Form::Laws(&[
         Law {
-            sights: &[Sight::Speed, Sight::State],
+            law_inputs: &[LawInput::Speed, LawInput::State],
             acts: Acts::State,
-            answer: |sights, p| {
-                let (rate, slopes, by_parameters) = bend(sights, [p[3], p[4]], ease(sights[0], p));
-                shape::response(rate, &slopes, &by_parameters)
+            evaluate: |law_inputs, p| {
+                let (rate, derivatives, by_parameters) =
+                    bend(law_inputs, [p[3], p[4]], ease(law_inputs[0], p));
+                shape::response(rate, &derivatives, &by_parameters)
             },
-            bend: |p| p[4],
-            silent: shape::never,
+            transition: |p| p[4],
+            inactive: shape::never,
         },
         Law {
-            sights: &[Sight::State],
+            law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            answer: |sights, p| {
-                let (pull, by_state, by_deflection) = pull(sights[0], p[1], p[3]);
-                shape::response(pull, &[by_state], &[0.0, -sights[0] / p[3], 0.0, by_deflection])
+            evaluate: |law_inputs, p| {
+                let (pull, by_state, by_deflection) = pull(law_inputs[0], p[1], p[3]);
+                shape::response(pull, &[by_state], &[0.0, -law_inputs[0] / p[3], 0.0, by_deflection])
             },
-            bend: shape::straight,
-            silent: |parameters| parameters[1] == 0.0,
+            transition: shape::no_transition,
+            inactive: |parameters| parameters[1] == 0.0,
         },
     ]),
     amplitude: stribeck_friction::EFFECT.amplitude,
@@ -178,7 +180,7 @@ fn deflection(rig: &Rig) -> (&'static str, Prior) {
     ("deflection", Prior::log_normal([1e-3 * unit, 5.0], (1e-6 * unit, 0.3 * unit), source))
 }
 
-/// How much sooner bristles slip than those of the static torque: T_s / g, its slope by speed, and those by the parameters.
+/// How much sooner bristles slip than those of the static torque: T_s / g, its derivative by speed, and those by the parameters.
 pub(super) struct Ease {
     value: f64,
     by_speed: f64,
@@ -206,16 +208,16 @@ fn ease(speed: f64, p: &[f64]) -> Ease {
     }
 }
 
-/// Rate of the bristles' bend, its slopes by sights, and those by the ease's parameters, deflection and transition speed.
+/// Rate of the bristles' bend, its derivatives by law_inputs, and those by the ease's parameters, deflection and transition speed.
 pub(super) fn bend(
-    sights: &[f64],
+    law_inputs: &[f64],
     [deflection, transition]: [f64; 2],
     ease: Ease,
 ) -> (f64, [f64; 2], [f64; 5]) {
-    let (speed, share) = (sights[0], sights[1] / deflection);
+    let (speed, share) = (law_inputs[0], law_inputs[1] / deflection);
     let (sign, steepness, by_width) = shape::sign(speed, transition);
     let size = speed * sign;
-    let [first, second, third] = ease.by_parameters.map(|slope| -size * share * slope);
+    let [first, second, third] = ease.by_parameters.map(|derivative| -size * share * derivative);
     let by_speed = 1.0 - share * ((sign + speed * steepness) * ease.value + size * ease.by_speed);
     (
         speed - size * share * ease.value,
@@ -230,7 +232,7 @@ pub(super) fn bend(
     )
 }
 
-/// Torque of bent bristles, its slope by the bend and by deflection.
+/// Torque of bent bristles, its derivative by the bend and by deflection.
 pub(super) fn pull(bent: f64, torque: f64, deflection: f64) -> (f64, f64, f64) {
     let share = bent / deflection;
     (-torque * share, -torque / deflection, torque * share / deflection)

@@ -1,8 +1,8 @@
 //! Drag that grows with the square of speed.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
-    Places, Prior, Response, Sight, Steady, all_zero, begin_with_little, experiment, shape,
+    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
 };
 
 /// T = -coefficient speed |speed|.
@@ -14,11 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("coefficient", Kind::Drag, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed],
+        law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["coefficient"]),
     linearisation: Linearisation::Null,
@@ -48,7 +48,7 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-fn answer(sights: &[f64], parameters: &[f64]) -> Response {
-    let (speed, size) = (sights[0], sights[0].abs());
+fn evaluate(law_inputs: &[f64], parameters: &[f64]) -> Response {
+    let (speed, size) = (law_inputs[0], law_inputs[0].abs());
     shape::response(-parameters[0] * speed * size, &[-2.0 * parameters[0] * size], &[-speed * size])
 }

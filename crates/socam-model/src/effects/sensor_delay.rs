@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, POSITIVE, Places, Prior, Sight, Steady, all_zero, begin_with_little, experiment,
+    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, all_zero, begin_with_little, experiment,
     sensor_lag::SHORT, shape,
 };
 
@@ -56,11 +56,11 @@ pub(super) const AT_INPUT: Effect = Effect {
     parameters: &[EffectParameter::new("delay", Kind::Time, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Change],
+        law_inputs: &[LawInput::Change],
         acts: Acts::Reading,
-        answer: |sights, p| shape::response(-p[0] * sights[0], &[-p[0]], &[-sights[0]]),
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate: |law_inputs, p| shape::response(-p[0] * law_inputs[0], &[-p[0]], &[-law_inputs[0]]),
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: EFFECT.amplitude,
     linearisation: Linearisation::Null,

@@ -1,8 +1,8 @@
 //! A sensor that counts whatever the direction.
 
 use super::{
-    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation, Places,
-    Prior, Response, Sight, Steady, all_zero, experiment, shape,
+    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation,
+    Places, Prior, Response, Steady, all_zero, experiment, shape,
 };
 
 /// reading = truth + share (|truth| - truth): with a share of one the reading is |truth|.
@@ -14,11 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("share", Kind::Ratio, (0.0, 1.0))],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Reading],
+        law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["share"]),
     linearisation: Linearisation::Null,
@@ -39,8 +39,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let beyond = (-2.0 * sights[0]).max(0.0);
-    let slope = if sights[0] < 0.0 { -2.0 } else { 0.0 };
-    shape::response(p[0] * beyond, &[p[0] * slope], &[beyond])
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let beyond = (-2.0 * law_inputs[0]).max(0.0);
+    let derivative = if law_inputs[0] < 0.0 { -2.0 } else { 0.0 };
+    shape::response(p[0] * beyond, &[p[0] * derivative], &[beyond])
 }

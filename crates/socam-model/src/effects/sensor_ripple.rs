@@ -2,7 +2,8 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, POSITIVE, Places, Prior, Sight, Steady, begin_with_little, experiment, shape, wave,
+    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, shape,
+    wave,
 };
 
 /// reading = truth + amplitude sin(order angle + phase), the angle counted from where the recording began.
@@ -18,11 +19,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Angle],
+        law_inputs: &[LawInput::Angle],
         acts: Acts::Reading,
-        answer: |sights, p| shape::wave(p[0], p[1], p[2], sights[0], 1.0),
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate: |law_inputs, p| shape::wave(p[0], p[1], p[2], law_inputs[0], 1.0),
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["amplitude"]),
     linearisation: Linearisation::Null,

@@ -1,8 +1,8 @@
 //! A sensor that cannot read more.
 
 use super::{
-    Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
-    Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment, shape,
+    Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+    Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment, shape,
 };
 
 /// reading = truth, but within -limit .. limit.
@@ -14,11 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("limit", Kind::Gain, POSITIVE)],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Reading],
+        law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        answer,
-        bend: shape::straight,
-        silent: shape::never,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: shape::never,
     }]),
     amplitude: Amplitude { parameters: &["limit"], null: f64::INFINITY, coordinate: Coordinate::Value },
     linearisation: Linearisation::NonNull,
@@ -51,11 +51,11 @@ pub(super) const AT_INPUT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Reading],
+        law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        answer: cut_off,
-        bend: shape::straight,
-        silent: |parameters| parameters[1] == 0.0,
+        evaluate: cut_off,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[1] == 0.0,
     }]),
     amplitude: Amplitude::of(&["excess"]),
     linearisation: Linearisation::Null,
@@ -89,24 +89,24 @@ pub(super) const AT_INPUT: Effect = Effect {
 /// Of a limit: readings this near to it are at it.
 const AT_LIMIT: f64 = 1e-3;
 
-fn cut_off(sights: &[f64], p: &[f64]) -> Response {
-    let (reading, limit, excess) = (sights[0], p[0], p[1]);
+fn cut_off(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (reading, limit, excess) = (law_inputs[0], p[0], p[1]);
     let width = AT_LIMIT / 3.0;
     // Nearness to the limit in units of it: 1 at the limit, 0 well below.
     let (tanh, bend, _) = shape::sign(reading.abs() / limit - 1.0 + AT_LIMIT, width);
-    let (share, slope) = (0.5 * (1.0 + tanh), 0.5 * bend);
+    let (share, derivative) = (0.5 * (1.0 + tanh), 0.5 * bend);
     let sign = reading.signum();
     shape::response(
         -excess * share * sign,
-        &[-excess * slope / limit],
-        &[excess * slope * reading / (limit * limit), -share * sign],
+        &[-excess * derivative / limit],
+        &[excess * derivative * reading / (limit * limit), -share * sign],
     )
 }
 
 /// Of the corners, as a part of the limit.
 const ROUNDING: f64 = 1e-6;
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let kept = shape::clip(sights[0], p[0], ROUNDING * p[0]);
-    shape::response(kept.value - sights[0], &[kept.by_x - 1.0], &[kept.by_half])
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let kept = shape::clip(law_inputs[0], p[0], ROUNDING * p[0]);
+    shape::response(kept.value - law_inputs[0], &[kept.by_x - 1.0], &[kept.by_half])
 }

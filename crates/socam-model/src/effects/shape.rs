@@ -1,9 +1,9 @@
-//! Smooth stand-ins for corners and jumps, and the bookkeeping of slopes.
+//! Smooth stand-ins for corners and jumps, and the bookkeeping of derivatives.
 
-use super::{MAX_PARAMETERS, MAX_SIGHTS, Response};
+use super::{MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 
 /// Nowhere sharply bent.
-pub(super) fn straight(_: &[f64]) -> f64 {
+pub(super) fn no_transition(_: &[f64]) -> f64 {
     0.0
 }
 
@@ -12,16 +12,16 @@ pub(super) fn never(_: &[f64]) -> bool {
     false
 }
 
-/// A response from its slopes, however many.
-pub(super) fn response(torque: f64, sights: &[f64], parameters: &[f64]) -> Response {
-    let mut slopes = [0.0; MAX_SIGHTS];
-    slopes.iter_mut().zip(sights).for_each(|(target, value)| *target = *value);
-    let mut slope_parameters = [0.0; MAX_PARAMETERS];
-    slope_parameters.iter_mut().zip(parameters).for_each(|(target, value)| *target = *value);
-    Response { torque, slopes, slope_parameters }
+/// A response from its derivatives, however many.
+pub(super) fn response(torque: f64, law_inputs: &[f64], parameters: &[f64]) -> Response {
+    let mut derivatives = [0.0; MAX_LAW_INPUTS];
+    derivatives.iter_mut().zip(law_inputs).for_each(|(target, value)| *target = *value);
+    let mut by_parameter = [0.0; MAX_PARAMETERS];
+    by_parameter.iter_mut().zip(parameters).for_each(|(target, value)| *target = *value);
+    Response { torque, derivatives, by_parameter }
 }
 
-/// tanh(x / width), and its slopes by x and by width.
+/// tanh(x / width), and its derivatives by x and by width.
 pub(super) fn sign(x: f64, width: f64) -> (f64, f64, f64) {
     let tanh = (x / width).tanh();
     let bend = (1.0 - tanh * tanh) / width;
@@ -31,34 +31,34 @@ pub(super) fn sign(x: f64, width: f64) -> (f64, f64, f64) {
 /// What of a value lies within -half .. half, with corners rounded over a width.
 pub(super) struct Clipped {
     pub(super) value: f64,
-    /// Slopes by what is clipped and by half.
+    /// Derivatives by what is clipped and by half.
     pub(super) by_x: f64,
     pub(super) by_half: f64,
-    /// Slopes of `by_x`, likewise.
+    /// Derivatives of `by_x`, likewise.
     pub(super) by_x_x: f64,
     pub(super) by_x_half: f64,
 }
 
 /// See [`Clipped`].
 pub(super) fn clip(x: f64, half: f64, width: f64) -> Clipped {
-    let ([up, up_slope, up_bend], [down, down_slope, down_bend]) =
+    let ([up, up_derivative, up_bend], [down, down_derivative, down_bend]) =
         (ramp(x + half, width), ramp(x - half, width));
     Clipped {
         value: up - down - half,
-        by_x: up_slope - down_slope,
-        by_half: up_slope + down_slope - 1.0,
+        by_x: up_derivative - down_derivative,
+        by_half: up_derivative + down_derivative - 1.0,
         by_x_x: up_bend - down_bend,
         by_x_half: up_bend + down_bend,
     }
 }
 
-/// max(x, 0) with a corner rounded over `width`, its slope, and its slope's.
+/// max(x, 0) with a corner rounded over `width`, its derivative, and its derivative's.
 fn ramp(x: f64, width: f64) -> [f64; 3] {
     let root = (x * x + width * width).sqrt();
     [0.5 * (x + root), 0.5 * (1.0 + x / root), 0.5 * width * width / (root * root * root)]
 }
 
-/// size sin(rate x + phase), with slopes by x and by size, by what the rate is `unit` times of, and by phase.
+/// size sin(rate x + phase), with derivatives by x and by size, by what the rate is `unit` times of, and by phase.
 pub(super) fn wave(size: f64, rate: f64, phase: f64, x: f64, unit: f64) -> Response {
     let (sin, cos) = (rate * x + phase).sin_cos();
     response(size * sin, &[size * rate * cos], &[sin, size * unit * x * cos, size * cos])

@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
-    Form, Kind, Law, Linearisation, Places, Prior, Response, Sight, Steady, all_zero, begin_with_little,
+    Form, Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
     experiment, shape,
 };
 
@@ -15,11 +15,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("cubic", Kind::PerAngleSquared, ANY)],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {
-        sights: &[Sight::Twist],
+        law_inputs: &[LawInput::Twist],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["cubic"]),
     linearisation: Linearisation::Null,
@@ -50,9 +50,9 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (square, cubic, stiffness) = (sights[0] * sights[0], p[0], p[1]);
-    let cube = square * sights[0];
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (square, cubic, stiffness) = (law_inputs[0] * law_inputs[0], p[0], p[1]);
+    let cube = square * law_inputs[0];
     shape::response(
         stiffness * cubic * cube,
         &[3.0 * stiffness * cubic * square],

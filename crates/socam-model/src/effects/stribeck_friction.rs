@@ -2,7 +2,7 @@
 
 use super::{
     Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    Linearisation, POSITIVE, Places, Prior, Replaces, Response, Sight, Steady, begin_with_little,
+    LawInput, Linearisation, POSITIVE, Places, Prior, Replaces, Response, Steady, begin_with_little,
     coulomb_friction::FRICTION, experiment, shape,
 };
 
@@ -20,11 +20,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed],
+        law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        answer,
-        bend: |parameters| parameters[3],
-        silent: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
+        evaluate,
+        transition: |parameters| parameters[3],
+        inactive: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque", "static_torque"]),
     linearisation: Linearisation::Null,
@@ -85,9 +85,9 @@ pub(super) const EFFECT: Effect = Effect {
 /// Least Stribeck speed, rad/s (m/s).
 const LEAST_SPEED: f64 = 1e-3;
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let (sign, bend, by_width) = shape::sign(sights[0], p[3]);
-    let ratio = sights[0] / p[2];
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let (sign, bend, by_width) = shape::sign(law_inputs[0], p[3]);
+    let ratio = law_inputs[0] / p[2];
     let rest = (-ratio * ratio).exp();
     let size = p[0] + (p[1] - p[0]) * rest;
     let size_by_speed = -2.0 * (p[1] - p[0]) * rest * ratio / p[2];

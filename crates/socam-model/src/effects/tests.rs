@@ -27,7 +27,7 @@ fn plausible(parameter: &EffectParameter) -> f64 {
 }
 
 #[test]
-fn slopes_of_every_law_agree_with_differences() {
+fn derivatives_of_every_law_agree_with_differences() {
     for effect in CATALOGUE.iter().chain(REFINED) {
         let mut parameters: Vec<f64> = effect.parameters.iter().map(plausible).collect();
         match effect.borrows {
@@ -37,15 +37,15 @@ fn slopes_of_every_law_agree_with_differences() {
         }
         for law in effect.laws() {
             for seen in [[0.4, 0.01, 0.003], [-0.03, 0.02, -0.011], [3.0, -0.7, 0.4], [-1.2, 0.05, 0.02]] {
-                let seen = &seen[..law.sights.len()];
-                let at = |seen: &[f64], parameters: &[f64]| (law.answer)(seen, parameters).torque;
-                let answer = (law.answer)(seen, &parameters);
-                let close = |slope: f64, up: f64, down: f64, step: f64, what: &str| {
+                let seen = &seen[..law.law_inputs.len()];
+                let at = |seen: &[f64], parameters: &[f64]| (law.evaluate)(seen, parameters).torque;
+                let answer = (law.evaluate)(seen, &parameters);
+                let close = |derivative: f64, up: f64, down: f64, step: f64, what: &str| {
                     let difference = (up - down) / (2.0 * step);
-                    let size = 1e-6 * (slope.abs() + answer.torque.abs() / step.max(1e-3)) + 1e-7;
+                    let size = 1e-6 * (derivative.abs() + answer.torque.abs() / step.max(1e-3)) + 1e-7;
                     assert!(
-                        (slope - difference).abs() < size.max(1e-4 * slope.abs()),
-                        "{} {what} at {seen:?}: {slope}, {difference}",
+                        (derivative - difference).abs() < size.max(1e-4 * derivative.abs()),
+                        "{} {what} at {seen:?}: {derivative}, {difference}",
                         effect.id
                     );
                 };
@@ -57,13 +57,13 @@ fn slopes_of_every_law_agree_with_differences() {
                 for index in 0..seen.len() {
                     let step = 1e-6 * seen[index].abs().max(1e-3);
                     let [up, down] = [step, -step].map(|step| at(&moved(seen, index, step), &parameters));
-                    close(answer.slopes[index], up, down, step, "by sight");
+                    close(answer.derivatives[index], up, down, step, "by law_input");
                 }
                 for index in 0..parameters.len() {
                     let step = 1e-6 * parameters[index].abs();
                     let [up, down] = [step, -step].map(|step| at(seen, &moved(&parameters, index, step)));
                     close(
-                        answer.slope_parameters[index],
+                        answer.by_parameter[index],
                         up,
                         down,
                         step,
@@ -75,7 +75,7 @@ fn slopes_of_every_law_agree_with_differences() {
     }
 }
 
-/// A slope of the whole model by each parameter, for every effect wherever it may act; and the file that says so is read again.
+/// A derivative of the whole model by each parameter, for every effect wherever it may act; and the file that says so is read again.
 #[test]
 fn every_effect_enters_a_model_wherever_it_may_act() {
     let base = Model::builtin("speed-o-cam").unwrap();
@@ -89,14 +89,14 @@ fn every_effect_enters_a_model_wherever_it_may_act() {
             // A torque on the motor's node, whose speed is prescribed, or on a point without inertia: nothing for it to do.
             let model = model.unwrap_or_else(|error| panic!("{} at {place}: {error}", effect.id));
             let all: Vec<usize> = (0..model.parameters.len()).collect();
-            let Ok((equations, slopes)) = model.equations_with_slopes(&model.values(), &all) else {
+            let Ok((equations, derivatives)) = model.equations_with_derivatives(&model.values(), &all) else {
                 continue;
             };
             assert_eq!(
                 equations.ports.len(),
-                effect.laws().iter().map(|law| law.sights.len().max(1)).sum::<usize>()
+                effect.laws().iter().map(|law| law.law_inputs.len().max(1)).sum::<usize>()
             );
-            for (index, slope) in slopes.iter().enumerate() {
+            for (index, derivative) in derivatives.iter().enumerate() {
                 let step = 1e-6 * model.values()[index].abs().max(1e-9);
                 let shifted = |sign: f64| {
                     let mut moved = model.values();
@@ -105,14 +105,14 @@ fn every_effect_enters_a_model_wherever_it_may_act() {
                 };
                 let (up, down) = (shifted(1.0), shifted(-1.0));
                 for (matrix, plus, minus) in [
-                    (&slope.state, &up.state, &down.state),
-                    (&slope.input, &up.input, &down.input),
-                    (&slope.force, &up.force, &down.force),
-                    (&slope.output, &up.output, &down.output),
-                    (&slope.feedthrough, &up.feedthrough, &down.feedthrough),
-                    (&slope.port, &up.port, &down.port),
-                    (&slope.port_force, &up.port_force, &down.port_force),
-                    (&slope.force_output, &up.force_output, &down.force_output),
+                    (&derivative.state, &up.state, &down.state),
+                    (&derivative.input, &up.input, &down.input),
+                    (&derivative.force, &up.force, &down.force),
+                    (&derivative.output, &up.output, &down.output),
+                    (&derivative.feedthrough, &up.feedthrough, &down.feedthrough),
+                    (&derivative.port, &up.port, &down.port),
+                    (&derivative.port_force, &up.port_force, &down.port_force),
+                    (&derivative.force_output, &up.force_output, &down.force_output),
                 ] {
                     let difference = (plus - minus) / (2.0 * step);
                     let scale = difference.amax().max(1e-5 * plus.amax() / model.values()[index].abs());

@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little, experiment,
+    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
     shape, wave,
 };
 
@@ -20,11 +20,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Angle],
+        law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[1] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[1] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,
@@ -63,8 +63,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let wave = shape::wave(p[1], p[0], p[2], sights[0], 1.0);
-    let [by_size, by_order, by_phase, ..] = wave.slope_parameters;
-    shape::response(wave.torque, &wave.slopes, &[by_order, by_size, by_phase])
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let wave = shape::wave(p[1], p[0], p[2], law_inputs[0], 1.0);
+    let [by_size, by_order, by_phase, ..] = wave.by_parameter;
+    shape::response(wave.torque, &wave.derivatives, &[by_order, by_size, by_phase])
 }

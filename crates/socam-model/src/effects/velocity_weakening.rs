@@ -2,7 +2,7 @@
 
 use super::{
     ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, POSITIVE, Places, Prior, Response, Sight, Steady, begin_with_little,
+    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
     coulomb_friction::FRICTION, experiment, shape,
 };
 
@@ -20,11 +20,11 @@ pub(super) const EFFECT: Effect = Effect {
     ],
     borrows: None,
     form: Form::Laws(&[Law {
-        sights: &[Sight::Speed],
+        law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        answer,
-        bend: shape::straight,
-        silent: |parameters| parameters[0] == 0.0,
+        evaluate,
+        transition: shape::no_transition,
+        inactive: |parameters| parameters[0] == 0.0,
     }]),
     amplitude: Amplitude::of(&["torque"]),
     linearisation: Linearisation::Null,
@@ -66,8 +66,8 @@ pub(super) const EFFECT: Effect = Effect {
 /// Largest speed backward over the largest forward (or the other way round) of a machine that turns one way.
 const ONE_WAY: f64 = 0.05;
 
-fn answer(sights: &[f64], p: &[f64]) -> Response {
-    let ratio = sights[0] / p[1];
+fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
+    let ratio = law_inputs[0] / p[1];
     let rest = (-ratio * ratio).exp();
     shape::response(
         -p[0] * rest,

@@ -195,13 +195,13 @@ fn two_mass_drive_has_its_textbook_resonance() {
 }
 
 #[test]
-fn slopes_agree_with_differences() {
+fn derivatives_agree_with_differences() {
     for (name, _) in crate::BUILTIN {
         let model = Model::builtin(name).unwrap();
         let values = model.values();
         let all: Vec<usize> = (0..values.len()).collect();
-        let (_, slopes) = model.equations_with_slopes(&values, &all).unwrap();
-        for (index, slope) in slopes.iter().enumerate() {
+        let (_, derivatives) = model.equations_with_derivatives(&values, &all).unwrap();
+        for (index, derivative) in derivatives.iter().enumerate() {
             let step = 1e-6 * values[index].abs();
             let shifted = |sign: f64| {
                 let mut moved = values.clone();
@@ -210,12 +210,12 @@ fn slopes_agree_with_differences() {
             };
             let (up, down) = (shifted(1.0), shifted(-1.0));
             for (matrix, plus, minus) in [
-                (&slope.state, &up.state, &down.state),
-                (&slope.input, &up.input, &down.input),
-                (&slope.force, &up.force, &down.force),
-                (&slope.output, &up.output, &down.output),
-                (&slope.feedthrough, &up.feedthrough, &down.feedthrough),
-                (&slope.port, &up.port, &down.port),
+                (&derivative.state, &up.state, &down.state),
+                (&derivative.input, &up.input, &down.input),
+                (&derivative.force, &up.force, &down.force),
+                (&derivative.output, &up.output, &down.output),
+                (&derivative.feedthrough, &up.feedthrough, &down.feedthrough),
+                (&derivative.port, &up.port, &down.port),
             ] {
                 let difference = (plus - minus) / (2.0 * step);
                 let error = (matrix - &difference).amax();
@@ -230,7 +230,7 @@ fn slopes_agree_with_differences() {
     }
 }
 
-/// A gain counts once on the way in and once on the way out, and its slopes are what it multiplies.
+/// A gain counts once on the way in and once on the way out, and its derivatives are what it multiplies.
 #[test]
 fn a_gain_multiplies_its_channel_alone() {
     let plain = Model::builtin("two-mass").unwrap();
@@ -242,14 +242,17 @@ fn a_gain_multiplies_its_channel_alone() {
         Model::parse(&text.replacen("[channels.load_speed]", "[channels.load_speed]\ngain = \"tacho\"", 1));
     let model = model.unwrap();
     let wrt = ["drive", "tacho"].map(|name| model.parameter(name).unwrap());
-    let (scaled, slopes) = model.equations_with_slopes(&model.values(), &wrt).unwrap();
+    let (scaled, derivatives) = model.equations_with_derivatives(&model.values(), &wrt).unwrap();
     let plain = plain.equations(&plain.values()).unwrap();
     let gains = nalgebra::DVector::from_row_slice(&[1.0, 1.25]);
     let output = nalgebra::DMatrix::from_diagonal(&gains) * &plain.output;
     assert!((&scaled.input - &plain.input * 1.25).amax() < 1e-9 && (&scaled.output - output).amax() < 1e-12);
     assert_eq!(scaled.state, plain.state);
-    assert!((&slopes[0].input - &plain.input).amax() < 1e-9 && slopes[0].output.amax() == 0.0);
-    assert!((slopes[1].output.row(1) - plain.output.row(1)).amax() < 1e-12 && slopes[1].input.amax() == 0.0);
+    assert!((&derivatives[0].input - &plain.input).amax() < 1e-9 && derivatives[0].output.amax() == 0.0);
+    assert!(
+        (derivatives[1].output.row(1) - plain.output.row(1)).amax() < 1e-12
+            && derivatives[1].input.amax() == 0.0
+    );
     let other_unit = text.replacen("\"drive\"", "\"stiffness\"", 1);
     assert!(Model::parse(&other_unit).unwrap_err().to_string().contains("stiffness"));
 }
@@ -393,7 +396,8 @@ fn an_angle_that_is_put_into_a_spring_twists_it() {
     let model = Model::parse(&format!("{}{error}", text.replacen("[parameters]", size, 1))).unwrap();
     let values = model.values();
     let k = model.parameter("stiffness").unwrap();
-    let (e, slopes) = model.equations_with_slopes(&values, &[k, model.parameter("size").unwrap()]).unwrap();
+    let (e, derivatives) =
+        model.equations_with_derivatives(&values, &[k, model.parameter("size").unwrap()]).unwrap();
     let plain = Model::parse(text).unwrap().equations(&Model::parse(text).unwrap().values()).unwrap();
     assert_eq!((&e.state, e.input.column(0)), (&plain.state, plain.input.column(0)));
     // States: wind-up of the load, speed of the motor, speed of the load. Input 1 is the angle, output 2 the shaft's torque.
@@ -405,8 +409,8 @@ fn an_angle_that_is_put_into_a_spring_twists_it() {
     assert_eq!(e.feedthrough[(2, 1)], pull);
     // Twist by wind-up or by the input is the same to the shaft.
     assert!((e.output[(2, 0)] * 0.5 + e.feedthrough[(2, 1)]).abs() < 1e-12 * pull, "{}", e.output);
-    assert_eq!((slopes[0].feedthrough[(2, 1)], slopes[1].feedthrough[(2, 1)]), (0.5, 2.0 * pull));
-    assert!((slopes[1].input.column(1) * 0.5 - e.input.column(1)).amax() < 1e-9);
+    assert_eq!((derivatives[0].feedthrough[(2, 1)], derivatives[1].feedthrough[(2, 1)]), (0.5, 2.0 * pull));
+    assert!((derivatives[1].input.column(1) * 0.5 - e.input.column(1)).amax() < 1e-9);
     let text =
         model.text.replacen("quantity = \"angle\"\nat = \"shaft\"", "quantity = \"angle\"\nat = \"load\"", 1);
     let refused = Model::parse(&text).unwrap_err().to_string();

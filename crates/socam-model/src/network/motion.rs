@@ -3,7 +3,7 @@
 use super::{Assembly, Class, Reference};
 use crate::{
     ModelError,
-    effects::{Acts, Form, Sight, sensor_delay},
+    effects::{Acts, Form, LawInput, sensor_delay},
     equations::{Equations, Port, Rows},
     file,
     jet::{Jet, Scalar},
@@ -407,38 +407,40 @@ impl<'a, 'm> Motion<'a, 'm> {
     fn seen(&self, port: usize) -> Result<Jet, ModelError> {
         let effect = self.port_owner[port];
         let used = &self.a.model.effects[effect];
-        let Some(sight) = self.ports[port].law.sights.get(self.ports[port].sight) else {
+        let Some(law_input) = self.ports[port].law.law_inputs.get(self.ports[port].law_input) else {
             return Ok(self.nothing());
         };
         let node = match used.at {
             Site::Node(node) => Some(node),
-            Site::Gear { fast, slow, .. } => Some(if *sight == Sight::Angle { fast } else { slow }),
+            Site::Gear { fast, slow, .. } => Some(if *law_input == LawInput::Angle { fast } else { slow }),
             Site::Spring(_) => None,
             Site::Channel(channel) => self.a.shaft_of(&self.a.model.channels[channel]),
         };
         let spring = self.a.spring_of(used);
         let twist = spring.map(|spring| self.a.twist_row(spring.from, spring.to));
-        Ok(match (sight, node, twist) {
-            (Sight::Speed, Some(node), _) => {
+        Ok(match (law_input, node, twist) {
+            (LawInput::Speed, Some(node), _) => {
                 self.require_speed(node, used.effect.id)?;
                 self.node_velocity(node)
             }
-            (Sight::Angle, Some(node), _) => self.turned(node, used)?,
-            (Sight::Twist, _, Some(twist)) => twist.times(&self.angle),
-            (Sight::TwistRate, _, Some(twist)) => {
+            (LawInput::Angle, Some(node), _) => self.turned(node, used)?,
+            (LawInput::Twist, _, Some(twist)) => twist.times(&self.angle),
+            (LawInput::TwistRate, _, Some(twist)) => {
                 let ends = spring.into_iter().flat_map(|spring| [Some(spring.from), spring.to]);
                 ends.flatten().try_for_each(|node| self.require_speed(node, used.effect.id))?;
                 twist.times(&self.velocity)
             }
-            (Sight::Torque, ..) => spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring)),
-            (Sight::Time, ..) => self.clock(Quantity::Time),
-            (Sight::Change, ..) => self.input_named(&file::change_of(&used.place)),
-            (Sight::State, ..) => {
+            (LawInput::Torque, ..) => {
+                spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring))
+            }
+            (LawInput::Time, ..) => self.clock(Quantity::Time),
+            (LawInput::Change, ..) => self.input_named(&file::change_of(&used.place)),
+            (LawInput::State, ..) => {
                 let mut row = self.nothing();
                 row.add_at(0, self.owned[effect].0, &self.one());
                 row
             }
-            (Sight::Reading, ..) => match used.at {
+            (LawInput::Reading, ..) => match used.at {
                 Site::Channel(channel) => self.true_reading(&self.a.model.channels[channel])?,
                 _ => self.nothing(),
             },
@@ -507,11 +509,11 @@ impl<'a, 'm> Motion<'a, 'm> {
             seen.add_block(port, 0, &self.seen(port)?);
         }
         let rows = Rows { rates, observed, seen };
-        let (equations, slopes) = rows.split([states, self.inputs, ports]);
+        let (equations, derivatives) = rows.split([states, self.inputs, ports]);
         let takes = self.a.model.inputs().map(|input| input.take).collect();
         Ok((
             Equations { ports: self.ports.clone(), state_names: self.state_names(), takes, ..equations },
-            slopes,
+            derivatives,
         ))
     }
 
@@ -541,14 +543,14 @@ fn states_of(used: &EffectUse) -> usize {
 }
 
 fn ports_of(index: usize, used: &EffectUse) -> Vec<(Port, usize)> {
-    let port = |law: &'static crate::effects::Law, sight: usize| Port {
+    let port = |law: &'static crate::effects::Law, law_input: usize| Port {
         effect: used.effect,
         law,
         place: used.place.clone(),
         parameters: used.parameters.clone(),
-        sight,
+        law_input,
     };
-    let sights =
-        used.effect.laws().iter().flat_map(|law| (0..law.sights.len().max(1)).map(move |s| (law, s)));
-    sights.map(|(law, sight)| (port(law, sight), index)).collect()
+    let law_inputs =
+        used.effect.laws().iter().flat_map(|law| (0..law.law_inputs.len().max(1)).map(move |s| (law, s)));
+    law_inputs.map(|(law, law_input)| (port(law, law_input), index)).collect()
 }

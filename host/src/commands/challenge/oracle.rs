@@ -1,7 +1,7 @@
 //! An oracle that is told what is hidden: by how much it predicts the held-out recordings better than a fit that is not, and whether
 //! another effect would predict them as well.
 
-use socam_identify::compare::{self, Measured, Yardstick};
+use socam_identify::comparison::{self, Evaluation, NoiseModel};
 use socam_identify::{Intersample, NoiseLevels, Options, Problem};
 use socam_model::{Model, effects};
 use socam_recording::Dataset;
@@ -41,12 +41,12 @@ pub(super) fn ask(case: &Case, recordings: &Recordings) -> Oracle {
 
 fn told_all(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     let full = told(case, &case.hidden)?;
-    let yardstick = yardstick(case, &full, recordings)?;
-    let with_all = left(case, &full, &yardstick, recordings)?;
+    let noise_model = noise_model(case, &full, recordings)?;
+    let with_all = left(case, &full, &noise_model, recordings)?;
     let each = (0..case.hidden.len()).map(|index| {
         let mut others = case.hidden.clone();
         others.remove(index);
-        let without = left(case, &told(case, &others)?, &yardstick, recordings)?;
+        let without = left(case, &told(case, &others)?, &noise_model, recordings)?;
         Ok(with_all.as_ref().zip(without).map(|(with, without)| without.total() - with.total()))
     });
     let gain = each.collect::<anyhow::Result<_>>()?;
@@ -58,14 +58,14 @@ fn told_all(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
 fn outside(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     let base = told(case, &[])?;
     let plain = case.without_hidden().record()?;
-    let yardstick = yardstick(case, &base, recordings)?;
+    let noise_model = noise_model(case, &base, recordings)?;
     let (with, without) =
-        (left(case, &base, &yardstick, recordings)?, left(case, &base, &yardstick, &plain)?);
+        (left(case, &base, &noise_model, recordings)?, left(case, &base, &noise_model, &plain)?);
     let gain = with.as_ref().zip(without.as_ref()).map(|(with, without)| with.total() - without.total());
     Ok(Oracle { gain: vec![gain], misfit: without.as_ref().map(misfit) })
 }
 
-fn misfit(measured: &Measured) -> f64 {
+fn misfit(measured: &Evaluation) -> f64 {
     measured.total() / measured.count.iter().sum::<f64>()
 }
 
@@ -79,12 +79,12 @@ pub(super) fn is_equivalent(
 ) -> bool {
     let answer = || -> anyhow::Result<bool> {
         let full = told(case, &case.hidden)?;
-        let yardstick = yardstick(case, &full, recordings)?;
+        let noise_model = noise_model(case, &full, recordings)?;
         let mut others = case.hidden.clone();
         others.remove(index);
         let rival = told(case, &others)?.with_effect(effect, place, parameters)?;
         let (known, other) =
-            (left(case, &full, &yardstick, recordings)?, left(case, &rival, &yardstick, recordings)?);
+            (left(case, &full, &noise_model, recordings)?, left(case, &rival, &noise_model, recordings)?);
         Ok(known.zip(other).is_some_and(|(known, other)| {
             other.total() - known.total() <= EQUIVALENT_LOSS * misfit(&known).max(1.0)
         }))
@@ -109,7 +109,7 @@ fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
 }
 
 /// The bench's noise as it is.
-fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<Yardstick> {
+fn noise_model(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<NoiseModel> {
     let is_measured = case.machine.input.drive == Drive::Speed;
     let input = |name: &str, clock: bool| if clock || !is_measured { 0.0 } else { case.noise_floor(name) };
     let levels = NoiseLevels {
@@ -118,24 +118,29 @@ fn yardstick(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Res
     };
     let training = problem(case, model, &recordings.training)?;
     let holdout = problem(case, model, &recordings.holdout)?;
-    Ok(Yardstick::new(&[&training, &holdout], &model.values(), levels)?)
+    Ok(NoiseModel::new(&[&training, &holdout], &model.values(), levels)?)
 }
 
 /// Fitted to the training recordings, what a model leaves on the others.
 fn left(
     case: &Case,
     model: &Model,
-    yardstick: &Yardstick,
+    noise_model: &NoiseModel,
     recordings: &Recordings,
-) -> anyhow::Result<Option<Measured>> {
+) -> anyhow::Result<Option<Evaluation>> {
     let training = problem(case, model, &recordings.training)?;
-    let Some(fitted) =
-        compare::descend(&training, yardstick, &model.values(), None, (compare::FINE, MAX_ITERATIONS))?
+    let Some(fitted) = comparison::descend(
+        &training,
+        noise_model,
+        &model.values(),
+        None,
+        (comparison::FINE, MAX_ITERATIONS),
+    )?
     else {
         return Ok(None);
     };
     let holdout = problem(case, model, &recordings.holdout)?;
-    Ok(compare::measure(&holdout, yardstick, &fitted.values)?)
+    Ok(comparison::measure(&holdout, noise_model, &fitted.values)?)
 }
 
 fn problem<'a>(case: &Case, model: &'a Model, data: &'a [Dataset]) -> anyhow::Result<Problem<'a>> {

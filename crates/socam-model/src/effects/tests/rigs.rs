@@ -5,8 +5,8 @@ use crate::{
     effects::{self, Effect, Rig, Sizes},
 };
 
-fn answer(effect: &Effect, sights: &[f64], parameters: &[f64]) -> f64 {
-    (effect.laws()[0].answer)(sights, parameters).torque
+fn evaluate(effect: &Effect, law_inputs: &[f64], parameters: &[f64]) -> f64 {
+    (effect.laws()[0].evaluate)(law_inputs, parameters).torque
 }
 
 /// BAM's servo loses 0.272 (|torque of the motor| + |torque of the arm|): as a share of what enters, 0.428 either way.
@@ -15,7 +15,7 @@ fn a_mesh_loses_the_same_share_of_what_enters_whichever_side_drives() {
     let loss = effects::find("mesh_loss").unwrap();
     let widths = [1e-9, 1e-9];
     let drag = |torque: f64, speed: f64, fraction: f64| {
-        -answer(loss, &[speed, torque], &[fraction, widths[0], widths[1]])
+        -evaluate(loss, &[speed, torque], &[fraction, widths[0], widths[1]])
     };
     let coefficient = 0.272;
     let fraction = 2.0 * coefficient / (1.0 + coefficient);
@@ -31,16 +31,16 @@ fn a_mesh_loses_the_same_share_of_what_enters_whichever_side_drives() {
 #[test]
 fn sensors_fold_and_differ_by_direction() {
     let fold = effects::find("sensor_fold").unwrap();
-    assert_eq!([3.0, -3.0].map(|truth| truth + answer(fold, &[truth], &[1.0])), [3.0, 3.0]);
+    assert_eq!([3.0, -3.0].map(|truth| truth + evaluate(fold, &[truth], &[1.0])), [3.0, 3.0]);
     let gain = effects::find("direction_gain").unwrap();
-    let read = [2.0, -2.0].map(|truth| truth + answer(gain, &[truth], &[0.1]));
+    let read = [2.0, -2.0].map(|truth| truth + evaluate(gain, &[truth], &[0.1]));
     assert!((read[0] - 2.1).abs() < 1e-12 && (read[1] + 1.9).abs() < 1e-12);
 }
 
 #[test]
 fn friction_that_falls_with_speed_does_not_jump_at_standstill() {
     let weakening = effects::find("velocity_weakening").unwrap();
-    let at = |speed: f64| answer(weakening, &[speed], &[0.4, 2.0]);
+    let at = |speed: f64| evaluate(weakening, &[speed], &[0.4, 2.0]);
     assert!((at(1e-9) - at(-1e-9)).abs() < 1e-9 && (at(0.0) + 0.4).abs() < 1e-12 && at(20.0).abs() < 1e-12);
 }
 
@@ -73,7 +73,7 @@ fn inputs_clip_and_are_late() {
     let clipped =
         base.with_effect("sensor_saturation", "motor_speed", &[("limit", 150.0), ("excess", 16.0)]).unwrap();
     let law = clipped.effects[0].effect;
-    let truth = |reading: f64| reading - answer(law, &[reading], &[150.0, 16.0]);
+    let truth = |reading: f64| reading - evaluate(law, &[reading], &[150.0, 16.0]);
     assert!(
         (truth(150.0) - 166.0).abs() < 0.1
             && (truth(-150.0) + 166.0).abs() < 0.1
@@ -84,7 +84,7 @@ fn inputs_clip_and_are_late() {
         late.inputs().any(|input| input.quantity == Quantity::Change && input.name == "motor_speed changes")
     );
     let law = late.effects[0].effect;
-    assert_eq!(10.0 - answer(law, &[300.0], &[-2e-3]), 9.4);
+    assert_eq!(10.0 - evaluate(law, &[300.0], &[-2e-3]), 9.4);
     // At an output it is what it was.
     assert!(base.with_effect("sensor_delay", "output_speed", &[("delay", -2e-3)]).is_err());
     assert!((law.sentence)(&Sizes(&[("delay", -2e-3)])).contains("early"));

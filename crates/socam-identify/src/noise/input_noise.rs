@@ -1,0 +1,132 @@
+//! How much noise a channel can hold.
+
+use socam_model::{Channel, Quantity};
+
+use crate::{
+    IdentifyError, Intersample, Problem, noise::innovations_filter::NoiseLevels, preprocessing::segments,
+};
+
+/// Order of the differences that leave an input's noise and not its motion.
+const DIFFERENCES: usize = 8;
+/// Variance of white noise after them, binomial(16, 8); of a rate's, though it is blue, too.
+const DIFFERENCED: f64 = 12_870.0;
+/// Rows of a window over which differences are averaged.
+const WINDOW: usize = 64;
+/// The median of windows lies below the mean, and neither is exact.
+const MARGIN: f64 = 1.1;
+/// An output's noise need not be white: at its highest frequencies it may be so many times less.
+const COLOURED: f64 = 3.0;
+/// A channel whose highest frequencies hold less than this share of its movement, and than that share of what the next lower ones
+/// hold, went through a low-pass filter: they say nothing of its noise then.
+const FILTERED: f64 = 1e-4;
+const STEEP: f64 = 0.03;
+/// Rows and segments that are looked at.
+const MOST_ROWS: u64 = 32_768;
+const MOST_STRETCHES: usize = 8;
+
+/// Whether a channel drives the model by what a sensor said of a motion.
+pub(crate) fn is_measured(channel: &Channel) -> bool {
+    channel.quantity != Quantity::Reference && !channel.quantity.is_clock()
+}
+
+/// Most noise that each channel can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input
+/// that is not measured, what the model file gives for one whose noise is known. What an output's residual has beyond it is
+/// misfit: to take it for noise would be to believe that output less, and noisy inputs more, than they deserve.
+pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
+    let inputs = problem.model.inputs().count();
+    let mut windows: Vec<Vec<Sizes>> = vec![Vec::new(); inputs + problem.outputs()];
+    for segment in problem.segments.iter().take(MOST_STRETCHES) {
+        let head = segments::Segment { rows: segment.rows.min(MOST_ROWS), ..segment.clone() };
+        let dataset = &problem.datasets[segment.recording];
+        segments::read(problem.model, dataset, &head, &vec![Intersample::Linear; inputs], |chunk| {
+            // On a grid of several points a sample, noise of as much power per frequency is so many times stronger at each.
+            let parts = dataset.rows_per_sample() as usize;
+            for (values, windows) in chunk.inputs.iter().chain(&chunk.outputs).zip(&mut windows) {
+                let values: Vec<f64> = values.iter().copied().step_by(parts).collect();
+                for window in values.chunks_exact(WINDOW) {
+                    let sizes = Sizes::of(window, parts as f64);
+                    windows.extend((!sizes.fast.is_nan()).then_some(sizes));
+                }
+            }
+        })?;
+    }
+    let outputs = windows.split_off(inputs);
+    let inputs = windows.into_iter().zip(problem.model.inputs()).map(|(windows, channel)| {
+        let held = || MARGIN * quantile(windows.iter().map(|window| window.fast), 0.5);
+        if is_measured(channel) { channel.noise_std.unwrap_or_else(held) } else { 0.0 }
+    });
+    Ok(NoiseLevels {
+        outputs: outputs.iter().map(|windows| most_of_output(windows)).collect(),
+        inputs: inputs.collect(),
+    })
+}
+
+/// Most noise of an output; no limit where its highest frequencies say nothing of it.
+fn most_of_output(windows: &[Sizes]) -> f64 {
+    let fast = quantile(windows.iter().map(|window| window.fast), 0.9);
+    let slower = quantile(windows.iter().map(|window| window.slower), 0.9);
+    let count = windows.len() as f64;
+    let mean = windows.iter().map(|window| window.mean).sum::<f64>() / count;
+    let spread = windows.iter().map(|window| window.variance + (window.mean - mean).powi(2)).sum::<f64>();
+    let is_filtered = fast < FILTERED * (spread / count).sqrt() && fast < STEEP * slower;
+    if fast > 0.0 && !is_filtered { COLOURED * fast } else { f64::INFINITY }
+}
+
+/// Root of a quantile of variances; zero where there are none.
+fn quantile(variances: impl Iterator<Item = f64>, part: f64) -> f64 {
+    let mut values: Vec<f64> = variances.collect();
+    values.sort_by(f64::total_cmp);
+    values.get((part * values.len() as f64) as usize).map_or(0.0, |variance| variance.sqrt())
+}
+
+/// What a window of a channel holds; not a number where a value is missing.
+#[derive(Debug, Clone, Copy)]
+struct Sizes {
+    /// Variance of white noise that would leave the differences of neighbours, and of every other value.
+    fast: f64,
+    slower: f64,
+    mean: f64,
+    variance: f64,
+}
+
+impl Sizes {
+    fn of(window: &[f64], parts: f64) -> Self {
+        let every_other: Vec<f64> = window.iter().copied().step_by(2).collect();
+        let mean = window.iter().sum::<f64>() / window.len() as f64;
+        let variance = window.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / window.len() as f64;
+        Self { fast: parts * differenced(window), slower: parts * differenced(&every_other), mean, variance }
+    }
+}
+
+/// Variance of white noise that would leave differences of this size.
+fn differenced(window: &[f64]) -> f64 {
+    let mut values = window.to_vec();
+    for _ in 0..DIFFERENCES {
+        values = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    }
+    values.iter().map(|v| v * v).sum::<f64>() / (values.len() as f64 * DIFFERENCED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_low_pass_filter_left_says_nothing_of_noise() {
+        let mut random = 3_u64;
+        let mut draw = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let noisy: Vec<f64> = (0..6400).map(|k| (0.01 * f64::from(k)).sin() + 0.01 * draw()).collect();
+        let filtered = crate::preprocessing::filters::low_pass(&noisy, 8, 0.05);
+        let of = |values: &[f64]| {
+            let windows: Vec<Sizes> =
+                values.chunks_exact(WINDOW).map(|window| Sizes::of(window, 1.0)).collect();
+            most_of_output(&windows)
+        };
+        let white = of(&noisy);
+        assert!((0.012..0.024).contains(&white), "{white}");
+        assert_eq!(of(&filtered), f64::INFINITY);
+    }
+}

@@ -1,0 +1,203 @@
+//! Residuals coloured by a noisy input: made white at the parameters of the pass, and how that changes with them.
+//!
+//! With input noise of standard deviation s_u the residual r(theta) of a prediction from the measured input has a
+//! covariance that depends on the parameters: Phi(theta) = G s_u^2 G' + s_y^2. Least squares of Phi(theta)^-1/2 r(theta)
+//! is what remains of the likelihood of input and output when the true input is eliminated as an unknown (errors in
+//! variables with known noise; Söderström, Automatica 43, 2007). Its expectation has no part of the noise that changes with
+//! theta, so the estimate is not drawn to where noise is amplified less. The determinant of Phi has no place in it.
+
+use faer::{MatMut, reborrow::ReborrowMut};
+use socam_model::Equations;
+
+use crate::{
+    Intersample,
+    evaluation::{Point, Weights},
+    noise::{
+        filter_batch::{FilterBatch, FilterState},
+        innovations_filter::{FilteredRows, InnovationsFilter, NoiseLevels},
+    },
+    prediction::exponential::padded,
+    problem::{Problem, sample_times},
+};
+
+/// Step of differences in a parameter, relative.
+const STEP: f64 = 1e-4;
+
+/// The filter for one sample time, and its neighbours.
+#[derive(Debug, Clone)]
+pub(crate) struct Prewhitening {
+    pub(crate) sample_time_s: f64,
+    pub(crate) filter: InnovationsFilter,
+    /// At a little more of each free parameter, then at a little less of each; none where filters stay.
+    neighbours: FilterBatch,
+    /// Turns the difference of the two to a sensitivity, as scaled as those of the pass.
+    factors: Vec<f64>,
+}
+
+/// One prewhitening for each sample time; empty where no input is noisy. `None` where no steady filter exists.
+pub(crate) fn all(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    equations: &Equations,
+) -> Option<Vec<Prewhitening>> {
+    let levels = weights.levels();
+    if !levels.in_the_input() {
+        return Some(Vec::new());
+    }
+    let changed = |j: usize, step: f64| {
+        let mut values = point.values.clone();
+        values[problem.free[j]] += step;
+        problem.model.equations(&values).ok()
+    };
+    let mut sides = Vec::new();
+    for (j, scale) in weights.scales.iter().enumerate() {
+        let value = point.values[problem.free[j]].abs();
+        let step = STEP * if value > 0.0 { value } else { *scale };
+        // A mass cannot be less than nothing.
+        let less = changed(j, -step).map(|equations| (equations, 2.0 * step));
+        let (less, distance) = less.unwrap_or_else(|| (equations.clone(), step));
+        sides.push((changed(j, step)?, less, scale / distance));
+    }
+    let times_s = sample_times(problem);
+    let with_neighbours = |prewhitening: Prewhitening| {
+        let filter = |equations: &Equations| {
+            InnovationsFilter::new(
+                equations,
+                &levels,
+                &levels.outputs,
+                prewhitening.sample_time_s,
+                &problem.intersample,
+            )
+        };
+        let more = sides.iter().map(|(more, ..)| filter(more));
+        let filters: Option<Vec<_>> = more.chain(sides.iter().map(|(_, less, _)| filter(less))).collect();
+        let neighbours = FilterBatch::new(&filters?.iter().collect::<Vec<_>>());
+        Some(Prewhitening {
+            neighbours,
+            factors: sides.iter().map(|(.., factor)| *factor).collect(),
+            ..prewhitening
+        })
+    };
+    let prewhitenings = fixed(equations, &levels, &times_s, &problem.intersample)?;
+    prewhitenings.into_iter().map(with_neighbours).collect()
+}
+
+/// Filters that stay as they are, whatever the parameters: one for each sample time. Empty where no input is noisy, `None` where
+/// no steady filter exists.
+pub(crate) fn fixed(
+    equations: &Equations,
+    levels: &NoiseLevels,
+    times_s: &[f64],
+    intersample: &[Intersample],
+) -> Option<Vec<Prewhitening>> {
+    if !levels.in_the_input() {
+        return Some(Vec::new());
+    }
+    let prewhitening = |sample_time_s: &f64| {
+        let filter = InnovationsFilter::new(equations, levels, &levels.outputs, *sample_time_s, intersample)?;
+        Some(Prewhitening {
+            sample_time_s: *sample_time_s,
+            filter,
+            neighbours: FilterBatch::new(&[]),
+            factors: Vec::new(),
+        })
+    };
+    times_s.iter().map(prewhitening).collect()
+}
+
+/// Whether residuals can be made white at a point.
+pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels) -> bool {
+    let Ok(equations) = problem.model.equations(&point.values) else { return false };
+    let filter = |time_s: f64| {
+        InnovationsFilter::new(&equations, levels, &levels.outputs, time_s, &problem.intersample)
+    };
+    sample_times(problem).into_iter().all(|time_s| filter(time_s).is_some_and(|filter| filter.memory() < 1.0))
+}
+
+/// The filters along one segment. Rows hold sensitivities by free parameters and the residual, then, filled up to whole vectors, what is
+/// local.
+pub(crate) struct PrewhiteningState<'c> {
+    prewhitening: &'c Prewhitening,
+    globals: usize,
+    state: FilteredRows,
+    neighbours: FilterState,
+    stride: usize,
+    rows: Vec<f64>,
+    residual: Vec<f64>,
+    here: Vec<bool>,
+}
+
+impl Prewhitening {
+    /// Leaves out what the filter need not remember; for filters that stay.
+    pub(crate) fn reduce(&mut self) {
+        if let Some(reduced) = self.filter.reduced() {
+            self.filter = reduced;
+        }
+    }
+
+    /// Nothing remembered yet, for rows of `nuisance` columns, `globals` more and the residual.
+    pub(crate) fn start(&self, nuisance: usize, globals: usize) -> PrewhiteningState<'_> {
+        let stride = padded(globals + 1) + padded(nuisance);
+        PrewhiteningState {
+            prewhitening: self,
+            globals,
+            state: self.filter.rest_of_rows(stride),
+            neighbours: self.neighbours.rest(),
+            stride,
+            rows: Vec::new(),
+            residual: Vec::new(),
+            here: Vec::new(),
+        }
+    }
+}
+
+impl PrewhiteningState<'_> {
+    /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other; its
+    /// columns are what is local (all of it, or nothing), sensitivities by free parameters and the residual. `present` is by row of
+    /// the block.
+    pub(crate) fn apply(&mut self, mut block: MatMut<'_, f64>, samples: usize, present: &[bool]) {
+        let globals = self.globals + 1;
+        let nuisance = block.ncols() - globals;
+        let width = if nuisance > 0 { self.stride } else { padded(globals) };
+        let outputs = present.len() / samples.max(1);
+        self.rows.resize(outputs * self.stride, 0.0);
+        for k in 0..samples {
+            self.residual.clear();
+            self.here.clear();
+            for (o, row) in self.rows.chunks_exact_mut(self.stride).enumerate() {
+                let source = block.as_ref().row(o * samples + k);
+                let (local, global) = source.split_at_col(nuisance);
+                row.iter_mut().zip(global.iter()).for_each(|(target, value)| *target = *value);
+                let behind = row[padded(globals)..].iter_mut();
+                behind.zip(local.iter()).for_each(|(target, value)| *target = *value);
+                self.residual.push(row[globals - 1]);
+                self.here.push(present[o * samples + k]);
+            }
+            self.prewhitening.filter.whiten(&mut self.state, &mut self.rows, width, &self.here);
+            self.add_sensitivities();
+            for (o, row) in self.rows.chunks_exact(self.stride).enumerate() {
+                let target = block.rb_mut().row_mut(o * samples + k);
+                let (local, global) = target.split_at_col_mut(nuisance);
+                global.iter_mut().zip(row).for_each(|(target, value)| *target = *value);
+                local.iter_mut().zip(&row[padded(globals)..]).for_each(|(target, value)| *target = *value);
+            }
+        }
+    }
+
+    /// Adds to each parameter's sensitivity what the filter's own change makes of the residual.
+    fn add_sensitivities(&mut self) {
+        let Prewhitening { neighbours, factors, .. } = self.prewhitening;
+        if factors.is_empty() {
+            return;
+        }
+        neighbours.advance(&mut self.neighbours, &self.residual, &self.here);
+        let white = self.neighbours.white.chunks_exact(neighbours.stride());
+        for (row, white) in self.rows.chunks_exact_mut(self.stride).zip(white) {
+            let (more, less) = white.split_at(factors.len());
+            let sensitivities =
+                more.iter().zip(less).zip(factors).map(|((more, less), factor)| factor * (more - less));
+            row.iter_mut().zip(sensitivities).for_each(|(target, sensitivity)| *target += sensitivity);
+        }
+    }
+}

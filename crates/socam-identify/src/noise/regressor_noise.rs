@@ -1,0 +1,136 @@
+//! How much of the squares of sensitivities is noise, and so no information.
+//!
+//! Sensitivities are made of measured signals where an input is noisy: their squares grow with that noise as if it told of the
+//! parameters. What it adds is found by letting each noisy channel jump for one sample and squaring the response.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use socam_model::{Channel, Model, Take};
+use socam_recording::Dataset;
+
+use crate::{
+    IdentifyError, Options, Problem, StartState,
+    evaluation::{self, Point, SegmentEvaluation, Weights},
+    noise::innovations_filter::{InnovationsFilter, spectral_radius},
+    preprocessing::segments,
+    problem::sample_times,
+};
+
+/// Row of the impulse whose response shows what a sample's noise does.
+const IMPULSE_ROW: usize = 32;
+/// The response is followed until it has fallen to this fraction.
+const FADED: f64 = 1e-5;
+/// It is followed for at least and at most so many rows.
+const ROWS: (f64, f64) = (64.0, 16_384.0);
+
+/// Sum over all samples of what noise is expected to have of the products of sensitivities, free parameters by free parameters, as
+/// scaled and weighted in a pass; nothing where no input is noisy.
+pub(crate) fn products(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    results: &[SegmentEvaluation],
+) -> Result<Mat<f64>, IdentifyError> {
+    let free = problem.free.len();
+    let mut sum = Mat::zeros(free, free);
+    if !weights.levels().in_the_input() {
+        return Ok(sum);
+    }
+    for sample_time_s in sample_times(problem) {
+        let all = problem.segments.iter().zip(results);
+        let own = all.filter(|(segment, _)| segment.sample_time_s == sample_time_s);
+        let samples: f64 = own.map(|(_, result)| result.samples).sum();
+        if let Some(products) = per_sample(problem, point, weights, sample_time_s)? {
+            sum += products * faer::Scale(samples);
+        }
+    }
+    Ok(sum)
+}
+
+fn per_sample(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    sample_time_s: f64,
+) -> Result<Option<Mat<f64>>, IdentifyError> {
+    let model = linear(problem.model);
+    let Ok(equations) = model.equations(&point.values) else { return Ok(None) };
+    let levels = weights.levels();
+    let Some(filter) =
+        InnovationsFilter::new(&equations, &levels, &levels.outputs, sample_time_s, &problem.intersample)
+    else {
+        return Ok(None);
+    };
+    let plant = spectral_radius((&equations.state * sample_time_s).exp());
+    let memory = if plant < 1.0 - 1e-6 { filter.memory().max(plant) } else { filter.memory() };
+    let rows = IMPULSE_ROW + (FADED.ln() / memory.ln()).clamp(ROWS.0, ROWS.1) as usize;
+    let sizes = levels.inputs.iter().chain(&levels.outputs).enumerate().filter(|(_, std)| **std > 0.0);
+    let datasets = sizes.map(|(channel, std)| impulse(&model, channel, *std, rows, sample_time_s));
+    let datasets = datasets.collect::<Result<Vec<_>, _>>()?;
+    let segments = datasets.iter().enumerate().map(|(recording, dataset)| segments::Segment {
+        recording,
+        first_row: 0,
+        rows: dataset.rows(),
+        run: 0..dataset.rows(),
+        mask: Arc::default(),
+        sample_time_s,
+        origin_s: 0.0,
+    });
+    let twin = Problem {
+        model: &model,
+        datasets: &datasets,
+        free: problem.free.clone(),
+        segments: segments.collect(),
+        options: Options { start_state: StartState::Free, ..problem.options.clone() },
+        intersample: problem.intersample.clone(),
+        warnings: Vec::new(),
+        left_out: Vec::new(),
+        misfits: Vec::new(),
+    };
+    let at_rest = vec![0.0; equations.state.nrows()];
+    let still = Point { values: point.values.clone(), nuisance: vec![at_rest; datasets.len()] };
+    let weights = Weights { scores: false, ..weights.clone() };
+    let Some(results) = evaluation::run(&twin, &still, &weights)? else { return Ok(None) };
+    let free = problem.free.len();
+    let mut products = Mat::<f64>::zeros(free, free);
+    for result in &results {
+        let own = result.factor.as_ref().subcols(result.nuisance(), free);
+        products += own.transpose() * own;
+    }
+    Ok(Some(products))
+}
+
+/// The model without force laws, its channels in SI and each with a column of its own; rates stay rates.
+fn linear(model: &Model) -> Model {
+    let mut model = model.clone();
+    model.effects.retain(|used| used.effect.laws().is_empty());
+    for (index, channel) in model.channels.iter_mut().enumerate() {
+        (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
+        channel.column = format!("channel_{index}_1");
+        channel.take = if channel.take == Take::Rate { Take::Rate } else { Take::Value };
+    }
+    model
+}
+
+/// A recording in which the column of one channel, inputs counted first, jumps for one sample by what makes noise of that size, and
+/// all others are zero.
+fn impulse(
+    model: &Model,
+    jumping: usize,
+    size: f64,
+    rows: usize,
+    sample_time_s: f64,
+) -> Result<Dataset, IdentifyError> {
+    let all: Vec<&Channel> = model.inputs().chain(model.outputs()).collect();
+    let named = all.into_iter().enumerate().filter_map(|(index, channel)| {
+        let mut values = vec![0.0; rows];
+        if index == jumping {
+            values[IMPULSE_ROW] = size / channel.take.amplification(sample_time_s);
+        }
+        Some((socam_recording::Channel::from_column_name(&channel.column)?, values))
+    });
+    let (channels, values) = named.unzip();
+    let time_s = (0..rows).map(|k| k as f64 * sample_time_s).collect();
+    Ok(Dataset::from_columns("impulse", channels, time_s, values)?)
+}

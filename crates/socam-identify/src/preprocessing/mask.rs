@@ -1,0 +1,236 @@
+//! What of a recording is not used as it was measured: output samples left out, input samples imputed.
+
+use std::{ops::Range, sync::Arc};
+
+use serde::Serialize;
+use socam_model::Channel;
+use socam_recording::{Dataset, check};
+
+use crate::{
+    IdentifyError,
+    preprocessing::{segments::Segment, spikes},
+};
+
+/// Rows beside a saturated segment that are left out with it: what the noise has not lifted over the limit there is too low.
+const BESIDE_SATURATION: u64 = 3;
+
+/// Why samples are not used as they were measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// An output that sticks at the value that it cannot exceed: left out.
+    Saturated,
+    /// Single output values that neither the model nor their neighbours explain: left out.
+    Outliers,
+    /// Single input values that stand out of their neighbours: replaced by what these say.
+    #[serde(rename = "bridged")]
+    Imputed,
+}
+
+/// Samples that are not used as they were measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Recording.
+    pub recording: String,
+    /// Channel.
+    pub channel: String,
+    /// Why.
+    pub reason: Reason,
+    /// How many.
+    pub samples: u64,
+    /// How many of all of the recording, per cent.
+    pub share_percent: f64,
+    /// In how many places.
+    pub places: usize,
+    /// Time from the first to the last, s.
+    pub time_s: [f64; 2],
+    /// Their rows in the recording, in order and apart.
+    #[serde(skip)]
+    pub rows: Vec<Range<u64>>,
+}
+
+impl LeftOut {
+    /// `rows` are in order and apart.
+    pub(crate) fn new(dataset: &Dataset, channel: &str, reason: Reason, rows: &[Range<u64>]) -> Option<Self> {
+        let (first, last) = (rows.first()?, rows.last()?);
+        let samples = rows.iter().map(|rows| rows.end - rows.start).sum();
+        Some(Self {
+            recording: dataset.name().into(),
+            channel: channel.into(),
+            reason,
+            samples,
+            share_percent: 100.0 * samples as f64 / dataset.rows() as f64,
+            places: rows.len(),
+            time_s: [first.start, last.end - 1].map(|row| time_of(dataset, row)),
+            rows: rows.to_vec(),
+        })
+    }
+
+    /// Adds it to others, to the one of its kind where there is one.
+    pub(crate) fn join(self, all: &mut Vec<Self>) {
+        let alike = |other: &&mut Self| {
+            (&other.recording, &other.channel, other.reason) == (&self.recording, &self.channel, self.reason)
+        };
+        match all.iter_mut().find(alike) {
+            Some(other) => {
+                other.samples += self.samples;
+                other.share_percent += self.share_percent;
+                other.places += self.places;
+                let [from, to] = self.time_s;
+                other.time_s = [other.time_s[0].min(from), other.time_s[1].max(to)];
+                other.rows = joined([std::mem::take(&mut other.rows), self.rows].concat());
+            }
+            None => all.push(self),
+        }
+    }
+
+    /// In one sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Self { recording, channel, samples, share_percent, places, time_s: [from, to], .. } = self;
+        let plural = |count: u64, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
+        let (samples, places) = (plural(*samples, "sample"), plural(*places as u64, "place"));
+        let share = format!("({share_percent:.2} %)");
+        let place = format!("in {places} from {from:.3} s to {to:.3} s");
+        match self.reason {
+            Reason::Saturated => {
+                format!("{recording}: {channel} is saturated {place}: {samples} {share} left out")
+            }
+            Reason::Outliers => {
+                format!("{recording}: {channel} has outliers {place}: {samples} {share} left out")
+            }
+            Reason::Imputed => {
+                format!(
+                    "{recording}: {channel} has spikes {place}: {samples} {share} replaced by values from their neighbours"
+                )
+            }
+        }
+    }
+}
+
+/// Time of a row, s, even steps within each segment being taken for granted.
+pub(crate) fn time_of(dataset: &Dataset, row: u64) -> f64 {
+    let segments = dataset.segments();
+    let index = segments.partition_point(|segment| segment.end_row() <= row).min(segments.len() - 1);
+    let segment = &segments[index];
+    segment.start_s + (row - segment.first_row) as f64 * segment.sample_time_s
+}
+
+/// Rows in order, apart.
+type Rows = Vec<Range<u64>>;
+
+/// What is not used as measured of one recording.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Mask {
+    /// Per output: rows that are left out, in order, apart. May be shorter than there are outputs.
+    pub(crate) left_out: Vec<Rows>,
+    /// Per input: rows and what stands there instead, in the recording's unit, in order. May be shorter than there are inputs.
+    pub(crate) imputed: Vec<Vec<(u64, f64)>>,
+}
+
+impl Mask {
+    /// Changes the values of an input that stand at these rows.
+    pub(crate) fn impute(&self, input: usize, rows: Range<u64>, values: &mut [f64]) {
+        let Some(imputed) = self.imputed.get(input) else { return };
+        let first = imputed.partition_point(|(row, _)| *row < rows.start);
+        let here = imputed[first..].iter().take_while(|(row, _)| *row < rows.end);
+        here.for_each(|(row, value)| values[(row - rows.start) as usize] = *value);
+    }
+
+    /// Makes values of an output missing that are left out.
+    pub(crate) fn leave_out(&self, output: usize, rows: Range<u64>, values: &mut [f64]) {
+        let Some(left_out) = self.left_out.get(output) else { return };
+        let first = left_out.partition_point(|own| own.end <= rows.start);
+        for own in left_out[first..].iter().take_while(|own| own.start < rows.end) {
+            let here = own.start.max(rows.start) - rows.start..own.end.min(rows.end) - rows.start;
+            values[here.start as usize..here.end as usize].fill(f64::NAN);
+        }
+    }
+
+    /// Leaves out more of an output.
+    pub(crate) fn add(&mut self, output: usize, rows: Vec<Range<u64>>) {
+        if self.left_out.len() <= output {
+            self.left_out.resize(output + 1, Vec::new());
+        }
+        let mut all = std::mem::take(&mut self.left_out[output]);
+        all.extend(rows);
+        self.left_out[output] = joined(all);
+    }
+}
+
+/// The same rows in order, apart.
+fn joined(mut rows: Rows) -> Rows {
+    rows.sort_by_key(|rows| rows.start);
+    let mut joined = Rows::new();
+    for rows in rows {
+        match joined.last_mut() {
+            Some(last) if rows.start <= last.end => last.end = last.end.max(rows.end),
+            _ => joined.push(rows),
+        }
+    }
+    joined
+}
+
+/// Looks through all recordings for saturated outputs and spikes of inputs, and has the segments say so.
+pub(crate) fn find(
+    inputs: &[&Channel],
+    outputs: &[&Channel],
+    datasets: &[Dataset],
+    segments: &mut [Segment],
+) -> Result<Vec<LeftOut>, IdentifyError> {
+    let mut notes = Vec::new();
+    for (recording, dataset) in datasets.iter().enumerate() {
+        let mut mask = Mask::default();
+        for (output, rows) in saturated(outputs, dataset)? {
+            notes.extend(LeftOut::new(dataset, &outputs[output].name, Reason::Saturated, &rows));
+            mask.add(output, rows);
+        }
+        let own = || segments.iter().filter(|segment| segment.recording == recording);
+        mask.imputed = spikes::find(inputs, dataset, &own().collect::<Vec<_>>())?;
+        for (imputed, channel) in mask.imputed.iter().zip(inputs) {
+            let rows = joined(imputed.iter().map(|(row, _)| *row..row + 1).collect());
+            notes.extend(LeftOut::new(dataset, &channel.name, Reason::Imputed, &rows));
+        }
+        let mask = Arc::new(mask);
+        let own = segments.iter_mut().filter(|segment| segment.recording == recording);
+        own.for_each(|segment| segment.mask = Arc::clone(&mask));
+    }
+    Ok(notes)
+}
+
+/// Rows at which outputs are saturated.
+fn saturated(outputs: &[&Channel], dataset: &Dataset) -> Result<Vec<(usize, Rows)>, IdentifyError> {
+    let columns = outputs.iter().map(|channel| dataset.channel_index(&channel.column));
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    let mut all = Vec::new();
+    for found in check::saturations(dataset, &columns)? {
+        let wider = found.rows.iter().map(|rows| {
+            rows.start.saturating_sub(BESIDE_SATURATION)..(rows.end + BESIDE_SATURATION).min(dataset.rows())
+        });
+        let reading = columns.iter().enumerate().filter(|(_, column)| **column == found.channel);
+        for (output, _) in reading {
+            all.push((output, joined(wider.clone().collect())));
+        }
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_changed_where_they_stand() {
+        let mut mask = Mask { imputed: vec![vec![(3, 30.0), (12, 120.0)]], ..Mask::default() };
+        mask.add(1, vec![8..10, 4..6, 5..7, 30..40]);
+        assert_eq!(mask.left_out, [vec![], vec![4..7, 8..10, 30..40]]);
+        let mut values: Vec<f64> = (5..15).map(f64::from).collect();
+        mask.impute(0, 5..15, &mut values);
+        mask.impute(1, 5..15, &mut values);
+        assert_eq!(values[7], 120.0);
+        mask.leave_out(0, 5..15, &mut values);
+        mask.leave_out(1, 5..15, &mut values);
+        let missing: Vec<usize> = (0..10).filter(|k| values[*k].is_nan()).collect();
+        assert_eq!(missing, [0, 1, 3, 4]);
+    }
+}

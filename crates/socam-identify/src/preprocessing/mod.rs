@@ -1,0 +1,7 @@
+//! Recordings as a fit reads them: segments without gaps, values that are left out or imputed, filters for methods that differentiate.
+
+pub(crate) mod filters;
+pub(crate) mod mask;
+pub(crate) mod outliers;
+pub(crate) mod segments;
+pub(crate) mod spikes;

@@ -1,0 +1,220 @@
+//! How far estimates may be off: from the last factor, the scores' spread between blocks, and noise in the sensitivities.
+
+use faer::{Mat, MatRef};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{
+    evaluation::{self, SegmentEvaluation},
+    optimiser::qr,
+    problem::Problem,
+};
+
+/// Sensitivities hold input noise, which looks like information. Of a direction's information at least this part is kept.
+const LEAST_GENUINE: f64 = 0.02;
+/// Singular values below this fraction of the largest are taken as zero.
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// Covariance W Q W' of the free parameters, SI, kept as factors: along a valley its entries cancel to ten digits and
+/// more, and a sum of products of entries would be noise.
+pub(crate) struct Uncertainty {
+    /// W W' is the inverse information.
+    root: Mat<f64>,
+    /// Q is what coloured residuals make of it; the identity for white ones.
+    meat: Mat<f64>,
+    /// Turns a standard deviation into half of a 95 % interval.
+    pub(crate) quantile: f64,
+}
+
+impl Uncertainty {
+    /// Inverse information, and the spread of scores between blocks of data where there are enough of them: their
+    /// ratio to the information is what coloured residuals cost. What input noise adds to the squares of the sensitivities is no
+    /// information, and is taken from them.
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        point: &evaluation::Point,
+        scales: &[f64],
+        results: &[SegmentEvaluation],
+        noise: &Mat<f64>,
+    ) -> Self {
+        let free = problem.free.len();
+        let weights = evaluation::Weights::white(Vec::new(), scales.to_vec());
+        let sizes = sizes(problem, &point.values, scales);
+        let relative =
+            |rows: &Mat<f64>| Mat::from_fn(rows.nrows(), free, |i, j| rows[(i, j)] * sizes[j] / scales[j]);
+        let factor =
+            relative(&crate::optimiser::descent::information_factor(problem, point, &weights, results));
+        let Some(Directions { inverse, informed }) = Directions::of(&factor) else {
+            return Self::unknown(free);
+        };
+        let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
+        let blocks = scores.iter().map(Vec::len).sum::<usize>();
+        let (meat, degrees) = if blocks >= 5 * free.max(2) {
+            let correction = blocks as f64 / (blocks - free) as f64;
+            let matrix =
+                |rows: &Vec<Vec<f64>>| Mat::from_fn(rows.len(), free, |i, j| rows[i][j] * correction.sqrt());
+            // Scores in units in which the information is one.
+            let white: Vec<Mat<f64>> =
+                scores.iter().map(|segment| relative(&matrix(segment)) * &inverse).collect();
+            let (spread, lag) = long_run_spread(&white, blocks);
+            let prior = relative(&crate::optimiser::descent::prior_rows(problem, point, &weights)) * &inverse;
+            let mut meat = spread + prior.transpose() * &prior;
+            // Where there is no information there are no scores either, and their ratio is not nothing.
+            (0..free).filter(|k| !informed[*k]).for_each(|k| meat[(k, k)] = meat[(k, k)].max(1.0));
+            // Every block counts less where it resembles its neighbours.
+            (meat, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
+        } else {
+            (Mat::identity(free, free), 1e6)
+        };
+        let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
+        let noise =
+            Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
+        let noise = inverse.transpose() * noise * &inverse;
+        let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
+        let root = inverse * genuine(&noise);
+        Self { root, meat, quantile }
+    }
+
+    /// Where residuals are white, from this factor over [free parameters, scaled | residual].
+    pub(crate) fn white(problem: &Problem<'_>, values: &[f64], factor: &Mat<f64>, scales: &[f64]) -> Self {
+        let free = problem.free.len();
+        let sizes = sizes(problem, values, scales);
+        let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * sizes[j] / scales[j]);
+        match Directions::of(&relative) {
+            Some(directions) => Self {
+                root: Mat::from_fn(free, free, |i, k| directions.inverse[(i, k)] * sizes[i]),
+                meat: Mat::identity(free, free),
+                quantile: 1.96,
+            },
+            None => Self::unknown(free),
+        }
+    }
+
+    /// Standard deviation of sum of sensitivity * free parameter.
+    pub(crate) fn std(&self, sensitivities: &[(usize, f64)]) -> f64 {
+        let white = self.whitened(sensitivities);
+        let variance = self.product(&white, &white);
+        // Rounding may leave a little less than nothing; not a number means that the sums overflowed.
+        if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
+    }
+
+    /// No knowledge at all.
+    fn unknown(free: usize) -> Self {
+        let root = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
+        Self { root, meat: Mat::identity(free, free), quantile: 1.96 }
+    }
+
+    pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.product(&self.whitened(&[(i, 1.0)]), &self.whitened(&[(j, 1.0)]))
+    }
+
+    fn whitened(&self, sensitivities: &[(usize, f64)]) -> Vec<f64> {
+        let columns = 0..self.root.ncols();
+        columns
+            .map(|k| sensitivities.iter().map(|(i, sensitivity)| sensitivity * self.root[(*i, k)]).sum())
+            .collect()
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs =
+            a.iter().enumerate().flat_map(|(i, a)| b.iter().enumerate().map(move |(j, b)| (i, j, a * b)));
+        pairs.map(|(i, j, weight)| weight * self.meat[(i, j)]).sum()
+    }
+}
+
+/// Units in which steps of the free parameters are parts of their present size; their scales where they are nothing.
+fn sizes(problem: &Problem<'_>, values: &[f64], scales: &[f64]) -> Vec<f64> {
+    let size = |(index, scale): (&usize, &f64)| match values[*index].abs() {
+        0.0 => *scale,
+        size => size,
+    };
+    problem.free.iter().zip(scales).map(size).collect()
+}
+
+/// Directions of the parameters by what the data say of them.
+struct Directions {
+    /// Its columns: steps that move the residuals by one.
+    inverse: Mat<f64>,
+    /// Whether the data say anything of each.
+    informed: Vec<bool>,
+}
+
+impl Directions {
+    /// From a factor of the information in relative steps; `None` where it has no singular values.
+    fn of(factor: &Mat<f64>) -> Option<Self> {
+        let free = factor.ncols();
+        let svd = factor.svd().ok()?;
+        let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
+        Some(Self {
+            inverse: Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k)),
+            informed: (0..free).map(|k| svd.S()[k] > RANK_TOLERANCE * svd.S()[0]).collect(),
+        })
+    }
+}
+
+/// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
+fn genuine(noise: &Mat<f64>) -> Mat<f64> {
+    let size = noise.nrows();
+    let identity = || Mat::<f64>::identity(size, size);
+    let Ok(decomposed) = noise.self_adjoint_eigen(faer::Side::Lower) else { return identity() };
+    let (vectors, values) = (decomposed.U(), decomposed.S());
+    let stretched =
+        Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_GENUINE, 1.0));
+    stretched * vectors.transpose()
+}
+
+/// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
+/// the lag that D. W. K. Andrews' rule (Econometrica 59, 1991) takes from the correlation of next neighbours: residuals
+/// of a drifting axis stay alike for seconds, those of a sensor's noise do not.
+fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
+    let lagged = |lag: usize| {
+        let free = white[0].ncols();
+        white.iter().filter(|rows| rows.nrows() > lag).fold(Mat::<f64>::zeros(free, free), |sum, rows| {
+            let count = rows.nrows() - lag;
+            sum + rows.as_ref().subrows(0, count).transpose() * rows.as_ref().subrows(lag, count)
+        })
+    };
+    let own = lagged(0);
+    let trace = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, i)]).sum::<f64>();
+    let correlation = (trace(&lagged(1)) / trace(&own)).clamp(-0.97, 0.97);
+    let alpha = 4.0 * correlation.powi(2) / (1.0 - correlation.powi(2)).powi(2);
+    let lag = ((1.1447 * (alpha * blocks as f64).cbrt()) as usize).min(blocks / 8);
+    let spread = (1..=lag).fold(own, |sum, k| {
+        let cross = lagged(k);
+        sum + (&cross + cross.transpose()) * faer::Scale(1.0 - k as f64 / (lag + 1) as f64)
+    });
+    (spread, lag)
+}
+
+/// (R' R)⁻¹ through the singular values of R with its columns scaled to one; directions without information get an
+/// enormous variance instead of an overflow.
+pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
+    let free = factor.ncols();
+    let norms = qr::lengths(factor, free);
+    let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
+    let Ok(svd) = scaled.svd() else {
+        return Mat::from_fn(free, free, |i, j| if i == j { 1e200 } else { 0.0 });
+    };
+    let (v, s) = (svd.V(), svd.S());
+    let least = RANK_TOLERANCE * if free > 0 && s[0] > 0.0 { s[0] } else { 1.0 };
+    let root = Mat::from_fn(free, free, |i, k| v[(i, k)] / s[k].max(least) / norms[i]);
+    &root * root.transpose()
+}
+
+/// Scores of the free parameters after the local unknowns have followed: g - A' g_local, A = R_ll⁻¹ R_lg.
+fn profiled_scores(result: &SegmentEvaluation, free: usize) -> Vec<Vec<f64>> {
+    let follow = nuisance_sensitivities(result, free);
+    let each = result.scores.iter().map(|score| {
+        let (local, global) = score.split_at(result.nuisance());
+        let own = global.iter().enumerate();
+        own.map(|(j, g)| g - local.iter().enumerate().map(|(i, l)| follow[(i, j)] * l).sum::<f64>()).collect()
+    });
+    each.collect()
+}
+
+/// How far local unknowns move per free parameter, with the sign of R_ll⁻¹ R_lg.
+pub(crate) fn nuisance_sensitivities(result: &SegmentEvaluation, free: usize) -> Mat<f64> {
+    let count = result.nuisance();
+    let columns: Vec<Vec<f64>> =
+        (0..free).map(|j| result.solve_nuisance(|row| result.factor[(row, count + j)])).collect();
+    Mat::from_fn(count, free, |i, j| columns[j][i])
+}

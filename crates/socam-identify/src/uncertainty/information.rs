@@ -1,0 +1,69 @@
+//! What recordings will say, before anything is fitted: intervals, and how well another model could imitate them.
+
+use faer::Mat;
+
+use crate::{
+    CombinationEstimate, IdentifyError, ParameterEstimate, Problem,
+    comparison::NoiseModel,
+    evaluation::{Point, first_nuisance},
+    noise::innovations_filter::NoiseLevels,
+    optimiser::{descent, qr},
+    report,
+};
+
+/// What a problem's recordings say of its free parameters at given values, start states and offsets left free.
+///
+/// # Assumes
+/// Recordings without noise, as a simulation yields them: noise in an input would look like information. The noise that real
+/// ones will have is given by its levels.
+#[derive(Debug, Clone)]
+pub struct Information {
+    /// Triangular factor over [free parameters, scaled | residual], in noise units.
+    factor: Mat<f64>,
+    scales: Vec<f64>,
+}
+
+impl Information {
+    /// Of all recordings of a problem; `None` where the model overflows there.
+    ///
+    /// # Errors
+    /// When a recording cannot be read, or the equations cannot be formed.
+    pub fn of(
+        problem: &Problem<'_>,
+        values: &[f64],
+        levels: &NoiseLevels,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let noise_model = NoiseModel::new(&[problem], values, levels.clone())?;
+        let weights = noise_model.weights(problem, values);
+        let scales = weights.scales.clone();
+        let point = Point { values: values.to_vec(), nuisance: first_nuisance(problem, values)? };
+        let Some(at) = descent::with_nuisance_fitted(problem, point, weights)? else { return Ok(None) };
+        let corners = at.passed.iter().map(crate::evaluation::SegmentEvaluation::schur_complement);
+        Ok(Some(Self { factor: qr::join(corners, problem.free.len() + 1), scales }))
+    }
+
+    /// What both say together; of the same model at the same values.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let both = [self.factor.as_ref(), other.factor.as_ref()];
+        Self { factor: qr::join(both.into_iter(), self.factor.ncols()), scales: self.scales.clone() }
+    }
+
+    /// Sum of squares, in noise units, that no small change of the free parameters takes away: nothing where the model made the
+    /// recordings itself, and what tells it apart where another one did.
+    #[must_use]
+    pub fn left(&self) -> f64 {
+        let free = self.scales.len();
+        (free..self.factor.nrows()).map(|row| self.factor[(row, free)].powi(2)).sum()
+    }
+
+    /// Parameters and combinations with the intervals that a fit at these values will report, priors of the model included.
+    #[must_use]
+    pub fn estimates(
+        &self,
+        problem: &Problem<'_>,
+        values: &[f64],
+    ) -> (Vec<ParameterEstimate>, Vec<CombinationEstimate>) {
+        report::foretold(problem, values, self.factor.as_ref(), &self.scales)
+    }
+}

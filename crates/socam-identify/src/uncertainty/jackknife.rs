@@ -1,0 +1,112 @@
+//! How far the estimates hang on single recordings: what noise cannot explain there is a law that the bench does not quite obey.
+
+use faer::{Mat, Side};
+use socam_model::Model;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{
+    IdentifyError,
+    comparison::{Evaluation, NoiseModel, begin},
+    evaluation::{self, SegmentEvaluation, Weights},
+    optimiser::{descent, qr},
+    problem::Problem,
+};
+
+/// Recordings from which on their differences say something.
+const LEAST_RECORDINGS: usize = 3;
+/// Singular values below this fraction of the largest are truncated.
+const LEAST_WEIGHT: f64 = 1e-6;
+/// What the other recordings say of a direction counts as no less than this share of what all do: what one alone says is not judged by
+/// the others.
+const LEAST_LEFT: f64 = 0.1;
+
+/// Half widths of 95 % intervals, by parameter of the model (SI; zero for those that are fixed), from how strongly each recording
+/// pulls at a fit (`at`, made with `model`): residuals may be alike within a recording in any way, and laws may differ from one to
+/// the next. `None` where there are too few recordings to say.
+///
+/// The sandwich estimate clustered by recording, each pull as it were without that recording (the jackknife, CV3), and Student's t
+/// of m-1 degrees of freedom (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It knows nothing of a parameter
+/// on which one recording only has a say, and misses what is wrong in all recordings alike.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn half_widths(
+    problem: &Problem<'_>,
+    noise_model: &NoiseModel,
+    model: &Model,
+    at: &Evaluation,
+) -> Result<Option<Vec<f64>>, IdentifyError> {
+    let recordings = problem.datasets.len();
+    if recordings < LEAST_RECORDINGS {
+        return Ok(None);
+    }
+    let Some(fit) = Sensitivities::at(problem, noise_model, model, at)? else { return Ok(None) };
+    let Sensitivities { passed, root, weights } = &fit;
+    let free = problem.free.len();
+    let mut pulls = Mat::<f64>::zeros(free, recordings);
+    for (segment, result) in problem.segments.iter().zip(passed) {
+        add_pull(result, free, pulls.as_mut().col_mut(segment.recording));
+    }
+    let mut apart = root.transpose() * &pulls;
+    for (recording, mut pull) in apart.col_iter_mut().enumerate() {
+        let own = problem.segments.iter().zip(passed).filter(|(segment, _)| segment.recording == recording);
+        let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
+            let schur_complement = result.schur_complement();
+            let sensitivities = schur_complement.subcols(0, free) * root;
+            share + sensitivities.transpose() * &sensitivities
+        });
+        let Ok(eigen) = share.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
+        let along = eigen.U().transpose() * &pull;
+        let without = Mat::from_fn(root.ncols(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
+        pull.copy_from((eigen.U() * without).col(0));
+    }
+    let steps = root * apart;
+    let m = recordings as f64;
+    let t = StudentsT::new(0.0, 1.0, m - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+    let mut widths = vec![0.0; problem.model.parameters.len()];
+    for (j, index) in problem.free.iter().enumerate() {
+        let squares: f64 = (0..recordings).map(|r| steps[(j, r)].powi(2)).sum();
+        widths[*index] = t * ((m - 1.0) / m * squares).sqrt() * weights.scales[j].abs();
+    }
+    Ok(Some(widths))
+}
+
+/// Sensitivities at a fit.
+struct Sensitivities {
+    passed: Vec<SegmentEvaluation>,
+    /// Of the free parameters' covariance in white noise, scaled.
+    root: Mat<f64>,
+    weights: Weights,
+}
+
+impl Sensitivities {
+    fn at(
+        problem: &Problem<'_>,
+        noise_model: &NoiseModel,
+        model: &Model,
+        at: &Evaluation,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
+        let weights = Weights { scores: true, ..noise_model.weights(problem, &at.values) };
+        let Some(passed) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
+        let free = problem.free.len();
+        let information = descent::information_factor(problem, &point, &weights, &passed);
+        let lengths = qr::lengths(information.as_ref(), free);
+        let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
+        let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
+        let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
+        let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
+        let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
+        Ok(Some(Self { passed, root, weights }))
+    }
+}
+
+/// Sensitivities times residuals of a segment, its local unknowns following.
+fn add_pull(result: &SegmentEvaluation, free: usize, mut pull: faer::ColMut<'_, f64>) {
+    let schur_complement = result.schur_complement();
+    for j in 0..free {
+        pull[j] += (0..schur_complement.nrows())
+            .map(|i| schur_complement[(i, j)] * schur_complement[(i, free)])
+            .sum::<f64>();
+    }
+}
