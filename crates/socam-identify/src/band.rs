@@ -2,9 +2,9 @@
 
 use socam_recording::Dataset;
 
+use crate::optimiser::nuisance;
 use crate::{
     IdentifyError, Predictor, Problem, Start, StartState,
-    optimiser::descent,
     preprocessing::segments::{self, Chunk},
 };
 
@@ -86,7 +86,7 @@ pub fn evaluate_band(
     for dataset in problem.datasets {
         band.check(dataset)?;
     }
-    let nuisance = descent::fitted_nuisance(problem, values)?;
+    let nuisance = nuisance::fitted_nuisance(problem, values)?;
     let mut sums = vec![Sums::default(); problem.outputs()];
     for (index, nuisance) in nuisance.iter().enumerate() {
         let (measured, predicted) = run(problem, values, index, nuisance)?;

@@ -10,12 +10,13 @@ use socam_model::{Equations, Model, Quantity, Take, effects::ActsAt};
 use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::optimiser::descent::End;
 use crate::{
     IdentifyError,
     evaluation::ChannelSums,
     prediction::start_state,
     preprocessing::filters,
-    report::{self, CpuClock, End, Identification, ParameterEstimate, Source},
+    report::{self, CpuClock, Identification, ParameterEstimate, Source},
     uncertainty::covariance,
 };
 

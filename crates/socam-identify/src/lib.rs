@@ -32,7 +32,11 @@ pub use band::{Band, BandFit, evaluate_band};
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use noise::innovations_filter::NoiseLevels;
-pub use optimiser::descent::{Local, at_minimum, evaluate, output_error, start_states};
+pub use optimiser::{
+    descent::End,
+    nuisance::{Local, start_states},
+    output_error::{at_minimum, evaluate, output_error},
+};
 pub use prediction::{
     integrator::DEFAULT_TOLERANCE,
     predictor::{Prediction, Predictor, Start},
@@ -43,9 +47,7 @@ pub use preprocessing::{
 };
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use progress::{Observer, Progress, ProgressMonitor, Stage};
-pub use report::{
-    ChannelFit, CombinationEstimate, End, Fit, Identification, ParameterEstimate, SCHEMA, Source,
-};
+pub use report::{ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source};
 pub use socam_model::Intersample;
 pub use uncertainty::{
     combinations::{combination_values, pairs as springs_in_series},

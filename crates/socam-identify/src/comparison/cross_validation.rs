@@ -10,11 +10,12 @@
 use faer::{Mat, Side};
 use socam_model::Model;
 
+use crate::optimiser::factors;
 use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
-    optimiser::{descent, qr},
+    optimiser::qr,
     problem::Problem,
 };
 
@@ -52,15 +53,15 @@ pub fn leave_one_out(
 ) -> Result<Option<CrossValidation>, IdentifyError> {
     let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
     let weights = Weights { scores: true, ..noise.weights(problem, &at.values) };
-    let Some(passed) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
+    let Some(evaluated) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
     let free = problem.free.len();
-    let factor = descent::global_factor(problem, &point, &weights, &passed);
+    let factor = factors::global_factor(problem, &point, &weights, &evaluated);
     let Some(root) = covariance_root(&factor, free) else { return Ok(None) };
     let recordings = problem.datasets.len();
     let (mut held_out, mut blocks) = (vec![0.0; recordings], vec![Vec::new(); recordings]);
     for recording in 0..recordings {
         let own =
-            || problem.segments.iter().zip(&passed).filter(|(segment, _)| segment.recording == recording);
+            || problem.segments.iter().zip(&evaluated).filter(|(segment, _)| segment.recording == recording);
         let squares: f64 = own().map(|(_, result)| result.weighted_squares).sum();
         let Some(change) = change_of_loss(&root, free, own().map(|(_, result)| result)) else {
             return Ok(None);

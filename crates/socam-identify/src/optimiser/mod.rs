@@ -1,6 +1,11 @@
 //! The optimiser: Gauss-Newton steps with Levenberg-Marquardt damping, bounds and constraints, from triangular factors.
 
 pub(crate) mod descent;
+pub(crate) mod factors;
 pub(crate) mod householder;
+mod noise_estimation;
+pub(crate) mod nuisance;
+pub(crate) mod output_error;
 pub(crate) mod qr;
+pub(crate) mod starts;
 pub(crate) mod step;

@@ -35,7 +35,7 @@ pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f6
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     carry_dampings(problem, at, step, &mut point.values);
-    for (nuisance, result) in point.nuisance.iter_mut().zip(&at.passed) {
+    for (nuisance, result) in point.nuisance.iter_mut().zip(&at.evaluated) {
         let (r, count) = (result.factor.as_ref(), result.nuisance());
         let change = result.solve_nuisance(|row| {
             let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();

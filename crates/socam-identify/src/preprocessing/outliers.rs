@@ -5,6 +5,7 @@
 
 use std::{ops::Range, sync::Arc};
 
+use crate::optimiser::nuisance;
 use crate::{
     IdentifyError, Problem,
     evaluation::{self, Point, Weights},
@@ -12,7 +13,6 @@ use crate::{
         innovations_filter::{Filtered, InnovationsFilter, NoiseLevels},
         levels,
     },
-    optimiser::descent,
     preprocessing::{
         mask::{LeftOut, Reason},
         segments::{self, Segment},
@@ -181,7 +181,7 @@ pub fn outliers(
             ..Weights::white(levels.outputs.clone(), Vec::new())
         };
         let blind = levels::blind(&cleaned);
-        let Some(at) = descent::with_nuisance_fitted(&blind, point, weights)? else { break };
+        let Some(at) = nuisance::with_nuisance_fitted(&blind, point, weights)? else { break };
         if !leave_out(&mut cleaned, &at.point, &at.weights)? {
             break;
         }

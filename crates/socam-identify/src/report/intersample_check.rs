@@ -2,6 +2,7 @@
 
 use socam_model::{Channel, Intersample, Take};
 
+use crate::optimiser::{factors, nuisance};
 use crate::{
     IdentifyError, Problem,
     evaluation::{self, Point},
@@ -79,17 +80,17 @@ impl Alternative {
         let mut other = problem.clone();
         other.intersample[input] = kind;
         let weights = &descent.weights;
-        let Some(passed) = evaluation::run(&other, &descent.point, weights)? else { return Ok(None) };
-        let factor = descent::global_factor(&other, &descent.point, weights, &passed);
+        let Some(evaluated) = evaluation::run(&other, &descent.point, weights)? else { return Ok(None) };
+        let factor = factors::global_factor(&other, &descent.point, weights, &evaluated);
         let step = constrained_step(&other, &descent.point, weights, factor.as_ref(), DAMPING);
         let Some(step) = step else { return Ok(None) };
         let unit = descent.misfit().max(1.0);
-        let nuisance: f64 = passed.iter().map(descent::promised_by_nuisance).sum();
+        let nuisance: f64 = evaluated.iter().map(nuisance::promised_by_nuisance).sum();
         let levels = weights.levels();
         let sizes = log_determinant(&other, &descent.point, &levels)
             - log_determinant(problem, &descent.point, &levels);
-        let own = descent::squares(&descent.passed);
-        let promised = descent::squares(&passed) - nuisance - promised_gain(factor.as_ref(), &step);
+        let own = evaluation::squares(&descent.evaluated);
+        let promised = evaluation::squares(&evaluated) - nuisance - promised_gain(factor.as_ref(), &step);
         let moves = |j: usize| step[j] * weights.scales[j];
         let (_, moved) = furthest(problem, parameters, moves);
         if moved < LEAST_MOVE || (promised - own) / unit + sizes > CLEARLY * TOLD_APART {
@@ -103,7 +104,7 @@ impl Alternative {
             found.point.values[index] - descent.point.values[index]
         };
         let (parameter, moved) = furthest(problem, parameters, moves);
-        let deviance = (descent::squares(&found.passed) - own) / unit + sizes;
+        let deviance = (evaluation::squares(&found.evaluated) - own) / unit + sizes;
         let told = moved >= LEAST_MOVE && deviance <= TOLD_APART;
         Ok(told.then_some(Self { kind, deviance, parameter, moved }))
     }

@@ -42,7 +42,7 @@ impl Uncertainty {
         let relative =
             |rows: &Mat<f64>| Mat::from_fn(rows.nrows(), free, |i, j| rows[(i, j)] * sizes[j] / scales[j]);
         let factor =
-            relative(&crate::optimiser::descent::information_factor(problem, point, &weights, results));
+            relative(&crate::optimiser::factors::information_factor(problem, point, &weights, results));
         let Some(Directions { inverse, informed }) = Directions::of(&factor) else {
             return Self::unknown(free);
         };
@@ -56,7 +56,7 @@ impl Uncertainty {
             let white: Vec<Mat<f64>> =
                 scores.iter().map(|segment| relative(&matrix(segment)) * &inverse).collect();
             let (spread, lag) = long_run_spread(&white, blocks);
-            let prior = relative(&crate::optimiser::descent::prior_rows(problem, point, &weights)) * &inverse;
+            let prior = relative(&crate::optimiser::factors::prior_rows(problem, point, &weights)) * &inverse;
             let mut meat = spread + prior.transpose() * &prior;
             // Where there is no information there are no scores either, and their ratio is not nothing.
             (0..free).filter(|k| !informed[*k]).for_each(|k| meat[(k, k)] = meat[(k, k)].max(1.0));

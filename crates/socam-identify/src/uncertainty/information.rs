@@ -7,7 +7,7 @@ use crate::{
     comparison::NoiseModel,
     evaluation::{Point, first_nuisance},
     noise::innovations_filter::NoiseLevels,
-    optimiser::{descent, qr},
+    optimiser::{nuisance, qr},
     report,
 };
 
@@ -37,8 +37,8 @@ impl Information {
         let weights = noise_model.weights(problem, values);
         let scales = weights.scales.clone();
         let point = Point { values: values.to_vec(), nuisance: first_nuisance(problem, values)? };
-        let Some(at) = descent::with_nuisance_fitted(problem, point, weights)? else { return Ok(None) };
-        let corners = at.passed.iter().map(crate::evaluation::SegmentEvaluation::schur_complement);
+        let Some(at) = nuisance::with_nuisance_fitted(problem, point, weights)? else { return Ok(None) };
+        let corners = at.evaluated.iter().map(crate::evaluation::SegmentEvaluation::schur_complement);
         Ok(Some(Self { factor: qr::join(corners, problem.free.len() + 1), scales }))
     }
 
@@ -64,6 +64,6 @@ impl Information {
         problem: &Problem<'_>,
         values: &[f64],
     ) -> (Vec<ParameterEstimate>, Vec<CombinationEstimate>) {
-        report::foretold(problem, values, self.factor.as_ref(), &self.scales)
+        report::predicted(problem, values, self.factor.as_ref(), &self.scales)
     }
 }

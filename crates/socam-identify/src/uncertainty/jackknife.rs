@@ -8,7 +8,7 @@ use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
-    optimiser::{descent, qr},
+    optimiser::{factors, qr},
     problem::Problem,
 };
 
@@ -41,15 +41,16 @@ pub fn half_widths(
         return Ok(None);
     }
     let Some(fit) = Sensitivities::at(problem, noise_model, model, at)? else { return Ok(None) };
-    let Sensitivities { passed, root, weights } = &fit;
+    let Sensitivities { evaluated, root, weights } = &fit;
     let free = problem.free.len();
     let mut pulls = Mat::<f64>::zeros(free, recordings);
-    for (segment, result) in problem.segments.iter().zip(passed) {
+    for (segment, result) in problem.segments.iter().zip(evaluated) {
         add_pull(result, free, pulls.as_mut().col_mut(segment.recording));
     }
     let mut apart = root.transpose() * &pulls;
     for (recording, mut pull) in apart.col_iter_mut().enumerate() {
-        let own = problem.segments.iter().zip(passed).filter(|(segment, _)| segment.recording == recording);
+        let own =
+            problem.segments.iter().zip(evaluated).filter(|(segment, _)| segment.recording == recording);
         let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
             let schur_complement = result.schur_complement();
             let sensitivities = schur_complement.subcols(0, free) * root;
@@ -73,7 +74,7 @@ pub fn half_widths(
 
 /// Sensitivities at a fit.
 struct Sensitivities {
-    passed: Vec<SegmentEvaluation>,
+    evaluated: Vec<SegmentEvaluation>,
     /// Of the free parameters' covariance in white noise, scaled.
     root: Mat<f64>,
     weights: Weights,
@@ -88,16 +89,16 @@ impl Sensitivities {
     ) -> Result<Option<Self>, IdentifyError> {
         let Some(point) = begin(problem, &at.values, Some((model, at)))? else { return Ok(None) };
         let weights = Weights { scores: true, ..noise_model.weights(problem, &at.values) };
-        let Some(passed) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
+        let Some(evaluated) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
         let free = problem.free.len();
-        let information = descent::information_factor(problem, &point, &weights, &passed);
+        let information = factors::information_factor(problem, &point, &weights, &evaluated);
         let lengths = qr::lengths(information.as_ref(), free);
         let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
         let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
         let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
         let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
         let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
-        Ok(Some(Self { passed, root, weights }))
+        Ok(Some(Self { evaluated, root, weights }))
     }
 }
 

@@ -1,0 +1,137 @@
+//! The noise model: levels, whitening filters and discrepancy, fixed while models are compared.
+
+use std::sync::Arc;
+
+use crate::{
+    IdentifyError,
+    comparison::{Evaluation, traces::innovations},
+    evaluation::{Point, Weights},
+    noise::{
+        discrepancy::Discrepancy,
+        innovations_filter::NoiseLevels,
+        input_noise, levels,
+        prewhitening::{self, Prewhitening},
+    },
+    optimiser::factors,
+    problem::{Problem, sample_times},
+};
+
+/// Noise as it is taken to be while models are compared.
+#[derive(Debug, Clone)]
+pub struct NoiseModel {
+    levels: NoiseLevels,
+    prewhitenings: Arc<Vec<Prewhitening>>,
+    discrepancy: Arc<Vec<Discrepancy>>,
+    excess: f64,
+}
+
+impl NoiseModel {
+    /// From a reference model at parameter `values` (SI) and noise `levels` of its channels; for all recordings that `problems` are
+    /// about. Where no steady filter exists, inputs are taken as exact.
+    ///
+    /// # Errors
+    /// When the equations cannot be formed, or there is no problem.
+    pub fn new(
+        problems: &[&Problem<'_>],
+        values: &[f64],
+        levels: NoiseLevels,
+    ) -> Result<Self, IdentifyError> {
+        let first = problems.first().ok_or(IdentifyError::NoRecordings)?;
+        let equations = first.model.equations(values)?;
+        let mut times: Vec<f64> = problems.iter().flat_map(|problem| sample_times(problem)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let exact = NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels.clone() };
+        let prewhitenings = prewhitening::fixed(&equations, &levels, &times, &first.intersample);
+        Ok(match prewhitenings {
+            Some(mut prewhitenings) => {
+                for prewhitening in &mut prewhitenings {
+                    prewhitening.reduce();
+                }
+                Self {
+                    levels,
+                    prewhitenings: Arc::new(prewhitenings),
+                    discrepancy: Arc::default(),
+                    excess: 1.0,
+                }
+            }
+            None => Self {
+                levels: exact,
+                prewhitenings: Arc::default(),
+                discrepancy: Arc::default(),
+                excess: 1.0,
+            },
+        })
+    }
+
+    /// The same sensor noise with the model discrepancy that the residuals of an evaluation (`at`, of `problem`'s model) show: one
+    /// level per output. `None` where the prediction overflows.
+    ///
+    /// # Errors
+    /// When a recording cannot be read.
+    pub fn with_discrepancy(
+        &self,
+        problem: &Problem<'_>,
+        at: &Evaluation,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let sensor = Self { discrepancy: Arc::default(), ..self.clone() };
+        let Some(white) = innovations(problem, &sensor, at)? else { return Ok(None) };
+        let segments: Vec<_> = white.iter().map(|one| (one.sample_time_s, &*one.outputs)).collect();
+        let present =
+            || segments.iter().flat_map(|(_, outputs)| outputs.iter().flatten()).filter(|v| **v != 0.0);
+        let excess = present().map(|v| v * v).sum::<f64>() / present().count().max(1) as f64;
+        Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
+    }
+
+    /// The same levels, but without the filter that input noise asks for.
+    #[must_use]
+    pub fn with_exact_inputs(&self) -> Self {
+        Self { prewhitenings: Arc::default(), ..self.clone() }
+    }
+
+    /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where nothing is missing.
+    pub fn excess(&self) -> f64 {
+        self.excess
+    }
+
+    /// The noise levels.
+    pub fn levels(&self) -> &NoiseLevels {
+        &self.levels
+    }
+
+    pub(crate) fn weights(&self, problem: &Problem<'_>, values: &[f64]) -> Weights {
+        Weights {
+            frozen: Some(Arc::clone(&self.prewhitenings)),
+            discrepancy: Arc::clone(&self.discrepancy),
+            ..Weights::white(self.levels.outputs.clone(), factors::scales(problem, values))
+        }
+    }
+}
+
+/// Noise levels that a model's residuals speak for: none more than its channel's highest frequencies can hold, see
+/// [`crate::Noise::Estimated`]. Levels that the model file gives stay.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn noise(
+    problem: &Problem<'_>,
+    at: &Evaluation,
+    before: &NoiseLevels,
+) -> Result<NoiseLevels, IdentifyError> {
+    let most = input_noise::most(problem)?;
+    let known = problem.model.outputs().map(|channel| channel.noise_std);
+    let outputs =
+        known.zip(&at.rms).zip(&most.outputs).map(|((known, rms), most)| known.unwrap_or(rms.min(*most)));
+    let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
+    let inputs: Vec<f64> = most
+        .inputs
+        .iter()
+        .enumerate()
+        .map(|(k, most)| before.inputs.get(k).map_or(*most, |b| b.min(*most)))
+        .collect();
+    let start = NoiseLevels { outputs: outputs.collect(), inputs };
+    if !start.in_the_input() || !prewhitening::exists(problem, &point, &start) {
+        return Ok(start);
+    }
+    levels::maximum_likelihood(problem, &point, start, &most)
+}

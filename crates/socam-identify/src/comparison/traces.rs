@@ -1,0 +1,107 @@
+//! Signals of an evaluation: innovations, and predictions beside measurements.
+
+use rayon::prelude::*;
+use socam_model::Model;
+
+use crate::{
+    IdentifyError,
+    comparison::{Evaluation, NoiseModel},
+    evaluation::{self, Point, Weights},
+    noise::levels,
+    prediction::{
+        modal,
+        predictor::{Predictor, Start},
+    },
+    preprocessing::segments,
+    problem::{Problem, StartState},
+};
+
+/// What is left of one segment of a recording once noise of a noise_model's kind was made white.
+#[derive(Debug, Clone)]
+pub struct Innovations {
+    /// Time from one sample to the next, s.
+    pub sample_time_s: f64,
+    /// Per output, in units of noise; nothing where missing.
+    pub outputs: Vec<Vec<f64>>,
+}
+
+/// Whitened residuals of a model at a fit, segment by segment; `None` where it overflows there.
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn innovations(
+    problem: &Problem<'_>,
+    noise_model: &NoiseModel,
+    at: &Evaluation,
+) -> Result<Option<Vec<Innovations>>, IdentifyError> {
+    let problem = levels::blind(problem);
+    let weights = Weights { innovations: true, ..noise_model.weights(&problem, &at.values) };
+    let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
+    let Some(evaluated) = evaluation::run(&problem, &point, &weights)? else { return Ok(None) };
+    let each = problem.segments.iter().zip(evaluated).map(|(segment, result)| Innovations {
+        sample_time_s: segment.sample_time_s,
+        outputs: result.innovations,
+    });
+    Ok(Some(each.collect()))
+}
+
+/// Signals of one segment of a recording.
+#[derive(Debug, Clone)]
+pub struct Traces {
+    /// Index of the recording.
+    pub recording: usize,
+    /// Time of the recording, s.
+    pub time_s: Vec<f64>,
+    /// Per input, as the model reads it, SI.
+    pub inputs: Vec<Vec<f64>>,
+    /// Per output, as measured, SI; NaN where missing.
+    pub measured: Vec<Vec<f64>>,
+    /// Per output, as predicted running free, SI.
+    pub predicted: Vec<Vec<f64>>,
+}
+
+/// What a model predicts beside what was measured, segment by segment. `observer` is the problem's model with other outputs; then
+/// those are predicted.
+///
+/// # Errors
+/// When a recording cannot be read, or the prediction overflows.
+pub fn traces(
+    problem: &Problem<'_>,
+    at: &Evaluation,
+    observer: Option<&Model>,
+) -> Result<Vec<Traces>, IdentifyError> {
+    let each = problem.segments.par_iter().zip(&at.nuisance).map(|(segment, nuisance)| {
+        let mut own = Traces {
+            recording: segment.recording,
+            time_s: Vec::new(),
+            inputs: vec![Vec::new(); problem.model.inputs().count()],
+            measured: vec![Vec::new(); problem.outputs()],
+            predicted: Vec::new(),
+        };
+        let dataset = &problem.datasets[segment.recording];
+        segments::read(problem.model, dataset, segment, &problem.intersample, |chunk| {
+            own.inputs.iter_mut().zip(&chunk.inputs).for_each(|(all, more)| all.extend(more));
+            own.measured.iter_mut().zip(&chunk.outputs).for_each(|(all, more)| all.extend(more));
+        })?;
+        let rows = segment.first_row..segment.first_row + segment.rows;
+        own.time_s = rows.map(|row| segment.origin_s + row as f64 * segment.sample_time_s).collect();
+        let model = observer.unwrap_or(problem.model);
+        let predictor = Predictor::new(model, &at.values, segment.sample_time_s)?;
+        let inputs: Vec<&[f64]> = own.inputs.iter().map(Vec::as_slice).collect();
+        let start = match problem.options.start_state {
+            StartState::Free => Start::State(&nuisance[..predictor.states()]),
+            StartState::Equilibrium => Start::Equilibrium,
+        };
+        own.predicted = predictor.run(&inputs, &problem.intersample, start)?.outputs;
+        if observer.is_some() {
+            return Ok(own);
+        }
+        let estimated = modal::offset_channels(problem);
+        let offsets = &nuisance[nuisance.len() - estimated.len()..];
+        for (output, offset) in estimated.into_iter().zip(offsets) {
+            own.predicted[output].iter_mut().for_each(|value| *value += offset);
+        }
+        Ok(own)
+    });
+    each.collect()
+}

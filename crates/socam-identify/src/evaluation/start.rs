@@ -1,0 +1,60 @@
+//! Nuisance parameters before a fit: start states from the first samples, offsets of zero.
+
+use socam_model::{Equations, effects::LawInput};
+
+use crate::{
+    IdentifyError,
+    prediction::start_state,
+    preprocessing::segments,
+    problem::{Problem, StartState},
+};
+
+/// States of laws of their own: what a coupling remembers of the time before a recording is forgotten at the first reversal, and would
+/// else be made to explain what has nothing to do with it. It stays where it begins.
+pub(crate) fn remembered(equations: &Equations) -> Vec<usize> {
+    let own = equations.ports.iter().enumerate();
+    let own = own.filter(|(_, port)| port.law.law_inputs.get(port.law_input) == Some(&LawInput::State));
+    let seen = own.filter_map(|(p, _)| (0..equations.port.ncols()).find(|i| equations.port[(p, *i)] != 0.0));
+    seen.collect()
+}
+
+/// Local unknowns of a segment before anything is known: start state from the first samples, offsets zero.
+pub(crate) fn first_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let equations = problem.model.equations(values)?;
+    let offsets = problem.model.outputs().filter(|channel| channel.estimate_offset).count();
+    problem
+        .segments
+        .iter()
+        .map(|segment| {
+            let mut nuisance = Vec::new();
+            if problem.options.start_state == StartState::Free {
+                let (inputs, outputs) = first_samples(problem, segment)?;
+                nuisance = start_state::guess(&equations, values, &inputs, &outputs);
+            }
+            nuisance.extend(std::iter::repeat_n(0.0, offsets));
+            Ok(nuisance)
+        })
+        .collect()
+}
+
+/// First sample of every input and output (NaN where missing) of a segment.
+fn first_samples(
+    problem: &Problem<'_>,
+    segment: &segments::Segment,
+) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+    let mut first = (Vec::new(), Vec::new());
+    let head = segments::Segment { rows: 2, ..segment.clone() };
+    segments::read(
+        problem.model,
+        &problem.datasets[segment.recording],
+        &head,
+        &problem.intersample,
+        |chunk| {
+            if first.0.is_empty() {
+                first.0 = chunk.inputs.iter().map(|input| input[0]).collect();
+                first.1 = chunk.outputs.iter().map(|output| output[0]).collect();
+            }
+        },
+    )?;
+    Ok(first)
+}

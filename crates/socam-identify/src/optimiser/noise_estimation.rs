@@ -1,0 +1,136 @@
+//! Iterated generalised least squares: descents in turn with estimates of the noise levels.
+
+use crate::optimiser::descent::End;
+use crate::optimiser::factors;
+use crate::{
+    IdentifyError,
+    evaluation::{self, ChannelSums, Point, Weights, channel_sums},
+    noise::{innovations_filter::NoiseLevels, input_noise, levels, prewhitening},
+    optimiser::descent::{COARSE_TOLERANCE, Descent, TOLERANCE, descend},
+    problem::{Noise, Problem},
+    progress::Stage,
+};
+
+/// Noise levels are settled when they change by less than this fraction.
+pub(crate) const NOISE_SETTLED: f64 = 0.01;
+
+/// They are near enough for a fine descent when they change by less than this fraction.
+pub(crate) const NOISE_NEAR: f64 = 0.1;
+
+/// Descents between which noise levels are judged anew.
+pub(crate) const MOST_ROUNDS: usize = 6;
+
+/// Noise levels to begin with: those given, or a fiftieth of each channel's movement.
+pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, IdentifyError> {
+    let scales = factors::scales(problem, &point.values);
+    let mut weights = Weights::white(vec![1.0; problem.outputs()], scales);
+    match &problem.options.noise {
+        Noise::Given(given) => weights.noise_std.clone_from(&given.outputs),
+        Noise::Estimated => {
+            let Some(results) = evaluation::run(problem, point, &weights)? else {
+                return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
+            };
+            let known = problem.model.outputs().map(|channel| channel.noise_std);
+            weights.noise_std = channel_sums(&results)
+                .iter()
+                .zip(known)
+                .map(|(channel, known)| {
+                    // A channel that stands still has no spread, but the prediction misses it by something.
+                    let level = (0.02 * channel.spread()).max(1e-3 * channel.rms());
+                    known.unwrap_or_else(|| floor(level, channel))
+                })
+                .collect();
+        }
+    }
+    Ok(weights)
+}
+
+/// Never zero: a channel that stands still, or a perfect prediction, must not divide by nothing.
+pub(crate) fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
+    let size = (channel.squares / channel.count.max(1.0)).sqrt();
+    noise_std.max(1e-9 * size).max(1e-100)
+}
+
+/// Descends, takes the noise levels from the residuals, and again until both agree.
+pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
+    let weights = first_weights(problem, &point)?;
+    let most = match &problem.options.noise {
+        Noise::Given(given) => given.clone(),
+        Noise::Estimated => input_noise::most(problem)?,
+    };
+    let first = Stage::Descent { round: 1 };
+    if matches!(problem.options.noise, Noise::Given(_)) && !most.in_the_input() {
+        return descend(problem, point, weights, TOLERANCE, problem.options.max_iterations, first);
+    }
+    let mut descent =
+        descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
+    let mut iterations = descent.iterations;
+    let mut fine = false;
+    for round in 1..=MOST_ROUNDS {
+        // Once judged, noise levels are good enough for whoever does not want to wait.
+        if round > 1 && descent.end == End::Interrupted {
+            break;
+        }
+        let before = descent.weights.levels();
+        let levels = reestimated_levels(problem, &descent, &most)?;
+        let levels = if prewhitening::exists(problem, &descent.point, &levels) {
+            levels
+        } else {
+            NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels }
+        };
+        if fine && alike(&before, &levels, NOISE_SETTLED) {
+            break;
+        }
+        fine = fine
+            || !levels.in_the_input()
+            || matches!(problem.options.noise, Noise::Given(_))
+            || round + 1 >= MOST_ROUNDS
+            || alike(&before, &levels, NOISE_NEAR);
+        let tolerance = if fine { TOLERANCE } else { COARSE_TOLERANCE };
+        let weights = Weights {
+            input_std: levels.inputs.clone(),
+            ..Weights::white(levels.outputs, factors::scales(problem, &descent.point.values))
+        };
+        let stage = Stage::Descent { round: round + 1 };
+        descent = descend(problem, descent.point, weights, tolerance, problem.options.max_iterations, stage)?;
+        iterations += descent.iterations;
+    }
+    descent.iterations = iterations;
+    Ok(descent)
+}
+
+/// Noise levels that the residuals of a descent speak for.
+pub(crate) fn reestimated_levels(
+    problem: &Problem<'_>,
+    descent: &Descent,
+    most: &NoiseLevels,
+) -> Result<NoiseLevels, IdentifyError> {
+    if let Noise::Given(given) = &problem.options.noise {
+        return Ok(given.clone());
+    }
+    let known: Vec<Option<f64>> = problem.model.outputs().map(|channel| channel.noise_std).collect();
+    let channels = descent.channels();
+    let most_matters = most.in_the_input();
+    let each = channels.iter().zip(&known).zip(&most.outputs);
+    let outputs = each.map(|((channel, known), most)| {
+        let most = if most_matters { *most } else { f64::INFINITY };
+        known.unwrap_or(floor(channel.rms().min(most), channel))
+    });
+    let start = if descent.weights.input_std.is_empty() {
+        NoiseLevels { outputs: outputs.collect(), inputs: most.inputs.clone() }
+    } else {
+        descent.weights.levels()
+    };
+    if start.in_the_input() {
+        levels::maximum_likelihood(problem, &descent.point, start, most)
+    } else {
+        Ok(start)
+    }
+}
+
+/// Whether two sets of levels differ by less than matters.
+pub(crate) fn alike(a: &NoiseLevels, b: &NoiseLevels, tolerance: f64) -> bool {
+    let pairs = a.outputs.iter().chain(&a.inputs).zip(b.outputs.iter().chain(&b.inputs));
+    a.inputs.len() == b.inputs.len()
+        && pairs.fold(true, |alike, (a, b)| alike && (a - b).abs() <= tolerance * b)
+}

@@ -1,0 +1,126 @@
+//! Several starts: the file's values and random ones compete on a part of the data.
+
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng},
+};
+use rayon::prelude::*;
+
+use crate::optimiser::descent::End;
+use crate::{
+    IdentifyError,
+    evaluation::{self, ChannelSums, Point, Weights},
+    noise::input_noise,
+    optimiser::{
+        descent::{COARSE_TOLERANCE, Descent, descend},
+        factors::scales,
+        noise_estimation::first_weights,
+    },
+    problem::{Noise, Problem},
+    progress::Stage,
+};
+
+/// Residuals of so many times a known noise are plausible: an input's noise adds to them.
+pub(crate) const PLAUSIBLE: f64 = 1.5;
+
+/// Samples per recording, and recordings, on which starts compete.
+pub(crate) const START_ROWS: u64 = 4000;
+
+pub(crate) const START_SEGMENTS: usize = 4;
+
+/// What one start reached.
+pub(crate) struct StartResult {
+    pub(crate) cost: f64,
+}
+
+/// Lets the file's values and spread ones compete on a part of the data; the best goes on to all of it. Where the file's values lead to
+/// a fit that leaves no more than noise, there is no better one to be found.
+pub(crate) fn best_start(
+    problem: &Problem<'_>,
+    starts: &mut Vec<StartResult>,
+) -> Result<Point, IdentifyError> {
+    let first = problem.model.values();
+    let with_nuisance = |values: Vec<f64>| -> Result<Point, IdentifyError> {
+        let nuisance = evaluation::first_nuisance(problem, &values)?;
+        Ok(Point { values, nuisance })
+    };
+    if problem.options.starts <= 1 {
+        return with_nuisance(first);
+    }
+    let runs = problem.segments.iter().filter(|segment| segment.begins_run());
+    let short = Problem {
+        segments: runs.take(START_SEGMENTS).map(|s| feed_head(s, START_ROWS)).collect(),
+        model: problem.model,
+        datasets: problem.datasets,
+        free: problem.free.clone(),
+        options: problem.options.clone(),
+        intersample: problem.intersample.clone(),
+        warnings: Vec::new(),
+        left_out: Vec::new(),
+        misfits: Vec::new(),
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
+    let candidates = (0..problem.options.starts)
+        .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
+    let base = Point { values: first.clone(), nuisance: evaluation::first_nuisance(&short, &first)? };
+    let weights = first_weights(&short, &base)?;
+    let one = |(index, values): (usize, Vec<f64>)| {
+        if index > 0 && problem.options.watch.stops() {
+            return None;
+        }
+        let stage = Stage::Start { number: index + 1, of: problem.options.starts };
+        let nuisance = evaluation::first_nuisance(&short, &values).ok()?;
+        let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
+        descend(&short, Point { values, nuisance }, weights, COARSE_TOLERANCE, 15, stage).ok()
+    };
+    let mut candidates = candidates.enumerate();
+    let own = candidates.next().and_then(one);
+    let rest: Vec<_> = match &own {
+        Some(own) if leaves_noise(&short, own)? => Vec::new(),
+        _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
+    };
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for descent in std::iter::once(own).chain(rest).flatten() {
+        starts.push(StartResult { cost: descent.cost });
+        if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
+            best = Some((descent.cost, descent.point.values));
+        }
+    }
+    with_nuisance(best.map_or(first, |(_, values)| values))
+}
+
+/// Whether a descent ended in a fit that leaves no more of any channel than its noise can be.
+pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
+    let most = match &problem.options.noise {
+        Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
+        Noise::Estimated => {
+            let known = problem.model.outputs().map(|channel| channel.noise_std);
+            let most = input_noise::most(problem)?.outputs.into_iter().zip(known);
+            most.map(|(most, known)| known.map_or(most, |known| PLAUSIBLE * known)).collect::<Vec<_>>()
+        }
+    };
+    let channels = descent.channels();
+    let noise = |(channel, most): (&ChannelSums, &f64)| most.is_finite() && channel.rms() <= *most;
+    Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
+}
+
+pub(crate) fn feed_head(
+    segment: &crate::preprocessing::segments::Segment,
+    rows: u64,
+) -> crate::preprocessing::segments::Segment {
+    crate::preprocessing::segments::Segment { rows: segment.rows.min(rows), ..segment.clone() }
+}
+
+/// Values spread by factors of up to three where the sign is known, within bounds.
+pub(crate) fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut spread = values.to_vec();
+    for index in &problem.free {
+        let parameter = &problem.model.parameters[*index];
+        let uniform = f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
+        if parameter.bounds.0 >= 0.0 {
+            spread[*index] *= 3.0_f64.powf(uniform);
+        }
+        spread[*index] = spread[*index].clamp(parameter.bounds.0, parameter.bounds.1);
+    }
+    spread
+}

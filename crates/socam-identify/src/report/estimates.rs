@@ -1,0 +1,206 @@
+//! Parameters and combinations with intervals, and which of them the data do not determine.
+
+use faer::MatRef;
+use socam_model::Model;
+
+use crate::{
+    IdentifyError, evaluation,
+    optimiser::{descent::Descent, factors, nuisance, qr, step::curve},
+    problem::Problem,
+    report::{CombinationEstimate, ParameterEstimate, Source},
+    uncertainty::{
+        combinations::{self, Combination},
+        covariance::Uncertainty,
+    },
+};
+
+/// An estimate counts as determined when its 95 % interval is at most this fraction of it to either side.
+pub(crate) const LARGEST_HALF_WIDTH: f64 = 0.5;
+
+/// Estimates correlated more than this cannot be told apart.
+pub(crate) const STRONG_CORRELATION: f64 = 0.9;
+
+/// 95 % quantile of chi-square with one degree of freedom: a cost difference below it may be chance.
+pub(crate) const CHANCE: f64 = 3.84;
+
+/// An estimate whose whole interval is within this share of what is usual for it is known to be nearly zero.
+pub(crate) const NEARLY_ZERO: f64 = 0.05;
+
+/// Estimates as a fit would report them from this factor over [free parameters, scaled | residual], residuals being white.
+pub(crate) fn predicted(
+    problem: &Problem<'_>,
+    values: &[f64],
+    factor: MatRef<'_, f64>,
+    scales: &[f64],
+) -> (Vec<ParameterEstimate>, Vec<CombinationEstimate>) {
+    let free = problem.free.len();
+    let point = evaluation::Point { values: values.to_vec(), nuisance: Vec::new() };
+    let weights = evaluation::Weights::white(Vec::new(), scales.to_vec());
+    let known = factors::prior_rows(problem, &point, &weights);
+    let factor = qr::join([factor, known.as_ref()].into_iter(), free + 1);
+    let uncertainty = Uncertainty::white(problem, values, &factor, scales);
+    let (parameters, _) = parameter_estimates(problem, values, &uncertainty, &[]);
+    (parameters, combinations(problem, values, &uncertainty))
+}
+
+/// Parameters of two springs in a row that can change places without changing what the sensors see by more than chance:
+/// for each parameter that has one, its counterpart.
+pub(crate) fn exchangeable(
+    problem: &Problem<'_>,
+    descent: &Descent,
+) -> Result<Vec<(usize, usize)>, IdentifyError> {
+    let mut found = Vec::new();
+    for (a, b) in combinations::pairs(problem.model) {
+        let mut swaps = vec![(a.stiffness, b.stiffness)];
+        swaps.extend(a.damping.zip(b.damping));
+        let free = |index: &usize| problem.free.contains(index);
+        if a.damping.is_some() != b.damping.is_some() || !swaps.iter().all(|(a, b)| free(a) && free(b)) {
+            continue;
+        }
+        let mut values = descent.point.values.clone();
+        swaps.iter().for_each(|(a, b)| values.swap(*a, *b));
+        let inside = swaps.iter().flat_map(|(a, b)| [*a, *b]).all(|index| {
+            let bounds = problem.model.parameters[index].bounds;
+            (bounds.0..=bounds.1).contains(&values[index])
+        });
+        let own = evaluation::squares(&descent.evaluated);
+        let swapped = if inside { nuisance::squares_at(problem, descent, values)? } else { None };
+        if swapped.is_some_and(|cost| cost - own < CHANCE * descent.misfit().max(1.0)) {
+            found.extend(swaps.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]));
+        }
+    }
+    Ok(found)
+}
+
+pub(crate) fn parameter_estimates(
+    problem: &Problem<'_>,
+    values: &[f64],
+    uncertainty: &Uncertainty,
+    swaps_with: &[(usize, usize)],
+) -> (Vec<ParameterEstimate>, bool) {
+    let mut at_bound = false;
+    let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
+        let value = values[index];
+        let Some(j) = problem.free.iter().position(|free| *free == index) else {
+            return ParameterEstimate {
+                name: parameter.name.clone(),
+                value: Some(value),
+                unit: parameter.unit.clone(),
+                std: None,
+                ci95: [None, None],
+                identifiable: false,
+                source: Source::Fixed,
+                determined_with: Vec::new(),
+                note: String::new(),
+            };
+        };
+        let std = uncertainty.std(&[(j, 1.0)]);
+        let half = uncertainty.quantile * std;
+        let (low, high) = parameter.bounds;
+        let stuck =
+            value <= low + 1e-6 * (value - low).abs().max(low.abs()) || value >= high - 1e-6 * high.abs();
+        at_bound |= stuck;
+        let [from, to] = curve(problem, index).interval(value, half);
+        // Not finite counts as not determined.
+        let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * value.abs();
+        let inside = from >= low && to <= high;
+        let zero = low <= 0.0
+            && high >= 0.0
+            && from.abs().max(to.abs()) <= NEARLY_ZERO * usual(problem.model, values, index);
+        // Not determined if it could as well be what its counterpart is.
+        let counterpart = swaps_with.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
+        let counterpart = counterpart.filter(|other| (values[*other] - value).abs() > half);
+        let identifiable = (zero || narrow && inside && !stuck) && counterpart.is_none();
+        let mut determined_with =
+            if identifiable { Vec::new() } else { strongly_correlated(problem, uncertainty, j) };
+        if let Some(other) = counterpart.map(|other| &problem.model.parameters[other].name)
+            && !determined_with.contains(other)
+        {
+            determined_with.push(other.clone());
+        }
+        let (ci, note) = if identifiable {
+            let note = if zero { "nearly zero beside what is usual for it" } else { "" };
+            ([Some(from.max(low)), Some(to.min(high))], note.into())
+        } else {
+            let ends = [Some(from).filter(|end| *end > low), Some(to).filter(|end| *end < high)];
+            let ends = ends.map(|end| end.filter(|_| narrow && counterpart.is_none()));
+            (ends, why_not(stuck, counterpart.is_some(), half / value.abs(), &determined_with))
+        };
+        let prior = parameter.prior.is_some_and(|prior| std > 0.7 * prior.std);
+        ParameterEstimate {
+            name: parameter.name.clone(),
+            value: identifiable.then_some(value),
+            unit: parameter.unit.clone(),
+            std: identifiable.then_some(std),
+            ci95: ci,
+            identifiable,
+            source: if prior { Source::Prior } else { Source::Data },
+            determined_with,
+            note,
+        }
+    });
+    let estimates = estimates.collect();
+    (estimates, at_bound)
+}
+
+/// What is usual for a parameter: its value in the model file, or the largest of the other parameters of its unit where that is less.
+pub(crate) fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
+    let own = &model.parameters[index];
+    let others = model.parameters.iter().zip(values).enumerate();
+    let others = others.filter(|(other, (parameter, _))| *other != index && parameter.unit == own.unit);
+    let largest = others.map(|(_, (_, value))| value.abs()).fold(0.0, f64::max);
+    if largest > 0.0 { own.value.abs().min(largest) } else { own.value.abs() }
+}
+
+pub(crate) fn strongly_correlated(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {
+    let std = |i: usize| uncertainty.std(&[(i, 1.0)]);
+    let others = (0..problem.free.len())
+        .filter(|i| *i != j && uncertainty.covariance(*i, j).abs() > STRONG_CORRELATION * std(*i) * std(j));
+    others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
+}
+
+pub(crate) fn why_not(stuck: bool, swaps: bool, relative: f64, strongly_correlated: &[String]) -> String {
+    let reason = if swaps {
+        "two springs in a row can change places and no sensor sees it".into()
+    } else if stuck {
+        "it ran to its bound".into()
+    } else if relative.is_finite() && relative < 1e3 {
+        format!("its 95 % interval is +-{:.0} %", 100.0 * relative)
+    } else {
+        "these recordings say next to nothing of it".into()
+    };
+    if strongly_correlated.is_empty() {
+        format!("not determined: {reason}")
+    } else {
+        format!("not determined: {reason}; it cannot be told apart from {}", strongly_correlated.join(", "))
+    }
+}
+
+pub(crate) fn combinations(
+    problem: &Problem<'_>,
+    values: &[f64],
+    uncertainty: &Uncertainty,
+) -> Vec<CombinationEstimate> {
+    let position = |index: usize| problem.free.iter().position(|free| *free == index);
+    let estimate = |combination: Combination| {
+        let sensitivities = combination.sensitivities.iter();
+        let own: Vec<(usize, f64)> = sensitivities
+            .filter_map(|(index, sensitivity)| Some((position(*index)?, *sensitivity)))
+            .collect();
+        if own.is_empty() {
+            return None;
+        }
+        let (value, std) = (combination.value, uncertainty.std(&own));
+        let half = uncertainty.quantile * std;
+        let determined = half <= LARGEST_HALF_WIDTH * value.abs();
+        Some(CombinationEstimate {
+            name: combination.name,
+            expression: combination.expression,
+            value: determined.then_some(value),
+            unit: combination.unit,
+            std: determined.then_some(std),
+            ci95: [value - half, value + half].map(|end| Some(end).filter(|_| determined)),
+        })
+    };
+    combinations::all(problem.model, values).into_iter().filter_map(estimate).collect()
+}

@@ -1,0 +1,138 @@
+//! The result of an identification, and its JSON form.
+
+use serde::Serialize;
+
+use crate::optimiser::descent::End;
+use crate::preprocessing::mask::LeftOut;
+
+/// Version of [`Identification`]'s JSON form.
+pub const SCHEMA: &str = "socam.identification/1";
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The recordings.
+    Data,
+    /// Mostly what was known before.
+    Prior,
+    /// It was not estimated.
+    Fixed,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterEstimate {
+    /// Name.
+    pub name: String,
+    /// SI; `None` where the data do not determine it.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation.
+    pub std: Option<f64>,
+    /// 95 % interval; an open end is `None`.
+    pub ci95: [Option<f64>; 2],
+    /// Whether the data determine it: the interval lies inside the bounds and is at most half the value to
+    /// either side.
+    pub identifiable: bool,
+    /// Where it comes from.
+    pub source: Source,
+    /// Parameters that it cannot be told apart from.
+    pub determined_with: Vec<String>,
+    /// Why it is not determined, or anything else worth saying.
+    pub note: String,
+}
+
+/// A combination of parameters that the data determine better than the parameters themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CombinationEstimate {
+    /// Name.
+    pub name: String,
+    /// In terms of parameters.
+    pub expression: String,
+    /// SI; `None` where not even this is determined.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation.
+    pub std: Option<f64>,
+    /// 95 % interval.
+    pub ci95: [Option<f64>; 2],
+}
+
+/// How well one channel is predicted, over all recordings, running free.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelFit {
+    /// Root mean square of the residual, SI.
+    pub rms: f64,
+    /// Noise level that was used, SI.
+    pub noise_std: f64,
+    /// 100 rms / standard deviation of the measured channel.
+    pub nrmse_percent: f64,
+    /// 100 - `nrmse_percent`.
+    pub fit_percent: f64,
+    /// Variance accounted for, per cent.
+    pub vaf_percent: f64,
+    /// 100 norm(residual) / norm(measured).
+    pub relative_error_percent: f64,
+}
+
+/// Fit of all channels, in the model's order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// By channel name.
+    #[serde(serialize_with = "as_map")]
+    pub channels: Vec<(String, ChannelFit)>,
+}
+
+pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
+    channels: &[(String, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(channels.iter().map(|(name, value)| (name, value)))
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identification {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Method id.
+    pub method: &'static str,
+    /// Model name.
+    pub model: String,
+    /// Recordings used.
+    pub recordings: Vec<String>,
+    /// Whether the estimate is a minimum.
+    pub converged: bool,
+    /// How it ended.
+    pub end: End,
+    /// Iterations of the last descents.
+    pub iterations: usize,
+    /// Processor time of the fit without reading files, s, all threads.
+    pub cpu_s: f64,
+    /// All parameters of the model, in its order.
+    pub parameters: Vec<ParameterEstimate>,
+    /// Combinations.
+    pub combinations: Vec<CombinationEstimate>,
+    /// Sensor offsets, one per channel and uninterrupted segment.
+    pub nuisance: Vec<ParameterEstimate>,
+    /// How well the model fits.
+    pub fit: Fit,
+    /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
+    /// dynamics.
+    #[serde(serialize_with = "as_map")]
+    pub input_noise_std: Vec<(String, f64)>,
+    /// Samples that were not used as measured.
+    pub left_out: Vec<LeftOut>,
+    /// What would settle what has no number: sensors, experiments.
+    pub advice: Vec<String>,
+    /// Anything a careful reader should know.
+    pub warnings: Vec<String>,
+    /// Point values of all parameters, SI, determined or not: what reproduces `fit`. For writing models.
+    #[serde(skip)]
+    pub point: Vec<f64>,
+    /// Sum of squared residuals in noise units, halved.
+    pub cost: f64,
+}
