@@ -1,8 +1,8 @@
-//! Models compared on equal terms: the same recordings, the same noise, the same filters.
+//! Comparison of models on the same recordings under one noise model.
 //!
-//! Whether a model explains recordings better than another one is seen in the sum of squares of what both leave, provided that
-//! both are measured by one [`NoiseModel`]: noise levels and whitening filters of one reference model, which then stay. A fit
-//! by it is an ordinary descent ([`descend`]); how much a further parameter would help is foretold without one ([`screen`]).
+//! Sums of squares of two models can be compared if both are evaluated under one [`NoiseModel`]: noise levels and whitening filters of a
+//! reference model, held fixed. [`descend`] fits a model under it; [`score_test`](fn@score_test) predicts, without a fit, how much further
+//! parameters would lower the sum of squares.
 
 pub mod cross_validation;
 mod model_evaluation;
@@ -27,15 +27,15 @@ use crate::{
     progress::Stage,
 };
 
-/// A descent ends when a step promises less than this of the sum of squares, in units of noise as strong as what is left: where
-/// models are compared, and where values matter.
+/// Tolerance of a descent where models are compared: the predicted decrease of the sum of squares, in units of the mean squared residual,
+/// below which it ends.
 pub const COARSE: f64 = 2.0;
 
-/// See [`COARSE`].
+/// The same where parameter values matter.
 pub const FINE: f64 = 0.05;
 
-/// Goes down from `start` (all parameters, SI; start states as in `from`, where the model has the same) by a noise_model; `None`
-/// where the model overflows there.
+/// Fits a model under a noise model, from `start` (all parameters, SI) and the nuisance parameters of `from` as far as the models share
+/// them. `None` where the model overflows at the start.
 ///
 /// # Errors
 /// When a recording cannot be read.
@@ -59,7 +59,7 @@ pub fn descend(
     }
 }
 
-/// The model at given values; only what is local to a recording is fitted to it.
+/// Evaluates a model at given values (all parameters, SI). Only nuisance parameters are fitted. `None` where the model overflows.
 ///
 /// # Errors
 /// When a recording cannot be read.

@@ -8,32 +8,32 @@ use crate::{
     problem::Problem,
 };
 
-/// A model at parameter values, measured by a noise_model.
+/// A model at parameter values, evaluated under a noise model.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
     /// All parameters, SI.
     pub values: Vec<f64>,
     /// Sum of squared whitened residuals of each recording.
     pub chi2: Vec<f64>,
-    /// Values that each recording has.
+    /// Number of measured values of each recording.
     pub count: Vec<f64>,
-    /// Root mean square residual of each output before whitening, SI; nothing where nothing was read.
+    /// Root mean square residual of each output before whitening, SI; zero without measurements.
     pub rms: Vec<f64>,
-    /// Values that each output has.
+    /// Number of measured values of each output.
     pub read: Vec<f64>,
-    /// Whether the descent that led here came to its end.
+    /// Whether the descent converged.
     pub converged: bool,
-    /// What is local to each segment.
+    /// Nuisance parameters by segment.
     pub(crate) nuisance: Vec<Vec<f64>>,
 }
 
 impl Evaluation {
-    /// Of all recordings.
+    /// Sum of squares over all recordings.
     pub fn total(&self) -> f64 {
         self.chi2.iter().sum()
     }
 
-    /// What was measured on one recording of `problem`, as if there were no other; channels' residuals stay those of all.
+    /// The part of one recording of `problem`; `rms` and `read` stay those of all recordings.
     #[must_use]
     pub fn on_one(&self, problem: &Problem<'_>, recording: usize) -> Self {
         let own = problem.segments.iter().zip(&self.nuisance);
@@ -69,7 +69,7 @@ pub(crate) fn begin(
     Ok(Some(Point { values: values.to_vec(), nuisance }))
 }
 
-/// Start states of the same name and offsets go over; states that are new begin at nothing.
+/// Copies start states by name, and offsets; new states begin at zero.
 fn carry(old: (&[String], &[f64]), new: (&[String], &mut [f64])) {
     let (names, values) = old;
     let offsets = values.len().saturating_sub(names.len());

@@ -16,7 +16,7 @@ use crate::{
     problem::{Problem, sample_times},
 };
 
-/// Noise as it is taken to be while models are compared.
+/// Noise levels, whitening filters and model discrepancy, held fixed while models are compared.
 #[derive(Debug, Clone)]
 pub struct NoiseModel {
     levels: NoiseLevels,
@@ -26,8 +26,8 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// From a reference model at parameter `values` (SI) and noise `levels` of its channels; for all recordings that `problems` are
-    /// about. Where no steady filter exists, inputs are taken as exact.
+    /// From a reference model at parameter `values` (SI) and noise `levels` of its channels, for all recordings of `problems`. Inputs are
+    /// taken as exact where no stable filter exists.
     ///
     /// # Errors
     /// When the equations cannot be formed, or there is no problem.
@@ -64,8 +64,8 @@ impl NoiseModel {
         })
     }
 
-    /// The same sensor noise with the model discrepancy that the residuals of an evaluation (`at`, of `problem`'s model) show: one
-    /// level per output. `None` where the prediction overflows.
+    /// The same sensor noise with a model discrepancy, one level per output, estimated from the residuals of an evaluation (`at`, of
+    /// `problem`'s model). `None` where the prediction overflows.
     ///
     /// # Errors
     /// When a recording cannot be read.
@@ -83,13 +83,13 @@ impl NoiseModel {
         Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
     }
 
-    /// The same levels, but without the filter that input noise asks for.
+    /// The same levels without the filter for input noise.
     #[must_use]
     pub fn with_exact_inputs(&self) -> Self {
         Self { prewhitenings: Arc::default(), ..self.clone() }
     }
 
-    /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where nothing is missing.
+    /// Mean square of the residuals from which the discrepancy was estimated, in units of sensor noise: 1 where the model is complete.
     pub fn excess(&self) -> f64 {
         self.excess
     }
@@ -108,8 +108,8 @@ impl NoiseModel {
     }
 }
 
-/// Noise levels that a model's residuals speak for: none more than its channel's highest frequencies can hold, see
-/// [`crate::Noise::Estimated`]. Levels that the model file gives stay.
+/// Noise levels estimated from a model's residuals, each bounded by the highest frequencies of its channel, see
+/// [`crate::Noise::Estimated`]. Levels given in the model file stay.
 ///
 /// # Errors
 /// When a recording cannot be read.

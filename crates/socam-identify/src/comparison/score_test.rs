@@ -11,35 +11,36 @@ use crate::{
     problem::Problem,
 };
 
-/// Parameters that stand for one effect; more are points of a curve, which may be next to dependent on one another and are kept
-/// small by a pull of [`RIDGE`] of what the data say of each.
+/// Largest group of parameters that is one effect. A larger group is the points of a curve, which may be nearly dependent: it is regularised
+/// by [`RIDGE`].
 const FEW: usize = 4;
 
+/// Ridge, as a share of the information of each parameter.
 const RIDGE: f64 = 1e-3;
 
-/// Columns of which so little is left beside others are nothing of their own.
+/// Share of a column's norm after orthogonalisation below which the parameter is dependent on the base.
 const LEAST_OWN: f64 = 1e-7;
 
-/// How much freeing parameters would help, foretold from sensitivities.
+/// Effect of freeing a group of parameters, predicted from sensitivities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateScore {
-    /// Fall of the sum of squares, from what it is at the values.
+    /// Decrease of the sum of squares.
     pub gain: f64,
     /// Sum of squares at the values.
     pub total: f64,
-    /// Step of each parameter, SI; none for one that moves nothing.
+    /// Step of each parameter, SI; zero where the parameter changes no residual.
     pub step: Vec<f64>,
-    /// Standard error of each, SI, as far as noise goes; infinite for one that moves nothing.
+    /// Standard error of each step for white residuals, SI; infinite where the parameter changes no residual.
     pub std: Vec<f64>,
-    /// Change of the first parameter alone that moves the sum of squares by one, SI; infinite where nothing does.
+    /// Change of the first parameter alone that changes the sum of squares by one, SI; infinite where none does.
     pub resolution: f64,
-    /// Efficient scores (those of the group with what the base can do taken out), block by block of 0.2 s in the order of the recordings,
-    /// by parameter of the group; none where the group moves nothing.
+    /// Efficient scores (orthogonal to the base parameters) by block of 0.2 s in the order of the recordings, over the parameters of the
+    /// group; empty where the group changes no residual.
     pub scores: Vec<Vec<f64>>,
 }
 
-/// For each of `groups` (indices of free parameters that belong together) what freeing it along with `base` would do; `at` was
-/// measured with `model`. `None` where sensitivities overflow.
+/// For each of `groups` (indices of free parameters of one candidate) the effect of freeing it along with the `base` parameters, at
+/// `values` and the nuisance parameters of `at`, an evaluation of `model`. `None` where sensitivities overflow.
 ///
 /// # Errors
 /// When a recording cannot be read.
@@ -59,64 +60,67 @@ pub fn score_test(
     let column = |index: &usize| problem.free.iter().position(|free| free == index);
     let base: Vec<usize> = base.iter().filter_map(column).collect();
     let blocks = evaluation::blocks(&evaluated, free);
-    let picture = Picture { total: evaluation::squares(&evaluated), ..Picture::new(factor.as_ref(), base) };
+    let orthogonalised = Orthogonalised {
+        total: evaluation::squares(&evaluated),
+        ..Orthogonalised::new(factor.as_ref(), base)
+    };
     let each = groups.iter().map(|group| {
         let own: Vec<usize> = group.iter().filter_map(column).collect();
-        let mut promise = picture.promise(&own, &blocks);
-        for values in [&mut promise.step, &mut promise.std] {
+        let mut score = orthogonalised.score(&own, &blocks);
+        for values in [&mut score.step, &mut score.std] {
             values.iter_mut().zip(&own).for_each(|(value, column)| *value *= weights.scales[*column]);
         }
-        promise.resolution *= own.first().map_or(1.0, |column| weights.scales[*column]);
-        promise
+        score.resolution *= own.first().map_or(1.0, |column| weights.scales[*column]);
+        score
     });
     Ok(Some(each.collect()))
 }
 
-/// Sensitivities of all parameters with those of the base taken out.
-struct Picture<'f> {
+/// Sensitivities of all parameters, orthogonalised against those of the base.
+struct Orthogonalised<'f> {
     factor: MatRef<'f, f64>,
     base: Vec<usize>,
-    /// Orthonormal columns that span the base's sensitivities, and how they are made of them.
-    span: Mat<f64>,
-    made: Mat<f64>,
+    /// Orthonormal basis of the base's sensitivities, and its coefficients in terms of them.
+    basis: Mat<f64>,
+    coefficients: Mat<f64>,
     /// Sum of squares.
     total: f64,
 }
 
-impl<'f> Picture<'f> {
+impl<'f> Orthogonalised<'f> {
     fn new(factor: MatRef<'f, f64>, base: Vec<usize>) -> Self {
         let rows = factor.nrows();
         let lengths: Vec<f64> =
             base.iter().map(|j| factor.col(*j).norm_l2().max(f64::MIN_POSITIVE)).collect();
         let scaled = Mat::from_fn(rows, base.len(), |i, j| factor[(i, base[j])] / lengths[j]);
-        let (mut span, mut made) = (Mat::zeros(rows, 0), Mat::zeros(base.len(), 0));
+        let (mut basis, mut coefficients) = (Mat::zeros(rows, 0), Mat::zeros(base.len(), 0));
         if let Ok(svd) = scaled.thin_svd() {
             let sizes: Vec<f64> = (0..base.len().min(rows)).map(|k| svd.S()[k]).collect();
             let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > 1e-6 * sizes[0]).collect();
-            span = Mat::from_fn(rows, kept.len(), |i, k| svd.U()[(i, kept[k])]);
-            made = Mat::from_fn(base.len(), kept.len(), |j, k| {
+            basis = Mat::from_fn(rows, kept.len(), |i, k| svd.U()[(i, kept[k])]);
+            coefficients = Mat::from_fn(base.len(), kept.len(), |j, k| {
                 svd.V()[(j, kept[k])] / (sizes[kept[k]] * lengths[j])
             });
         }
-        Self { factor, base, span, made, total: 0.0 }
+        Self { factor, base, basis, coefficients, total: 0.0 }
     }
 
-    /// A column without what the base can do, and how much of each of the base's columns was taken from it.
+    /// A column orthogonalised against the base, and its coefficients on the base's columns.
     fn own(&self, column: usize) -> (Vec<f64>, Vec<f64>) {
         let full = self.factor.col(column);
-        let shares: Vec<f64> = (0..self.span.ncols())
-            .map(|k| (0..full.nrows()).map(|i| self.span[(i, k)] * full[i]).sum())
+        let shares: Vec<f64> = (0..self.basis.ncols())
+            .map(|k| (0..full.nrows()).map(|i| self.basis[(i, k)] * full[i]).sum())
             .collect();
         let rest = (0..full.nrows())
-            .map(|i| full[i] - (0..shares.len()).map(|k| self.span[(i, k)] * shares[k]).sum::<f64>())
+            .map(|i| full[i] - (0..shares.len()).map(|k| self.basis[(i, k)] * shares[k]).sum::<f64>())
             .collect();
         let taken = (0..self.base.len())
-            .map(|j| (0..shares.len()).map(|k| self.made[(j, k)] * shares[k]).sum())
+            .map(|j| (0..shares.len()).map(|k| self.coefficients[(j, k)] * shares[k]).sum())
             .collect();
         (rest, taken)
     }
 
-    fn promise(&self, group: &[usize], blocks: &[Vec<f64>]) -> CandidateScore {
+    fn score(&self, group: &[usize], blocks: &[Vec<f64>]) -> CandidateScore {
         let nothing = CandidateScore {
             gain: 0.0,
             total: self.total,
@@ -132,7 +136,7 @@ impl<'f> Picture<'f> {
             lengths[*k] > LEAST_OWN * self.factor.col(group[*k]).norm_l2() && lengths[*k].is_normal()
         };
         let kept: Vec<usize> = (0..group.len()).filter(counts).collect();
-        // Of a few that belong together each has to count; of many, those do that were excited.
+        // Of a few parameters of one effect each must change the residuals; of many points of a curve, only those that were excited.
         if kept.is_empty() || (kept.len() < group.len() && group.len() <= FEW) {
             return nothing;
         }
@@ -158,14 +162,14 @@ impl<'f> Picture<'f> {
                 each.collect()
             })
             .collect();
-        let mut promise = CandidateScore { gain, resolution: 1.0 / lengths[kept[0]], scores, ..nothing };
+        let mut score = CandidateScore { gain, resolution: 1.0 / lengths[kept[0]], scores, ..nothing };
         for (index, k) in kept.iter().enumerate() {
             let unit = Mat::from_fn(n, 1, |i, _| f64::from(i == index));
             let variance = solved(&gram, &unit).map_or(f64::INFINITY, |column| column[index]);
-            promise.step[*k] = step[index] / lengths[*k];
-            promise.std[*k] = variance.max(0.0).sqrt() / lengths[*k];
+            score.step[*k] = step[index] / lengths[*k];
+            score.std[*k] = variance.max(0.0).sqrt() / lengths[*k];
         }
-        promise
+        score
     }
 }
 

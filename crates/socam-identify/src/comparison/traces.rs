@@ -16,16 +16,16 @@ use crate::{
     problem::{Problem, StartState},
 };
 
-/// What is left of one segment of a recording once noise of a noise_model's kind was made white.
+/// Whitened residuals of one segment of a recording.
 #[derive(Debug, Clone)]
 pub struct Innovations {
-    /// Time from one sample to the next, s.
+    /// Sample time, s.
     pub sample_time_s: f64,
-    /// Per output, in units of noise; nothing where missing.
+    /// By output, in units of noise; zero where missing.
     pub outputs: Vec<Vec<f64>>,
 }
 
-/// Whitened residuals of a model at a fit, segment by segment; `None` where it overflows there.
+/// Whitened residuals of a model at a fit, by segment; `None` where the prediction overflows.
 ///
 /// # Errors
 /// When a recording cannot be read.
@@ -52,16 +52,16 @@ pub struct Traces {
     pub recording: usize,
     /// Time of the recording, s.
     pub time_s: Vec<f64>,
-    /// Per input, as the model reads it, SI.
+    /// By input, as the model reads it, SI.
     pub inputs: Vec<Vec<f64>>,
-    /// Per output, as measured, SI; NaN where missing.
+    /// By output, as measured, SI; NaN where missing.
     pub measured: Vec<Vec<f64>>,
-    /// Per output, as predicted running free, SI.
+    /// By output, simulated from the inputs, SI.
     pub predicted: Vec<Vec<f64>>,
 }
 
-/// What a model predicts beside what was measured, segment by segment. `observer` is the problem's model with other outputs; then
-/// those are predicted.
+/// Inputs, measurements and predictions by segment. `observer` is the problem's model with other outputs, which are then predicted
+/// instead.
 ///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use faer::{Mat, MatRef, reborrow::ReborrowMut};
 
 use crate::{
-    evaluation::{ChannelSums, SegmentEvaluation, Weights, segment::shows},
+    evaluation::{ChannelSums, SegmentEvaluation, Weights, segment::is_determined},
     noise::{
         discrepancy::Discrepancy,
         levels,
@@ -16,12 +16,13 @@ use crate::{
     problem::Problem,
 };
 
-/// Length of the blocks over which scores are summed, s: longer than residuals stay correlated, those that are compared between models or others.
+/// Length of the blocks of scores, s: longer than the correlation time of residuals behind the filters of a noise model.
 const COMPARED_BLOCK_S: f64 = 0.2;
 
+/// Length of the blocks of scores without a noise model, s.
 const BLOCK_S: f64 = 0.5;
 
-/// Takes predictions and sensitivities, sample by sample or block by block, and folds them.
+/// Folds predictions and sensitivities of one segment into triangular factors.
 pub(crate) struct ResidualAccumulator<'w> {
     nuisance: usize,
     globals: usize,
@@ -38,9 +39,9 @@ pub(crate) struct ResidualAccumulator<'w> {
     scores: Option<Scores>,
     innovations: Option<Vec<Vec<f64>>>,
     present: Vec<bool>,
-    /// Local columns that are not to be moved.
+    /// Nuisance parameters that keep their values.
     pub(crate) still: Vec<usize>,
-    /// Sum of squares at which there is no going on.
+    /// Sum of squares above which the evaluation is given up.
     pub(crate) most: f64,
 }
 
@@ -86,14 +87,14 @@ impl<'w> ResidualAccumulator<'w> {
         }
     }
 
-    /// Most samples in one call of [`ResidualAccumulator::take`].
+    /// Largest number of samples in one call of [`ResidualAccumulator::fold`].
     pub(crate) fn capacity(&self) -> usize {
         (QrAccumulator::capacity() / self.channels.len()).max(1)
     }
 
-    /// Folds a block: `fill(output, target)` writes weighted sensitivities and, in the last column, the weighted
+    /// Folds a block: `fill(output, target)` writes the weighted sensitivities and, in the last column, the weighted
     /// prediction of all `rows` samples of one output. `measured` holds NaN where nothing was measured.
-    /// Without `alive`, local columns are known to be zero and left out.
+    /// Without `alive`, nuisance columns are zero and left out. Answers whether the evaluation goes on.
     pub(crate) fn take(
         &mut self,
         rows: usize,
@@ -166,7 +167,7 @@ impl<'w> ResidualAccumulator<'w> {
         let mut factor = qr::join([early.as_ref(), shifted.as_ref()].into_iter(), columns);
         let moves = |column: usize| !self.still.contains(&column);
         let pivots = qr::eliminate(&mut factor, self.nuisance, |column, remainder, length| {
-            moves(column) && shows(remainder, length)
+            moves(column) && is_determined(remainder, length)
         });
         let (scores, block_squares) =
             self.scores.map(|scores| (scores.sums, scores.squares)).unwrap_or_default();
@@ -188,7 +189,7 @@ impl<'w> ResidualAccumulator<'w> {
     }
 }
 
-/// Shows a block's residuals, sample by sample, to whoever follows them.
+/// Calls `take` with the residuals of each sample of a block, by output.
 fn follow(
     residuals: faer::ColRef<'_, f64>,
     samples: usize,
@@ -204,7 +205,7 @@ fn follow(
     }
 }
 
-/// Block sums of sensitivities times residuals.
+/// Scores summed by block.
 struct Scores {
     block_rows: usize,
     row: usize,

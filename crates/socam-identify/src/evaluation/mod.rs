@@ -1,4 +1,4 @@
-//! One pass over the data at given parameters: for each segment, the triangular factor of residuals and sensitivities.
+//! Evaluation of residuals and sensitivities over all data at given parameters, segment by segment.
 
 mod accumulator;
 mod segment;
@@ -17,36 +17,36 @@ use socam_model::Equations;
 
 use crate::{
     IdentifyError,
-    evaluation::start::remembered,
+    evaluation::start::law_states,
     noise::prewhitening,
     prediction::{modal::Modal, sensitivity_integrator::SensitivityIntegrator},
     problem::{Problem, StartState},
 };
 
-/// The whole pass; `None` where the prediction overflowed.
-pub(crate) type PassResult = Option<Vec<SegmentEvaluation>>;
+/// Results by segment; `None` where the prediction overflowed.
+pub(crate) type Evaluated = Option<Vec<SegmentEvaluation>>;
 
-/// Runs the model over every segment, in parallel; the order of the result is that of the segments.
+/// Evaluates the model on every segment, in parallel; results are in the order of the segments.
 pub(crate) fn run(
     problem: &Problem<'_>,
     point: &Point,
     weights: &Weights,
-) -> Result<PassResult, IdentifyError> {
+) -> Result<Evaluated, IdentifyError> {
     run_below(problem, point, weights, f64::INFINITY)
 }
 
-/// The same, given up as soon as one segment alone has a sum of squares of more than `most`: what leads there is not wanted, and often
-/// takes the shortest steps that there are.
+/// [`run`], given up as soon as one segment alone has a sum of squares above `most`: a step that leads there is refused anyway, and such
+/// predictions are often slow.
 pub(crate) fn run_below(
     problem: &Problem<'_>,
     point: &Point,
     weights: &Weights,
     most: f64,
-) -> Result<PassResult, IdentifyError> {
+) -> Result<Evaluated, IdentifyError> {
     let Ok((equations, sensitivities)) =
         problem.model.equations_with_derivatives(&point.values, &problem.free)
     else {
-        // A step beyond what physics allows; the solver will shorten it.
+        // Parameters outside the physical range: the optimiser shortens the step.
         return Ok(None);
     };
     let prewhitenings = match &weights.frozen {
@@ -57,10 +57,10 @@ pub(crate) fn run_below(
         },
     };
     let free_start = problem.options.start_state == StartState::Free;
-    let still = if free_start { remembered(&equations) } else { Vec::new() };
+    let still = if free_start { law_states(&equations) } else { Vec::new() };
     let linear = is_linear(&equations);
     let modal = if linear { Modal::new(problem, &equations, &sensitivities, point, weights) } else { None };
-    // One for each sample time: to make it costs more than a short segment takes.
+    // One per sample time: making one costs more than evaluating a short segment.
     let mut integrators: Vec<(f64, Option<SensitivityIntegrator<'_>>)> = Vec::new();
     for segment in problem.segments.iter().filter(|_| modal.is_none()) {
         let time_s = segment.sample_time_s;
@@ -85,13 +85,13 @@ pub(crate) fn run_below(
         };
         Ok(if finite { rows.finish() } else { None })
     };
-    // One at a time: whoever is free takes the next.
+    // One segment per task, for load balance.
     let segments = (0..problem.segments.len()).into_par_iter().with_max_len(1);
     let results: Result<Vec<_>, _> = segments.map(one).collect();
     Ok(results?.into_iter().collect())
 }
 
-/// No law depends on anything.
+/// Whether no force law depends on the motion.
 fn is_linear(equations: &Equations) -> bool {
     equations.ports.iter().all(socam_model::Port::is_constant)
 }

@@ -4,47 +4,48 @@ use faer::{Mat, MatRef};
 
 use crate::{noise::levels::Score, preprocessing::outliers::OutlierStatistics};
 
-/// What a pass says of one segment.
+/// Evaluation of one segment.
 pub(crate) struct SegmentEvaluation {
-    /// Factor over [local | free parameters | residual], residuals weighted by 1/noise, sensitivities by the scales.
+    /// Triangular factor over [nuisance | free parameters | residual]; residuals weighted by 1/noise, sensitivities by the scales.
     pub(crate) factor: Mat<f64>,
-    /// Row of the factor that holds each local unknown's pivot; `None` where the data do not show it at all: a start term
-    /// may be unobservable, decay within a sample, or repeat another. Such a one stays where it is.
+    /// Row of the factor with the pivot of each nuisance parameter. `None` where the data do not determine it (a start state may be
+    /// unobservable, decay within a sample, or equal another one); it then keeps its value.
     pub(crate) pivots: Vec<Option<usize>>,
     /// Per output: sum of squared residuals (SI), their number, and sums over the measured values.
     pub(crate) channels: Vec<ChannelSums>,
-    /// Sum of squared residuals as they were weighted.
+    /// Sum of squared weighted residuals.
     pub(crate) weighted_squares: f64,
-    /// Samples, each counted by the share of its outputs that were measured.
+    /// Number of samples, each counted by the share of its outputs that were measured.
     pub(crate) samples: f64,
-    /// Of these, samples in which a law was too steep for the shortest step.
+    /// Number of samples in which a law was too steep for the shortest step.
     pub(crate) unresolved: u64,
-    /// Transposed sensitivities times residuals, summed over consecutive blocks of [`BLOCK_S`] or [`COMPARED_BLOCK_S`]; over
-    /// [local | free]. Only when asked for.
+    /// Scores (transposed sensitivities times residuals) over [nuisance | free], summed over consecutive blocks; only if
+    /// `Weights::scores`.
     pub(crate) scores: Vec<Vec<f64>>,
     /// Squared whitened residuals, summed over the same blocks.
     pub(crate) block_squares: Vec<f64>,
-    /// Whitened residuals by output, nothing where one is missing. Only when asked for.
+    /// Whitened residuals by output, zero where one is missing; only if `Weights::innovations`.
     pub(crate) innovations: Vec<Vec<f64>>,
-    /// What the residuals say of the noise levels; only when asked for.
+    /// Score of the noise levels; only if `Weights::probes`.
     pub(crate) levels: Option<Score>,
-    /// What was seen of each output while looking for outliers; only when asked for.
+    /// Statistics of each output for the outlier search; only if `Weights::detector`.
     pub(crate) detector: Option<Vec<OutlierStatistics>>,
 }
 
 impl SegmentEvaluation {
+    /// Number of nuisance parameters.
     pub(crate) fn nuisance(&self) -> usize {
         self.pivots.len()
     }
 
-    /// What the segment says of [free parameters | residual] once its local unknowns have followed.
+    /// Factor over [free parameters | residual] after elimination of the nuisance parameters (the Schur complement, in square-root form).
     pub(crate) fn schur_complement(&self) -> MatRef<'_, f64> {
         let (rows, columns) = self.factor.shape();
         let shown = self.pivots.iter().flatten().count();
         self.factor.as_ref().submatrix(shown, self.nuisance(), rows - shown, columns - self.nuisance())
     }
 
-    /// Solves for the local unknowns that the data show, `right` being by row of the factor; the others stay zero.
+    /// Solves for the nuisance parameters that have a pivot, with a right-hand side by row of the factor; the others are zero.
     pub(crate) fn solve_nuisance(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut solution = vec![0.0; self.nuisance()];
         for (i, row) in self.pivots.iter().enumerate().rev() {
@@ -57,13 +58,13 @@ impl SegmentEvaluation {
     }
 }
 
-/// Whether a local unknown's remainder, of a column of this length, shows: moving it by a whole unit must change the residuals by a
-/// tenth of the noise. What dies within a sample would else be moved anywhere, and a force law would see it there.
-pub(crate) fn shows(remainder: f64, length: f64) -> bool {
+/// Whether the data determine a nuisance parameter, from the norm of its column after elimination and before: a change of one unit must
+/// change the residuals by 0.1 of the noise. A start state that decays within a sample would otherwise be moved without limit.
+pub(crate) fn is_determined(remainder: f64, length: f64) -> bool {
     remainder > 0.1 && remainder > 1e-8 * length
 }
 
-/// Sums of sensitivities times residuals over blocks of that length, by free parameter.
+/// Scores of all segments by block, over the free parameters.
 pub(crate) fn blocks(evaluated: &[SegmentEvaluation], free: usize) -> Vec<Vec<f64>> {
     let all = evaluated.iter().flat_map(|result| result.scores.iter());
     all.map(|block| block[block.len() - free..].to_vec()).collect()

@@ -9,16 +9,16 @@ use crate::{
     problem::{Problem, StartState},
 };
 
-/// States of laws of their own: what a coupling remembers of the time before a recording is forgotten at the first reversal, and would
-/// else be made to explain what has nothing to do with it. It stays where it begins.
-pub(crate) fn remembered(equations: &Equations) -> Vec<usize> {
+/// Indices of the internal states of force laws (the deflection of bristles). Their start values are not fitted: the first reversal
+/// erases them, and before it they would fit other errors.
+pub(crate) fn law_states(equations: &Equations) -> Vec<usize> {
     let own = equations.ports.iter().enumerate();
     let own = own.filter(|(_, port)| port.law.law_inputs.get(port.law_input) == Some(&LawInput::State));
     let seen = own.filter_map(|(p, _)| (0..equations.port.ncols()).find(|i| equations.port[(p, *i)] != 0.0));
     seen.collect()
 }
 
-/// Local unknowns of a segment before anything is known: start state from the first samples, offsets zero.
+/// First nuisance parameters by segment: start state from the first samples, offsets zero.
 pub(crate) fn first_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let equations = problem.model.equations(values)?;
     let offsets = problem.model.outputs().filter(|channel| channel.estimate_offset).count();

@@ -6,40 +6,40 @@ use crate::noise::{
     discrepancy::Discrepancy, innovations_filter::NoiseLevels, levels::Probe, prewhitening::Prewhitening,
 };
 
-/// Unknowns at which a pass is made.
+/// Values of all unknowns.
 #[derive(Debug, Clone)]
 pub(crate) struct Point {
     /// All parameters of the model, SI.
     pub(crate) values: Vec<f64>,
-    /// For each segment its local unknowns: start state (if free), then offsets of the outputs that have one.
+    /// Nuisance parameters by segment: start state (if free), then offsets of the outputs that have one.
     pub(crate) nuisance: Vec<Vec<f64>>,
 }
 
-/// How residuals and sensitivities are weighted in a pass.
+/// Weights of residuals and sensitivities, and what else an evaluation computes.
 #[derive(Clone)]
 pub(crate) struct Weights {
     /// Noise standard deviation of each output, SI.
     pub(crate) noise_std: Vec<f64>,
-    /// Of each input.
+    /// Noise standard deviation of each input, SI; empty where inputs are exact.
     pub(crate) input_std: Vec<f64>,
     /// Sensitivities with respect to free parameter j are multiplied by `scales[j]`.
     pub(crate) scales: Vec<f64>,
-    /// Whether block scores are wanted.
+    /// Whether scores by block are computed.
     pub(crate) scores: bool,
-    /// Whether whitened residuals are wanted.
+    /// Whether whitened residuals are kept.
     pub(crate) innovations: bool,
-    /// Noise levels under test, one set for each sample time; empty where none are.
+    /// Noise levels whose score is computed, one set per sample time; empty where none is.
     pub(crate) probes: Arc<Vec<(f64, Probe)>>,
-    /// Sizes of remainders when outliers are looked for.
+    /// Scale of the innovations of each output for the outlier search.
     pub(crate) detector: Option<Arc<Vec<f64>>>,
-    /// Filters to be used instead of those that follow the parameters.
+    /// Fixed whitening filters; `None` for filters that follow the parameters.
     pub(crate) frozen: Option<Arc<Vec<Prewhitening>>>,
-    /// Levels of the model discrepancy, behind the filters of sensor noise; empty where residuals are taken for sensor noise only.
+    /// Levels of the model discrepancy, applied after the filters of sensor noise; empty without discrepancy.
     pub(crate) discrepancy: Arc<Vec<Discrepancy>>,
 }
 
 impl Weights {
-    /// White noise of the outputs, no other.
+    /// White output noise and exact inputs.
     pub(crate) fn white(noise_std: Vec<f64>, scales: Vec<f64>) -> Self {
         Self {
             noise_std,

@@ -8,7 +8,7 @@ use crate::{
     evaluation::{self, ChannelSums, Point, SegmentEvaluation, Weights, channel_sums, squares},
     optimiser::{
         factors::{global_factor, total_cost},
-        step::{constrained_step, moved, promised_gain},
+        step::{constrained_step, moved, predicted_gain},
     },
     problem::Problem,
     progress::Stage,
@@ -141,7 +141,7 @@ pub(crate) fn descend(
         let least = tolerance * at.unit();
         let step = |damping: f64| {
             let step = constrained_step(problem, &at.point, &at.weights, factor.as_ref(), damping)?;
-            let predicted = promised_gain(factor.as_ref(), &step);
+            let predicted = predicted_gain(factor.as_ref(), &step);
             Some((step, predicted))
         };
         // Damping shortens steps along a sloppy direction to nothing, so convergence is judged by the undamped step.

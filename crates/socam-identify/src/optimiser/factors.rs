@@ -8,7 +8,7 @@ use crate::{
     problem::Problem,
 };
 
-/// [`information_factor`] and what weak_priors add: what steps are made of.
+/// Factor from which steps are computed: [`information_factor`] and the weak log priors.
 pub(crate) fn global_factor(
     problem: &Problem<'_>,
     point: &Point,
@@ -21,7 +21,7 @@ pub(crate) fn global_factor(
     qr::join([information.as_ref(), weak_priors.as_ref()].into_iter(), free + 1)
 }
 
-/// What the data say of the free parameters, with priors but without weak_priors: what intervals are made of.
+/// Factor from which intervals are computed: data and priors, without the weak log priors.
 pub(crate) fn information_factor(
     problem: &Problem<'_>,
     point: &Point,
@@ -33,9 +33,9 @@ pub(crate) fn information_factor(
     qr::join(results.iter().map(SegmentEvaluation::schur_complement).chain([known.as_ref()]), free + 1)
 }
 
-/// Where the data leave a valley, the point nearest to the model file's values in it is taken: a pull of one unit per
-/// factor of e. It moves what the data determine to 10 % by a hundredth of its standard deviation, and intervals
-/// do not count it.
+/// Weak log priors: a standard deviation of a factor of e about the model file's value. Along sloppy directions they select the point
+/// nearest to the file's values. They move an estimate that the data determine to 10 % by a hundredth of its standard deviation, and
+/// intervals leave them out.
 pub(crate) fn weak_prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights) -> Mat<f64> {
     let free = problem.free.len();
     let mut rows = Mat::zeros(free, free + 1);
@@ -62,20 +62,20 @@ pub(crate) fn prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights
     rows
 }
 
-/// The cost of the data with what priors and weak_priors add.
+/// The cost: squared residuals, priors and weak log priors.
 pub(crate) fn total_cost(
     problem: &Problem<'_>,
     point: &Point,
     weights: &Weights,
     evaluated: &[SegmentEvaluation],
 ) -> f64 {
-    let pull = |rows: Mat<f64>| rows.as_ref().col(problem.free.len()).squared_norm_l2();
+    let size = |rows: Mat<f64>| rows.as_ref().col(problem.free.len()).squared_norm_l2();
     squares(evaluated)
-        + pull(prior_rows(problem, point, weights))
-        + pull(weak_prior_rows(problem, point, weights))
+        + size(prior_rows(problem, point, weights))
+        + size(weak_prior_rows(problem, point, weights))
 }
 
-/// Magnitude of each free parameter, in which its steps are measured.
+/// Unit of each free parameter in steps and factors: its magnitude.
 pub(crate) fn scales(problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
     let scale = |index: &usize| {
         let parameter = &problem.model.parameters[*index];

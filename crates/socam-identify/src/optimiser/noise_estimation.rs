@@ -11,16 +11,16 @@ use crate::{
     progress::Stage,
 };
 
-/// Noise levels are settled when they change by less than this fraction.
+/// Relative change of the noise levels below which they have converged.
 pub(crate) const NOISE_SETTLED: f64 = 0.01;
 
-/// They are near enough for a fine descent when they change by less than this fraction.
+/// Relative change of the noise levels below which descents get their fine tolerance.
 pub(crate) const NOISE_NEAR: f64 = 0.1;
 
-/// Descents between which noise levels are judged anew.
+/// Largest number of re-estimations of the noise levels.
 pub(crate) const MOST_ROUNDS: usize = 6;
 
-/// Noise levels to begin with: those given, or a fiftieth of each channel's movement.
+/// First noise levels: those given, or 2 % of each channel's standard deviation.
 pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, IdentifyError> {
     let scales = factors::scales(problem, &point.values);
     let mut weights = Weights::white(vec![1.0; problem.outputs()], scales);
@@ -35,7 +35,7 @@ pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weig
                 .iter()
                 .zip(known)
                 .map(|(channel, known)| {
-                    // A channel that stands still has no spread, but the prediction misses it by something.
+                    // A constant channel has no standard deviation, but it has residuals.
                     let level = (0.02 * channel.spread()).max(1e-3 * channel.rms());
                     known.unwrap_or_else(|| floor(level, channel))
                 })
@@ -45,13 +45,13 @@ pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weig
     Ok(weights)
 }
 
-/// Never zero: a channel that stands still, or a perfect prediction, must not divide by nothing.
+/// A noise level above zero, for constant channels and perfect predictions.
 pub(crate) fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
     let size = (channel.squares / channel.count.max(1.0)).sqrt();
     noise_std.max(1e-9 * size).max(1e-100)
 }
 
-/// Descends, takes the noise levels from the residuals, and again until both agree.
+/// Descents in turn with estimates of the noise levels from their residuals, until the levels converge.
 pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
     let weights = first_weights(problem, &point)?;
     let most = match &problem.options.noise {
@@ -67,7 +67,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     let mut iterations = descent.iterations;
     let mut fine = false;
     for round in 1..=MOST_ROUNDS {
-        // Once judged, noise levels are good enough for whoever does not want to wait.
+        // After one estimate an interrupted search may end.
         if round > 1 && descent.end == End::Interrupted {
             break;
         }
@@ -99,7 +99,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     Ok(descent)
 }
 
-/// Noise levels that the residuals of a descent speak for.
+/// Noise levels estimated from the residuals of a descent.
 pub(crate) fn reestimated_levels(
     problem: &Problem<'_>,
     descent: &Descent,
@@ -128,7 +128,7 @@ pub(crate) fn reestimated_levels(
     }
 }
 
-/// Whether two sets of levels differ by less than matters.
+/// Whether two sets of levels differ by less than a relative tolerance.
 pub(crate) fn alike(a: &NoiseLevels, b: &NoiseLevels, tolerance: f64) -> bool {
     let pairs = a.outputs.iter().chain(&a.inputs).zip(b.outputs.iter().chain(&b.inputs));
     a.inputs.len() == b.inputs.len()

@@ -14,31 +14,32 @@ use crate::{
     problem::Problem,
 };
 
-/// Steps of the start states when only they are fitted.
+/// Largest number of steps.
 pub(crate) const MOST_START_STEPS: usize = 20;
 
-/// They have settled when a step gains less than this share of the sum of squares, or promises less in each segment.
-pub(crate) const SETTLED_LOCALS: f64 = 1e-9;
+/// Share of the sum of squares below which the decrease by a step, or the predicted one in each segment, ends the fit.
+pub(crate) const SETTLED: f64 = 1e-9;
 
+/// Smallest share of a step that is tried.
 pub(crate) const LEAST_SHARE: f64 = 1e-2;
 
-/// What is local to an uninterrupted part of a recording.
+/// Nuisance parameters of a segment (an uninterrupted part of a recording).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Local {
     /// Index of the recording.
     pub recording: usize,
-    /// Its first row there.
+    /// First row of the segment.
     pub first_row: u64,
     /// States at that row, in the order of [`socam_model::Equations::state_names`], SI.
     pub states: Vec<f64>,
-    /// What is added to each output, SI: zero where no offset is estimated.
+    /// Offset of each output, SI: zero where none is estimated.
     pub offsets: Vec<f64>,
 }
 
-/// The start states and offsets that [`evaluate`] fits: with them the model, running free, has the residuals that it reports.
+/// The start states and offsets that [`evaluate`](fn@crate::evaluate) fits.
 ///
 /// # Errors
-/// As those of [`evaluate`].
+/// As for [`evaluate`](fn@crate::evaluate).
 pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>, IdentifyError> {
     let fitted = fitted_nuisance(problem, values)?;
     let estimated = offset_channels(problem);
@@ -52,12 +53,12 @@ pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>,
     Ok(problem.segments.iter().zip(fitted).map(local).collect())
 }
 
-/// For each segment what [`evaluate`] fits to it.
+/// Nuisance parameters fitted at given parameter values, by segment.
 pub(crate) fn fitted_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
     Ok(with_nuisance(problem, values)?.point.nuisance)
 }
 
-/// Given parameter values, and what is local to a recording fitted to it.
+/// A model at given parameter values with fitted nuisance parameters, under first noise levels.
 pub(crate) fn with_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Descent, IdentifyError> {
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = Point { values: values.to_vec(), nuisance: evaluation::first_nuisance(problem, values)? };
@@ -65,7 +66,7 @@ pub(crate) fn with_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Des
     with_nuisance_fitted(problem, point, weights)?.ok_or_else(diverged)
 }
 
-/// A point with what is local fitted to each recording; `None` where the prediction overflows.
+/// A point with its nuisance parameters fitted; `None` where the prediction overflows.
 pub(crate) fn with_nuisance_fitted(
     problem: &Problem<'_>,
     point: Point,
@@ -74,12 +75,12 @@ pub(crate) fn with_nuisance_fitted(
     let Some(evaluated) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
     let mut at =
         Descent { cost: squares(&evaluated), point, weights, evaluated, iterations: 0, end: End::Converged };
-    refit_locals(problem, &mut at)?;
+    refit(problem, &mut at)?;
     Ok(Some(at))
 }
 
-/// Sum of squared weighted residuals at other parameter values, weights as they are, start states refitted; `None` where the
-/// prediction overflows.
+/// Sum of squared weighted residuals at other parameter values, with the weights of `from` and nuisance parameters refitted; `None`
+/// where the prediction overflows.
 pub(crate) fn squares_at(
     problem: &Problem<'_>,
     from: &Descent,
@@ -89,17 +90,12 @@ pub(crate) fn squares_at(
     Ok(with_nuisance_fitted(problem, point, from.weights.clone())?.map(|at| at.cost))
 }
 
-/// Moves start states and offsets only, until that no longer helps: one step is exact for a linear model, a law that
-/// bends the motion needs a few.
-pub(crate) fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyError> {
+/// Gauss-Newton in the nuisance parameters alone. One step is exact for a linear model; force laws need a few.
+pub(crate) fn refit(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyError> {
     let still = vec![0.0; problem.free.len()];
     let mut share = 1.0;
     for _ in 0..MOST_START_STEPS {
-        if at
-            .evaluated
-            .iter()
-            .all(|result| promised_by_nuisance(result) <= SETTLED_LOCALS * result.weighted_squares)
-        {
+        if at.evaluated.iter().all(|result| predicted_decrease(result) <= SETTLED * result.weighted_squares) {
             break;
         }
         let trial = moved(problem, at, &still, share);
@@ -113,7 +109,7 @@ pub(crate) fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<()
             continue;
         };
         let cost = squares(&evaluated);
-        let is_over = cost >= at.cost * (1.0 - SETTLED_LOCALS);
+        let is_over = cost >= at.cost * (1.0 - SETTLED);
         (at.point, at.evaluated, at.cost) = (trial, evaluated, cost);
         if is_over {
             break;
@@ -122,8 +118,8 @@ pub(crate) fn refit_locals(problem: &Problem<'_>, at: &mut Descent) -> Result<()
     Ok(())
 }
 
-/// What moving a segment's local unknowns alone would take from its sum of squares, were the motion linear in them.
-pub(crate) fn promised_by_nuisance(result: &SegmentEvaluation) -> f64 {
+/// Predicted decrease of a segment's sum of squares by a step of its nuisance parameters.
+pub(crate) fn predicted_decrease(result: &SegmentEvaluation) -> f64 {
     let residual = result.factor.col(result.factor.ncols() - 1);
     result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum()
 }

@@ -17,20 +17,19 @@ use crate::{
     report::{self, Fit, Identification},
 };
 
-/// Times that outliers are looked for: once they are gone, smaller ones show.
+/// Number of searches for outliers. Without the large ones the noise level falls, and smaller ones are found.
 pub(crate) const MOST_CLEANINGS: usize = 3;
 
-/// Fits the free parameters of the problem's model to all its recordings by output error: the model runs free
-/// from the measured input, and what separates its outputs from the measured ones is least in noise units.
+/// Fits the free parameters of the problem's model to all its recordings by output error: the model is simulated
+/// from the measured inputs, and the weighted squares of its output errors are minimised.
 ///
 /// # Assumes
-/// The input is measured without error that matters, the residuals of a right model are sensor noise, and what
-/// drives the input does not depend on that noise. Intervals allow for coloured residuals (they are taken from
-/// sums of scores over blocks of half a second), not for bias.
+/// The residuals of a complete model are sensor noise, and the input does not depend on that noise. Noise of the inputs is estimated
+/// with it. Intervals allow for coloured residuals (they come from sums of scores over blocks of 0.5 s), not for bias.
 ///
 /// # Breaks when
-/// The recording was made in a closed loop and unmodelled disturbances matter: then the input is correlated with
-/// them. Model the loop (a servo) and feed its reference instead.
+/// The recording was made in a closed loop with unmodelled disturbances: the input is correlated with
+/// them. Model the loop (a servo) and use its reference as the input.
 ///
 /// # Errors
 /// When a recording cannot be read, or the model overflows at its start values. Not converging is no error: see
@@ -54,8 +53,8 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     report::identification(&cleaned, descent, &starts, clock)
 }
 
-/// Estimates and intervals at a fit that a comparison of models came to (`at`, of the problem's model), under its noise model: covariance at an
-/// existing optimum, without refitting. Only start states are fitted.
+/// Estimates and intervals at an existing optimum (`at`, of the problem's model) under a given noise model, without refitting. Only
+/// nuisance parameters are fitted.
 ///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.
@@ -71,14 +70,14 @@ pub fn at_minimum(
     let found =
         with_nuisance_fitted(&blind, point, noise.weights(&blind, &at.values))?.ok_or_else(diverged)?;
     let end = if problem.options.watch.stops() { End::Interrupted } else { End::Converged };
-    // Sensitivities hold input noise, whatever else the residuals hold: it counts by its share of them.
+    // The correction for regressor noise needs the share of input noise in the residuals.
     let inputs = noise.levels().inputs.iter().map(|std| std / noise.excess().max(1.0).sqrt());
     let weights = Weights { input_std: inputs.collect(), ..noise.weights(problem, &at.values) };
     report::identification(problem, Descent { weights, end, ..found }, &[], clock)
 }
 
-/// How well a model with given parameter values (SI, all of them) predicts recordings, running free from the measured
-/// input; only what is local to a recording (start state, offsets) is fitted to it.
+/// Fit of a model at given parameter values (SI, one per parameter of the model), simulated from the measured inputs. Only start states and
+/// offsets are fitted.
 ///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.

@@ -1,7 +1,7 @@
 //! Least squares in square-root form: rows go in, a triangular factor stays.
 //!
-//! Columns are [local | global | residual]. Local unknowns (start state, offsets) matter to one segment of data
-//! only; what the factor says of the global ones after eliminating them is its lower right corner. Blocks are
+//! Columns are [nuisance | free | residual]. Nuisance parameters (start state, offsets) belong to one segment; after their elimination
+//! the factor of the free parameters is the lower right corner. Blocks are
 //! folded in one after the other by orthogonal transformations, so the condition number is never squared
 //! (as it would be in normal equations) and memory is one block.
 
@@ -12,10 +12,10 @@ use crate::optimiser::householder::{self, LANES};
 /// Rows folded at a time: with a few columns they fit the first cache.
 const BLOCK_ROWS: usize = 384;
 
-/// Collects rows of one segment.
+/// Accumulates rows of one segment into a triangular factor.
 pub(crate) struct QrAccumulator {
     columns: usize,
-    /// The factor so far, one column after another.
+    /// The factor so far, by column.
     factor: Vec<f64>,
     /// Rows not folded yet, [`BLOCK_ROWS`] values from column to column.
     rows: Vec<f64>,
@@ -63,23 +63,22 @@ impl QrAccumulator {
     }
 }
 
-/// Eliminates the first `count` columns of `rows` by reflections and returns the row that holds each one's pivot. A column
-/// whose remainder `shows` (its index, remainder, whole length) calls nothing is skipped and uses up no row: what its row would have
-/// held stays with the columns to come. The rows after the last pivot are what is left for those.
+/// Eliminates the first `count` columns of `rows` by reflections and returns the row of each pivot. A column for which `is_determined`
+/// (index, norm after elimination, norm before) is false is skipped and uses no row, so that its part stays in the following columns.
+/// The rows after the last pivot belong to these.
 ///
-/// [`QrAccumulator`] gives every column a row, a dependent one a row of rounding; so this walks over the finished factor once
-/// more.
+/// [`QrAccumulator`] gives every column a row, a dependent one a row of rounding errors; so this passes over the finished factor once more.
 pub(crate) fn eliminate(
     rows: &mut Mat<f64>,
     count: usize,
-    shows: impl Fn(usize, f64, f64) -> bool,
+    is_determined: impl Fn(usize, f64, f64) -> bool,
 ) -> Vec<Option<usize>> {
     let (height, width) = rows.shape();
     let mut row = 0;
     let mut pivots = Vec::with_capacity(count);
     for column in 0..count {
         let remainder = rows.col(column).subrows(row, height - row).norm_l2();
-        if !shows(column, remainder, rows.col(column).norm_l2()) {
+        if !is_determined(column, remainder, rows.col(column).norm_l2()) {
             (row..height).for_each(|i| rows[(i, column)] = 0.0);
             pivots.push(None);
             continue;
@@ -99,7 +98,7 @@ pub(crate) fn eliminate(
     pivots
 }
 
-/// Lengths of the first `count` columns, to divide by: 1 for a column that is nothing.
+/// Norms of the first `count` columns; 1 for a zero column.
 pub(crate) fn lengths(factor: MatRef<'_, f64>, count: usize) -> Vec<f64> {
     let lengths = (0..count).map(|j| factor.col(j).norm_l2());
     lengths.map(|length| if length > 1e-100 { length } else { 1.0 }).collect()

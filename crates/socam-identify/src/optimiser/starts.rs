@@ -1,4 +1,4 @@
-//! Several starts: the file's values and random ones compete on a part of the data.
+//! Several starts: the file's values and random ones are fitted to a part of the data, and the best goes on.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -20,12 +20,13 @@ use crate::{
     progress::Stage,
 };
 
-/// Residuals of so many times a known noise are plausible: an input's noise adds to them.
+/// Ratio of residuals to known output noise that counts as noise: noise of the inputs adds to them.
 pub(crate) const PLAUSIBLE: f64 = 1.5;
 
-/// Samples per recording, and recordings, on which starts compete.
+/// Samples of each segment to which starts are fitted.
 pub(crate) const START_ROWS: u64 = 4000;
 
+/// Number of segments to which starts are fitted.
 pub(crate) const START_SEGMENTS: usize = 4;
 
 /// What one start reached.
@@ -33,8 +34,8 @@ pub(crate) struct StartResult {
     pub(crate) cost: f64,
 }
 
-/// Lets the file's values and spread ones compete on a part of the data; the best goes on to all of it. Where the file's values lead to
-/// a fit that leaves no more than noise, there is no better one to be found.
+/// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
+/// fit that leaves only noise, no other start is tried. The cost of each start is added to `starts`.
 pub(crate) fn best_start(
     problem: &Problem<'_>,
     starts: &mut Vec<StartResult>,
@@ -49,7 +50,7 @@ pub(crate) fn best_start(
     }
     let runs = problem.segments.iter().filter(|segment| segment.begins_run());
     let short = Problem {
-        segments: runs.take(START_SEGMENTS).map(|s| feed_head(s, START_ROWS)).collect(),
+        segments: runs.take(START_SEGMENTS).map(|s| head(s, START_ROWS)).collect(),
         model: problem.model,
         datasets: problem.datasets,
         free: problem.free.clone(),
@@ -89,7 +90,7 @@ pub(crate) fn best_start(
     with_nuisance(best.map_or(first, |(_, values)| values))
 }
 
-/// Whether a descent ended in a fit that leaves no more of any channel than its noise can be.
+/// Whether a descent converged to a fit whose residuals can be noise in every channel.
 pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
     let most = match &problem.options.noise {
         Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
@@ -104,14 +105,14 @@ pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<b
     Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
 }
 
-pub(crate) fn feed_head(
+pub(crate) fn head(
     segment: &crate::preprocessing::segments::Segment,
     rows: u64,
 ) -> crate::preprocessing::segments::Segment {
     crate::preprocessing::segments::Segment { rows: segment.rows.min(rows), ..segment.clone() }
 }
 
-/// Values spread by factors of up to three where the sign is known, within bounds.
+/// Random values: factors of 1/3 to 3 on parameters that cannot change sign, within bounds.
 pub(crate) fn spread(problem: &Problem<'_>, values: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut spread = values.to_vec();
     for index in &problem.free {

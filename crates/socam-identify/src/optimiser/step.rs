@@ -1,4 +1,5 @@
-//! One step of a descent: within bounds and constraints by a quadratic programme, along the coordinates in which it is straight.
+//! One step of a descent: damped least squares, or a quadratic programme where bounds and constraints are active; compliances instead of
+//! stiffnesses for springs in series.
 
 use clarabel::{
     algebra::CscMatrix,
@@ -13,8 +14,8 @@ use crate::{
     uncertainty::combinations,
 };
 
-/// What the linear picture promises to gain by a step in scaled parameters.
-pub(crate) fn promised_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
+/// Decrease of the cost by a step in scaled parameters that the linearisation predicts.
+pub(crate) fn predicted_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
     let free = step.len();
     let row = |i: usize| {
         let change: f64 = (i..free).map(|j| factor[(i, j)] * step[j]).sum();
@@ -23,7 +24,7 @@ pub(crate) fn promised_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
     (0..free).map(row).sum()
 }
 
-/// The point after a step, local unknowns following, and going so large a share of the way to where residuals want them.
+/// The point after a step of the free parameters. Nuisance parameters follow, and take `share` of their own Gauss-Newton step.
 pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f64) -> Point {
     let mut point = at.point.clone();
     for (j, index) in problem.free.iter().enumerate() {
@@ -31,7 +32,7 @@ pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f6
             continue;
         }
         let bounds = problem.model.parameters[*index].bounds;
-        let moved = curve(problem, *index).along(point.values[*index], step[j] * at.weights.scales[j]);
+        let moved = coordinate(problem, *index).along(point.values[*index], step[j] * at.weights.scales[j]);
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
     carry_dampings(problem, at, step, &mut point.values);
@@ -46,8 +47,8 @@ pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f6
     point
 }
 
-/// What compliances 1/k are for stiffness in a row, c/k^2 is for damping: it adds. So a spring whose stiffness moves takes
-/// its damping along such that the steps of c/k^2 are straight.
+/// Damping of springs in series: their compliances 1/k add, and so do their terms c/k^2. A spring whose stiffness moves takes its damping
+/// along such that steps are linear in c/k^2.
 fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mut [f64]) {
     let change = |index: usize| {
         let position = problem.free.iter().position(|free| *free == index)?;
@@ -55,7 +56,7 @@ fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mu
     };
     for spring in &problem.model.springs {
         let Some(damping) = spring.damping else { continue };
-        let straight = curve(problem, spring.stiffness) == Reparametrisation::Straight;
+        let straight = coordinate(problem, spring.stiffness) == Reparametrisation::Straight;
         let (Some(stiffer), Some(more), false) = (change(spring.stiffness), change(damping), straight) else {
             continue;
         };
@@ -66,19 +67,19 @@ fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mu
     }
 }
 
-/// The coordinate in which a parameter's steps are straight.
+/// The coordinate in which steps of a parameter are linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Reparametrisation {
     /// The parameter itself.
     Straight,
-    /// Its inverse: compliances in series add, so what two stiffnesses in a row leave undetermined is a straight line
-    /// in compliances and a hyperbola in stiffnesses, along which straight steps creep.
+    /// Its inverse. The sloppy direction of two stiffnesses in series is a straight line in compliances and a hyperbola in stiffnesses,
+    /// along which linear steps are short.
     Inverse,
 }
 
-pub(crate) fn curve(problem: &Problem<'_>, index: usize) -> Reparametrisation {
+pub(crate) fn coordinate(problem: &Problem<'_>, index: usize) -> Reparametrisation {
     let free = |index: usize| problem.free.contains(&index);
-    // A spring alone has no valley, and its stiffness is the more linear coordinate.
+    // A single spring has no sloppy direction, and the model is more linear in its stiffness.
     let in_series = combinations::pairs(problem.model).any(|(a, b)| {
         (a.stiffness == index || b.stiffness == index) && free(a.stiffness) && free(b.stiffness)
     });
@@ -88,7 +89,7 @@ pub(crate) fn curve(problem: &Problem<'_>, index: usize) -> Reparametrisation {
 }
 
 impl Reparametrisation {
-    /// Where `value` goes when its tangent step is `change`.
+    /// Value after a step whose tangent is `change`.
     fn along(self, value: f64, change: f64) -> f64 {
         match self {
             Self::Straight => value + change,
@@ -96,7 +97,7 @@ impl Reparametrisation {
         }
     }
 
-    /// Ends of an interval whose half in the tangent is `half`: symmetric in the coordinate.
+    /// Ends of an interval that is symmetric in the coordinate; `half` is its half width in the tangent.
     pub(crate) fn interval(self, value: f64, half: f64) -> [f64; 2] {
         match self {
             Self::Straight => [value - half, value + half],
@@ -108,7 +109,7 @@ impl Reparametrisation {
         }
     }
 
-    /// The tangent step that leads from `value` to `target`.
+    /// Tangent step from `value` to `target`.
     fn towards(self, value: f64, target: f64) -> f64 {
         match self {
             Self::Straight => target - value,
@@ -117,7 +118,7 @@ impl Reparametrisation {
     }
 }
 
-/// Step in scaled parameters within bounds, constraints and a factor of ten for what cannot change sign.
+/// Step in scaled parameters within bounds and constraints; parameters that cannot change sign move by a factor of ten at most.
 pub(crate) fn constrained_step(
     problem: &Problem<'_>,
     point: &Point,
@@ -140,8 +141,8 @@ pub(crate) fn constrained_step(
             } else {
                 (f64::NEG_INFINITY, f64::INFINITY)
             };
-            let curve = curve(problem, *index);
-            let limit = |target: f64| curve.towards(value, target) / scale;
+            let coordinate = coordinate(problem, *index);
+            let limit = |target: f64| coordinate.towards(value, target) / scale;
             (limit(bounds.0.max(near.0)), limit(bounds.1.min(near.1)))
         })
         .collect();
@@ -152,7 +153,7 @@ pub(crate) fn constrained_step(
             return Some(step);
         }
     }
-    // The programme squares the condition number; a little more damping is better than no step.
+    // The quadratic programme squares the condition number and may need more damping.
     let dampings = [0.0, 1e-12, 1e-10, 1e-8, 1e-6].map(|least| damping.max(least));
     dampings
         .iter()
@@ -162,7 +163,7 @@ pub(crate) fn constrained_step(
 /// Least squares of [R; sqrt(damping) diag(norms)] step = -[r; 0] by QR.
 fn damped_step(factor: MatRef<'_, f64>, norms: &[f64], damping: f64) -> Vec<f64> {
     let free = norms.len();
-    // In units of each column's norm, so that rank is judged alike for all.
+    // Columns are normalised for the rank decision.
     let matrix = Mat::from_fn(2 * free, free, |i, j| {
         if i < free {
             factor[(i, j)] / norms[j]
@@ -187,7 +188,7 @@ fn quadratic_programme(
     limits: &[(f64, f64)],
 ) -> Option<Vec<f64>> {
     let free = norms.len();
-    // Unknowns z = norm * step: a unit Hessian diagonal, as the solver likes it. The gradient is scaled to one.
+    // Unknowns z = norm * step give a Hessian of unit diagonal. The gradient is scaled to one.
     let hessian = |i: usize, j: usize| {
         let product: f64 = (0..=i.min(j)).map(|k| factor[(k, i)] * factor[(k, j)]).sum();
         product / (norms[i] * norms[j]) + if i == j { damping } else { 0.0 }
@@ -199,7 +200,7 @@ fn quadratic_programme(
     let q: Vec<f64> = gradient.iter().map(|g| g / size).collect();
     let upper: Vec<Vec<f64>> =
         (0..free).map(|i| (0..free).map(|j| if i <= j { hessian(i, j) } else { 0.0 }).collect()).collect();
-    // a z <= b, in units where the gradient is one; equalities stand first, in a cone of their own.
+    // a z <= b in these units; equalities come first, in the zero cone.
     let mut equalities: Vec<(Vec<f64>, f64)> = Vec::new();
     let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
     for (j, (low, high)) in limits.iter().enumerate() {

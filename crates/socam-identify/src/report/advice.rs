@@ -1,4 +1,4 @@
-//! What would settle what the data left open, in sentences for whoever stands at the bench.
+//! Advice: sensors and experiments that would determine what the data left open.
 
 use socam_model::{Model, Spring};
 
@@ -7,7 +7,7 @@ use crate::{
     uncertainty::combinations,
 };
 
-/// One sentence for each reason why parameters have no number; nothing where all have one.
+/// One sentence per reason why parameters are not determined.
 pub(crate) fn advice(model: &Model, estimates: &[ParameterEstimate]) -> Vec<String> {
     let mut open: Vec<usize> = (0..estimates.len())
         .filter(|index| !estimates[*index].identifiable && estimates[*index].source != Source::Fixed)
@@ -52,7 +52,7 @@ fn in_series(model: &Model, a: &Spring, b: &Spring, own: &[usize]) -> String {
     )
 }
 
-/// What a parameter does in the model.
+/// Role of a parameter in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     Stiffness,

@@ -1,11 +1,11 @@
 //! Parameters and combinations with intervals, and which of them the data do not determine.
 
 use faer::MatRef;
-use socam_model::Model;
+use socam_model::{Model, Parameter};
 
 use crate::{
     IdentifyError, evaluation,
-    optimiser::{descent::Descent, factors, nuisance, qr, step::curve},
+    optimiser::{descent::Descent, factors, nuisance, qr, step::coordinate},
     problem::Problem,
     report::{CombinationEstimate, ParameterEstimate, Source},
     uncertainty::{
@@ -14,19 +14,19 @@ use crate::{
     },
 };
 
-/// An estimate counts as determined when its 95 % interval is at most this fraction of it to either side.
-pub(crate) const LARGEST_HALF_WIDTH: f64 = 0.5;
+/// Largest half width of the 95 % interval of a determined estimate, as a fraction of the estimate.
+const LARGEST_HALF_WIDTH: f64 = 0.5;
 
-/// Estimates correlated more than this cannot be told apart.
-pub(crate) const STRONG_CORRELATION: f64 = 0.9;
+/// Correlation above which two estimates cannot be told apart.
+const STRONG_CORRELATION: f64 = 0.9;
 
-/// 95 % quantile of chi-square with one degree of freedom: a cost difference below it may be chance.
-pub(crate) const CHANCE: f64 = 3.84;
+/// 95 % quantile of chi-square with one degree of freedom.
+const CHANCE: f64 = 3.84;
 
-/// An estimate whose whole interval is within this share of what is usual for it is known to be nearly zero.
-pub(crate) const NEARLY_ZERO: f64 = 0.05;
+/// An estimate whose whole interval lies within this share of its usual value is determined as nearly zero.
+const NEARLY_ZERO: f64 = 0.05;
 
-/// Estimates as a fit would report them from this factor over [free parameters, scaled | residual], residuals being white.
+/// Estimates that a fit would report with this factor over [free parameters, scaled | residual] and white residuals.
 pub(crate) fn predicted(
     problem: &Problem<'_>,
     values: &[f64],
@@ -43,8 +43,7 @@ pub(crate) fn predicted(
     (parameters, combinations(problem, values, &uncertainty))
 }
 
-/// Parameters of two springs in a row that can change places without changing what the sensors see by more than chance:
-/// for each parameter that has one, its counterpart.
+/// Pairs of parameters of two springs in series that can change places without a significant change of the residuals.
 pub(crate) fn exchangeable(
     problem: &Problem<'_>,
     descent: &Descent,
@@ -72,79 +71,80 @@ pub(crate) fn exchangeable(
     Ok(found)
 }
 
+/// Estimates of all parameters of the model, in its order, and whether one is at its bound. `swaps_with` has the pairs of [`exchangeable`].
 pub(crate) fn parameter_estimates(
     problem: &Problem<'_>,
     values: &[f64],
     uncertainty: &Uncertainty,
     swaps_with: &[(usize, usize)],
 ) -> (Vec<ParameterEstimate>, bool) {
-    let mut at_bound = false;
+    let mut any_at_bound = false;
     let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
         let value = values[index];
         let Some(j) = problem.free.iter().position(|free| *free == index) else {
-            return ParameterEstimate {
-                name: parameter.name.clone(),
-                value: Some(value),
-                unit: parameter.unit.clone(),
-                std: None,
-                ci95: [None, None],
-                identifiable: false,
-                source: Source::Fixed,
-                determined_with: Vec::new(),
-                note: String::new(),
-            };
+            return fixed(parameter, value);
         };
+        let counterpart = swaps_with.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
         let std = uncertainty.std(&[(j, 1.0)]);
         let half = uncertainty.quantile * std;
         let (low, high) = parameter.bounds;
-        let stuck =
+        let at_bound =
             value <= low + 1e-6 * (value - low).abs().max(low.abs()) || value >= high - 1e-6 * high.abs();
-        at_bound |= stuck;
-        let [from, to] = curve(problem, index).interval(value, half);
-        // Not finite counts as not determined.
+        any_at_bound |= at_bound;
+        let [from, to] = coordinate(problem, index).interval(value, half);
+        // A half width that is not finite fails this comparison.
         let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * value.abs();
         let inside = from >= low && to <= high;
         let zero = low <= 0.0
             && high >= 0.0
             && from.abs().max(to.abs()) <= NEARLY_ZERO * usual(problem.model, values, index);
-        // Not determined if it could as well be what its counterpart is.
-        let counterpart = swaps_with.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
+        // Not determined if the value of its counterpart fits as well.
         let counterpart = counterpart.filter(|other| (values[*other] - value).abs() > half);
-        let identifiable = (zero || narrow && inside && !stuck) && counterpart.is_none();
-        let mut determined_with =
-            if identifiable { Vec::new() } else { strongly_correlated(problem, uncertainty, j) };
-        if let Some(other) = counterpart.map(|other| &problem.model.parameters[other].name)
-            && !determined_with.contains(other)
-        {
-            determined_with.push(other.clone());
-        }
-        let (ci, note) = if identifiable {
-            let note = if zero { "nearly zero beside what is usual for it" } else { "" };
-            ([Some(from.max(low)), Some(to.min(high))], note.into())
-        } else {
-            let ends = [Some(from).filter(|end| *end > low), Some(to).filter(|end| *end < high)];
-            let ends = ends.map(|end| end.filter(|_| narrow && counterpart.is_none()));
-            (ends, why_not(stuck, counterpart.is_some(), half / value.abs(), &determined_with))
-        };
+        let identifiable = (zero || narrow && inside && !at_bound) && counterpart.is_none();
         let prior = parameter.prior.is_some_and(|prior| std > 0.7 * prior.std);
-        ParameterEstimate {
-            name: parameter.name.clone(),
-            value: identifiable.then_some(value),
-            unit: parameter.unit.clone(),
+        let mut estimate = ParameterEstimate {
             std: identifiable.then_some(std),
-            ci95: ci,
+            value: identifiable.then_some(value),
             identifiable,
             source: if prior { Source::Prior } else { Source::Data },
-            determined_with,
-            note,
+            ..fixed(parameter, value)
+        };
+        if identifiable {
+            estimate.ci95 = [Some(from.max(low)), Some(to.min(high))];
+            estimate.note =
+                if zero { "nearly zero beside what is usual for it".into() } else { String::new() };
+        } else {
+            let ends = [Some(from).filter(|end| *end > low), Some(to).filter(|end| *end < high)];
+            estimate.ci95 = ends.map(|end| end.filter(|_| narrow && counterpart.is_none()));
+            let mut correlated = strongly_correlated(problem, uncertainty, j);
+            let name = counterpart.map(|other| problem.model.parameters[other].name.clone());
+            correlated.extend(name.filter(|name| !correlated.contains(name)));
+            estimate.note = why_not(at_bound, counterpart.is_some(), half / value.abs(), &correlated);
+            estimate.determined_with = correlated;
         }
+        estimate
     });
     let estimates = estimates.collect();
-    (estimates, at_bound)
+    (estimates, any_at_bound)
 }
 
-/// What is usual for a parameter: its value in the model file, or the largest of the other parameters of its unit where that is less.
-pub(crate) fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
+/// A parameter that was not estimated.
+fn fixed(parameter: &Parameter, value: f64) -> ParameterEstimate {
+    ParameterEstimate {
+        name: parameter.name.clone(),
+        value: Some(value),
+        unit: parameter.unit.clone(),
+        std: None,
+        ci95: [None, None],
+        identifiable: false,
+        source: Source::Fixed,
+        determined_with: Vec::new(),
+        note: String::new(),
+    }
+}
+
+/// Usual value of a parameter: that of the model file, or the largest of the other parameters of its unit if that is smaller.
+fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
     let own = &model.parameters[index];
     let others = model.parameters.iter().zip(values).enumerate();
     let others = others.filter(|(other, (parameter, _))| *other != index && parameter.unit == own.unit);
@@ -152,14 +152,15 @@ pub(crate) fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
     if largest > 0.0 { own.value.abs().min(largest) } else { own.value.abs() }
 }
 
-pub(crate) fn strongly_correlated(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {
+/// Names of the parameters that are strongly correlated with free parameter `j`.
+fn strongly_correlated(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usize) -> Vec<String> {
     let std = |i: usize| uncertainty.std(&[(i, 1.0)]);
     let others = (0..problem.free.len())
         .filter(|i| *i != j && uncertainty.covariance(*i, j).abs() > STRONG_CORRELATION * std(*i) * std(j));
     others.map(|i| problem.model.parameters[problem.free[i]].name.clone()).collect()
 }
 
-pub(crate) fn why_not(stuck: bool, swaps: bool, relative: f64, strongly_correlated: &[String]) -> String {
+fn why_not(stuck: bool, swaps: bool, relative: f64, strongly_correlated: &[String]) -> String {
     let reason = if swaps {
         "two springs in a row can change places and no sensor sees it".into()
     } else if stuck {

@@ -1,4 +1,4 @@
-//! Whether what is assumed of an input between its samples moves the answer, and whether the recordings contradict it.
+//! Check of the intersample assumption: whether another one moves an estimate out of its interval, and whether the recordings contradict it.
 
 use socam_model::{Channel, Intersample, Take};
 
@@ -9,28 +9,28 @@ use crate::{
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
         descent::{self, Descent},
-        step::{constrained_step, promised_gain},
+        step::{constrained_step, predicted_gain},
     },
     problem::sample_times,
     progress::Stage,
     report::ParameterEstimate,
 };
 
-/// Difference of two deviances from which on the recordings are taken to tell two assumptions apart.
+/// Difference of two deviances above which the recordings distinguish two assumptions.
 const TOLD_APART: f64 = 10.0;
-/// The linear picture decides only where it is so many times clearer than that.
+/// The linearised deviance decides alone where it exceeds [`TOLD_APART`] this many times.
 const CLEARLY: f64 = 10.0;
-/// Moves of an estimate are told from this share of its interval's half-width on.
+/// Smallest move of an estimate that is reported, in half widths of its interval.
 const LEAST_MOVE: f64 = 1.0;
-/// Damping of the one step that says where the other assumption leads.
+/// Damping of the one step to the estimates under the other assumption.
 const DAMPING: f64 = 1e-9;
-/// Iterations of the descent that makes sure of it.
+/// Iterations of the descent that confirms it.
 const ITERATIONS: usize = 8;
-/// CandidateScore at which that ends.
+/// Tolerance of that descent.
 const TOLERANCE: f64 = 0.1;
 
-/// One sentence for each input whose assumption moves a determined parameter out of its interval, unless the recordings contradict
-/// the other assumption.
+/// One sentence per input whose assumption moves a determined parameter out of its interval, unless the recordings contradict the other
+/// assumption.
 pub(crate) fn warnings(
     problem: &Problem<'_>,
     descent: &Descent,
@@ -48,7 +48,7 @@ pub(crate) fn warnings(
     Ok(found)
 }
 
-/// What else an input may do between its samples.
+/// Other intersample assumptions that are possible for a channel.
 fn others(channel: &Channel, kind: Intersample) -> &'static [Intersample] {
     if channel.quantity.is_clock() || matches!(channel.take, Take::Cos(_) | Take::Sin(_)) {
         return &[];
@@ -59,18 +59,18 @@ fn others(channel: &Channel, kind: Intersample) -> &'static [Intersample] {
     }
 }
 
-/// An assumption that is not made, but moves the answer.
+/// An assumption that was not made and moves an estimate.
 struct Alternative {
     kind: Intersample,
-    /// Of it, less that of the assumption that is made.
+    /// Its deviance minus that of the assumption made.
     deviance: f64,
-    /// The parameter that it moves furthest, and how far: in half-widths of its interval.
+    /// The parameter that it moves most, and the move in half widths of its interval.
     parameter: String,
     moved: f64,
 }
 
 impl Alternative {
-    /// `None` where it moves nothing, or the recordings contradict it.
+    /// `None` where it moves no estimate, or the recordings contradict it.
     fn new(
         problem: &Problem<'_>,
         descent: &Descent,
@@ -85,15 +85,15 @@ impl Alternative {
         let step = constrained_step(&other, &descent.point, weights, factor.as_ref(), DAMPING);
         let Some(step) = step else { return Ok(None) };
         let unit = descent.misfit().max(1.0);
-        let nuisance: f64 = evaluated.iter().map(nuisance::promised_by_nuisance).sum();
+        let nuisance: f64 = evaluated.iter().map(nuisance::predicted_decrease).sum();
         let levels = weights.levels();
         let sizes = log_determinant(&other, &descent.point, &levels)
             - log_determinant(problem, &descent.point, &levels);
         let own = evaluation::squares(&descent.evaluated);
-        let promised = evaluation::squares(&evaluated) - nuisance - promised_gain(factor.as_ref(), &step);
+        let predicted = evaluation::squares(&evaluated) - nuisance - predicted_gain(factor.as_ref(), &step);
         let moves = |j: usize| step[j] * weights.scales[j];
         let (_, moved) = furthest(problem, parameters, moves);
-        if moved < LEAST_MOVE || (promised - own) / unit + sizes > CLEARLY * TOLD_APART {
+        if moved < LEAST_MOVE || (predicted - own) / unit + sizes > CLEARLY * TOLD_APART {
             return Ok(None);
         }
         let stage = Stage::Intervals;
@@ -128,7 +128,7 @@ impl Alternative {
     }
 }
 
-/// The determined parameter that moves furthest by its interval, and how many half-widths.
+/// The determined parameter with the largest move, and the move in half widths of its interval.
 fn furthest(
     problem: &Problem<'_>,
     parameters: &[ParameterEstimate],

@@ -1,4 +1,4 @@
-//! From the last factor to numbers with intervals, and to what the data do not determine.
+//! The report of a fit: estimates with intervals, what the data do not determine, warnings and advice.
 
 mod advice;
 mod estimates;
@@ -71,7 +71,7 @@ pub(crate) fn identification(
     warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &channels));
     let unexplained = unexplained(problem, &channels, &weights.noise_std)?;
-    // To record more of what the model does not explain would not help.
+    // Further recordings would not help a model that does not explain these.
     let advice = if unexplained.is_some() { Vec::new() } else { advice::advice(problem.model, &parameters) };
     warnings.extend(unexplained);
     warnings.extend(unresolved(results));
@@ -109,7 +109,7 @@ pub(crate) fn identification(
     })
 }
 
-/// By channel name; no level was sought for inputs that no sensor measures.
+/// Noise levels of the inputs by channel name; zero where none was estimated.
 fn input_noise_std(model: &Model, levels: &[f64]) -> Vec<(String, f64)> {
     let levels = levels.iter().copied().chain(std::iter::repeat(0.0));
     model.inputs().zip(levels).map(|(channel, std)| (channel.name.clone(), std)).collect()
@@ -125,7 +125,7 @@ pub(crate) fn fit(model: &Model, channels: &[ChannelSums], noise_std: &[f64]) ->
 }
 
 pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
-    // Nothing was measured: no number is better than a perfect one.
+    // Without measurements the rms is not a number.
     let rms = if sums.count > 0.0 { sums.rms() } else { f64::NAN };
     let spread = sums.spread().max(1e-300);
     let ratio = rms / spread;

@@ -10,15 +10,16 @@ use crate::{
     problem::Problem,
 };
 
-/// A model that misses a channel by so many times its noise, and by such a share of its movement, does not explain it.
+/// Ratio of residual to noise above which a channel is not explained, if [`UNEXPLAINED_SHARE`] is exceeded too.
 pub(crate) const UNEXPLAINED_NOISE: f64 = 10.0;
 
+/// See [`UNEXPLAINED_NOISE`]: ratio of residual to standard deviation of the channel.
 pub(crate) const UNEXPLAINED_SHARE: f64 = 0.2;
 
-/// Share of samples with unresolved steps that is worth a word.
+/// Share of samples with unresolved steps above which there is a warning.
 pub(crate) const MOST_UNRESOLVED: f64 = 1e-4;
 
-/// Outputs that say nothing, in words.
+/// Warnings about outputs without values, or with a constant one.
 pub(crate) fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {
     let dead = model.outputs().zip(channels).filter_map(|(channel, sums)| {
         let name = &channel.name;
@@ -33,7 +34,7 @@ pub(crate) fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<Stri
     dead.collect()
 }
 
-/// Channels of which so much is left that no answer can be relied on, in words.
+/// Warning about channels that the model does not explain.
 pub(crate) fn unexplained(
     problem: &Problem<'_>,
     channels: &[ChannelSums],
@@ -60,7 +61,7 @@ pub(crate) fn unexplained(
     }))
 }
 
-/// Steps that missed their tolerance, if they are more than a few.
+/// Warning about samples whose steps missed their tolerance.
 pub(crate) fn unresolved(results: &[SegmentEvaluation]) -> Option<String> {
     let missed: u64 = results.iter().map(|result| result.unresolved).sum();
     let share = missed as f64 / results.iter().map(|result| result.samples).sum::<f64>();
@@ -72,7 +73,7 @@ pub(crate) fn unresolved(results: &[SegmentEvaluation]) -> Option<String> {
     })
 }
 
-/// Starts that ended in different minima are worth a word.
+/// Warning about starts that ended in different minima.
 pub(crate) fn starts_warning(starts: &[StartResult]) -> Option<String> {
     let best = starts.iter().map(|race| race.cost).fold(f64::INFINITY, f64::min);
     let reached = starts.iter().filter(|race| race.cost < 1.05 * best).count();

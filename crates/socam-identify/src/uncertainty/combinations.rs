@@ -1,7 +1,7 @@
-//! What two springs in a row make together.
+//! Combinations of two springs in series.
 //!
-//! Two springs with nothing but a massless point between them act nearly as one. Its stiffness and damping are what the
-//! rest of the drivetrain feels, and are determined where the springs themselves are not.
+//! Two springs with a massless node between them act nearly as one. Its stiffness and damping are determined where those of the two
+//! springs are not.
 
 use socam_model::{Model, Site, Spring};
 
@@ -26,7 +26,7 @@ pub(crate) fn all(model: &Model, values: &[f64]) -> Vec<Combination> {
     pairs(model).flat_map(each).collect()
 }
 
-/// Pairs of springs that act as one: nothing but a massless point between them, and no force law in either.
+/// Pairs of springs that act as one: a massless node between them, and no force law in either.
 pub fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
     (0..model.nodes.len()).filter_map(|node| pair(model, node))
 }
@@ -65,7 +65,7 @@ fn stiffness(model: &Model, values: &[f64], a: &Spring, b: &Spring) -> Combinati
     }
 }
 
-/// Damping at frequencies where the springs still share the torque as their stiffnesses tell them to.
+/// Damping at frequencies where the twist divides between the springs by their compliances.
 fn damping(model: &Model, values: &[f64], a: &Spring, b: &Spring) -> Option<Combination> {
     let (da, db) = (a.damping?, b.damping?);
     let (ka, kb, ca, cb) = (values[a.stiffness], values[b.stiffness], values[da], values[db]);

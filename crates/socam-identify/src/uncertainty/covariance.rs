@@ -1,4 +1,5 @@
-//! How far estimates may be off: from the last factor, the scores' spread between blocks, and noise in the sensitivities.
+//! Covariance of the estimates: inverse information, sandwich estimate from scores by block, and a correction for noise in the
+//! sensitivities.
 
 use faer::{Mat, MatRef};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -9,26 +10,26 @@ use crate::{
     problem::Problem,
 };
 
-/// Sensitivities hold input noise, which looks like information. Of a direction's information at least this part is kept.
-const LEAST_GENUINE: f64 = 0.02;
+/// Smallest share of a direction's information that the errors-in-variables correction keeps: input noise in the sensitivities looks like
+/// information.
+const LEAST_INFORMATION: f64 = 0.02;
 /// Singular values below this fraction of the largest are taken as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
-/// Covariance W Q W' of the free parameters, SI, kept as factors: along a valley its entries cancel to ten digits and
-/// more, and a sum of products of entries would be noise.
+/// Covariance W Q W' of the free parameters, SI, kept as factors: along a sloppy direction the entries of the product cancel to ten digits
+/// and more.
 pub(crate) struct Uncertainty {
     /// W W' is the inverse information.
     root: Mat<f64>,
-    /// Q is what coloured residuals make of it; the identity for white ones.
+    /// Q, the meat of the sandwich estimate; the identity for white residuals.
     meat: Mat<f64>,
-    /// Turns a standard deviation into half of a 95 % interval.
+    /// Half width of a 95 % interval in standard deviations.
     pub(crate) quantile: f64,
 }
 
 impl Uncertainty {
-    /// Inverse information, and the spread of scores between blocks of data where there are enough of them: their
-    /// ratio to the information is what coloured residuals cost. What input noise adds to the squares of the sensitivities is no
-    /// information, and is taken from them.
+    /// Sandwich estimate from the scores by block, or the inverse information alone where blocks are few. `noise` is the part of
+    /// the squared sensitivities that is input noise; it is subtracted from the information.
     pub(crate) fn new(
         problem: &Problem<'_>,
         point: &evaluation::Point,
@@ -52,15 +53,15 @@ impl Uncertainty {
             let correction = blocks as f64 / (blocks - free) as f64;
             let matrix =
                 |rows: &Vec<Vec<f64>>| Mat::from_fn(rows.len(), free, |i, j| rows[i][j] * correction.sqrt());
-            // Scores in units in which the information is one.
+            // Scores in coordinates of unit information.
             let white: Vec<Mat<f64>> =
                 scores.iter().map(|segment| relative(&matrix(segment)) * &inverse).collect();
             let (spread, lag) = long_run_spread(&white, blocks);
             let prior = relative(&crate::optimiser::factors::prior_rows(problem, point, &weights)) * &inverse;
             let mut meat = spread + prior.transpose() * &prior;
-            // Where there is no information there are no scores either, and their ratio is not nothing.
+            // A direction without information has no scores; its variance ratio is set to one.
             (0..free).filter(|k| !informed[*k]).for_each(|k| meat[(k, k)] = meat[(k, k)].max(1.0));
-            // Every block counts less where it resembles its neighbours.
+            // Correlated blocks count for fewer degrees of freedom.
             (meat, (blocks - free) as f64 / (1.0 + 2.0 * lag as f64 / 3.0))
         } else {
             (Mat::identity(free, free), 1e6)
@@ -70,11 +71,11 @@ impl Uncertainty {
             Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
         let noise = inverse.transpose() * noise * &inverse;
         let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
-        let root = inverse * genuine(&noise);
+        let root = inverse * errors_in_variables(&noise);
         Self { root, meat, quantile }
     }
 
-    /// Where residuals are white, from this factor over [free parameters, scaled | residual].
+    /// Covariance for white residuals, from a factor over [free parameters, scaled | residual].
     pub(crate) fn white(problem: &Problem<'_>, values: &[f64], factor: &Mat<f64>, scales: &[f64]) -> Self {
         let free = problem.free.len();
         let sizes = sizes(problem, values, scales);
@@ -89,15 +90,15 @@ impl Uncertainty {
         }
     }
 
-    /// Standard deviation of sum of sensitivity * free parameter.
+    /// Standard deviation of a linear combination of free parameters, given as (index, coefficient).
     pub(crate) fn std(&self, sensitivities: &[(usize, f64)]) -> f64 {
         let white = self.whitened(sensitivities);
         let variance = self.product(&white, &white);
-        // Rounding may leave a little less than nothing; not a number means that the sums overflowed.
+        // Rounding may give a small negative variance; NaN means overflow.
         if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
     }
 
-    /// No knowledge at all.
+    /// Covariance without any information.
     fn unknown(free: usize) -> Self {
         let root = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
         Self { root, meat: Mat::identity(free, free), quantile: 1.96 }
@@ -121,7 +122,7 @@ impl Uncertainty {
     }
 }
 
-/// Units in which steps of the free parameters are parts of their present size; their scales where they are nothing.
+/// Present magnitude of each free parameter; its scale where that is zero.
 fn sizes(problem: &Problem<'_>, values: &[f64], scales: &[f64]) -> Vec<f64> {
     let size = |(index, scale): (&usize, &f64)| match values[*index].abs() {
         0.0 => *scale,
@@ -130,11 +131,11 @@ fn sizes(problem: &Problem<'_>, values: &[f64], scales: &[f64]) -> Vec<f64> {
     problem.free.iter().zip(scales).map(size).collect()
 }
 
-/// Directions of the parameters by what the data say of them.
+/// Parameter directions ordered by their information.
 struct Directions {
-    /// Its columns: steps that move the residuals by one.
+    /// Columns are steps that change the residuals by one.
     inverse: Mat<f64>,
-    /// Whether the data say anything of each.
+    /// Whether each direction has information.
     informed: Vec<bool>,
 }
 
@@ -151,20 +152,20 @@ impl Directions {
     }
 }
 
-/// (I - noise)^-1, where `noise` is what input noise has of an information that is one.
-fn genuine(noise: &Mat<f64>) -> Mat<f64> {
+/// Errors-in-variables correction (I - noise)^-1, where `noise` is the share of input noise in a unit information.
+fn errors_in_variables(noise: &Mat<f64>) -> Mat<f64> {
     let size = noise.nrows();
     let identity = || Mat::<f64>::identity(size, size);
     let Ok(decomposed) = noise.self_adjoint_eigen(faer::Side::Lower) else { return identity() };
     let (vectors, values) = (decomposed.U(), decomposed.S());
     let stretched =
-        Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_GENUINE, 1.0));
+        Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_INFORMATION, 1.0));
     stretched * vectors.transpose()
 }
 
 /// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
-/// the lag that D. W. K. Andrews' rule (Econometrica 59, 1991) takes from the correlation of next neighbours: residuals
-/// of a drifting axis stay alike for seconds, those of a sensor's noise do not.
+/// the lag of D. W. K. Andrews' rule (Econometrica 59, 1991), from the correlation of neighbouring blocks. Residuals of a drifting axis
+/// stay correlated for seconds, those of sensor noise do not.
 fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
     let lagged = |lag: usize| {
         let free = white[0].ncols();
@@ -200,7 +201,7 @@ pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
     &root * root.transpose()
 }
 
-/// Scores of the free parameters after the local unknowns have followed: g - A' g_local, A = R_ll⁻¹ R_lg.
+/// Scores of the free parameters after elimination of the nuisance parameters: g - A' g_nuisance, A = R_nn⁻¹ R_ng.
 fn profiled_scores(result: &SegmentEvaluation, free: usize) -> Vec<Vec<f64>> {
     let follow = nuisance_sensitivities(result, free);
     let each = result.scores.iter().map(|score| {
@@ -211,7 +212,7 @@ fn profiled_scores(result: &SegmentEvaluation, free: usize) -> Vec<Vec<f64>> {
     each.collect()
 }
 
-/// How far local unknowns move per free parameter, with the sign of R_ll⁻¹ R_lg.
+/// Sensitivities of the nuisance parameters with respect to the free ones, with the sign of R_nn⁻¹ R_ng.
 pub(crate) fn nuisance_sensitivities(result: &SegmentEvaluation, free: usize) -> Mat<f64> {
     let count = result.nuisance();
     let columns: Vec<Vec<f64>> =

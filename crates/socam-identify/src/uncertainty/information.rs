@@ -1,4 +1,4 @@
-//! What recordings will say, before anything is fitted: intervals, and how well another model could imitate them.
+//! Fisher information of recordings that are not made yet: intervals of a fit, and how well another model could imitate them.
 
 use faer::Mat;
 
@@ -11,11 +11,11 @@ use crate::{
     report,
 };
 
-/// What a problem's recordings say of its free parameters at given values, start states and offsets left free.
+/// Fisher information of the free parameters at given values, with nuisance parameters eliminated.
 ///
 /// # Assumes
-/// Recordings without noise, as a simulation yields them: noise in an input would look like information. The noise that real
-/// ones will have is given by its levels.
+/// Recordings without noise, from a simulation: noise in an input would look like information. The noise of real recordings is given by its
+/// levels.
 #[derive(Debug, Clone)]
 pub struct Information {
     /// Triangular factor over [free parameters, scaled | residual], in noise units.
@@ -24,7 +24,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of all recordings of a problem; `None` where the model overflows there.
+    /// Information of all recordings of a problem; `None` where the model overflows.
     ///
     /// # Errors
     /// When a recording cannot be read, or the equations cannot be formed.
@@ -42,15 +42,15 @@ impl Information {
         Ok(Some(Self { factor: qr::join(corners, problem.free.len() + 1), scales }))
     }
 
-    /// What both say together; of the same model at the same values.
+    /// Sum of two informations of the same model at the same values.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         let both = [self.factor.as_ref(), other.factor.as_ref()];
         Self { factor: qr::join(both.into_iter(), self.factor.ncols()), scales: self.scales.clone() }
     }
 
-    /// Sum of squares, in noise units, that no small change of the free parameters takes away: nothing where the model made the
-    /// recordings itself, and what tells it apart where another one did.
+    /// Sum of squares, in noise units, that no small change of the free parameters removes: zero for recordings of this model; for those
+    /// of another one, what distinguishes the two.
     #[must_use]
     pub fn left(&self) -> f64 {
         let free = self.scales.len();

@@ -1,4 +1,4 @@
-//! How far the estimates hang on single recordings: what noise cannot explain there is a law that the bench does not quite obey.
+//! Intervals clustered by recording (CV3, the jackknife): differences between recordings that noise does not explain are model error.
 
 use faer::{Mat, Side};
 use socam_model::Model;
@@ -12,21 +12,20 @@ use crate::{
     problem::Problem,
 };
 
-/// Recordings from which on their differences say something.
+/// Smallest number of recordings for an estimate.
 const LEAST_RECORDINGS: usize = 3;
 /// Singular values below this fraction of the largest are truncated.
 const LEAST_WEIGHT: f64 = 1e-6;
-/// What the other recordings say of a direction counts as no less than this share of what all do: what one alone says is not judged by
-/// the others.
+/// Smallest share of a direction's information that the other recordings are taken to hold. A direction that one recording alone determines
+/// cannot be checked against the others.
 const LEAST_LEFT: f64 = 0.1;
 
-/// Half widths of 95 % intervals, by parameter of the model (SI; zero for those that are fixed), from how strongly each recording
-/// pulls at a fit (`at`, made with `model`): residuals may be alike within a recording in any way, and laws may differ from one to
-/// the next. `None` where there are too few recordings to say.
+/// Half widths of 95 % intervals by parameter of the model (SI; zero for fixed ones), from the score of each recording at a fit (`at`, made
+/// with `model`). Residuals may be correlated within a recording in any way. `None` with too few recordings.
 ///
-/// The sandwich estimate clustered by recording, each pull as it were without that recording (the jackknife, CV3), and Student's t
-/// of m-1 degrees of freedom (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It knows nothing of a parameter
-/// on which one recording only has a say, and misses what is wrong in all recordings alike.
+/// The sandwich estimate clustered by recording with leave-one-out scores (the jackknife, CV3) and Student's t of m-1 degrees of freedom
+/// (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It says nothing of a parameter that one recording alone
+/// determines, and misses errors that are the same in all recordings.
 ///
 /// # Errors
 /// When a recording cannot be read.
@@ -43,12 +42,12 @@ pub fn half_widths(
     let Some(fit) = Sensitivities::at(problem, noise_model, model, at)? else { return Ok(None) };
     let Sensitivities { evaluated, root, weights } = &fit;
     let free = problem.free.len();
-    let mut pulls = Mat::<f64>::zeros(free, recordings);
+    let mut scores = Mat::<f64>::zeros(free, recordings);
     for (segment, result) in problem.segments.iter().zip(evaluated) {
-        add_pull(result, free, pulls.as_mut().col_mut(segment.recording));
+        add_score(result, free, scores.as_mut().col_mut(segment.recording));
     }
-    let mut apart = root.transpose() * &pulls;
-    for (recording, mut pull) in apart.col_iter_mut().enumerate() {
+    let mut apart = root.transpose() * &scores;
+    for (recording, mut score) in apart.col_iter_mut().enumerate() {
         let own =
             problem.segments.iter().zip(evaluated).filter(|(segment, _)| segment.recording == recording);
         let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
@@ -57,9 +56,9 @@ pub fn half_widths(
             share + sensitivities.transpose() * &sensitivities
         });
         let Ok(eigen) = share.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
-        let along = eigen.U().transpose() * &pull;
+        let along = eigen.U().transpose() * &score;
         let without = Mat::from_fn(root.ncols(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
-        pull.copy_from((eigen.U() * without).col(0));
+        score.copy_from((eigen.U() * without).col(0));
     }
     let steps = root * apart;
     let m = recordings as f64;
@@ -102,11 +101,11 @@ impl Sensitivities {
     }
 }
 
-/// Sensitivities times residuals of a segment, its local unknowns following.
-fn add_pull(result: &SegmentEvaluation, free: usize, mut pull: faer::ColMut<'_, f64>) {
+/// Adds the score of a segment after elimination of its nuisance parameters.
+fn add_score(result: &SegmentEvaluation, free: usize, mut score: faer::ColMut<'_, f64>) {
     let schur_complement = result.schur_complement();
     for j in 0..free {
-        pull[j] += (0..schur_complement.nrows())
+        score[j] += (0..schur_complement.nrows())
             .map(|i| schur_complement[(i, j)] * schur_complement[(i, free)])
             .sum::<f64>();
     }
