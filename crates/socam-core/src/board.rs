@@ -1,72 +1,22 @@
-//! The board: everything that happens at a tick and on a request, whatever the hardware.
+//! The board: what it does at a tick and on a request, on any hardware.
+
+mod requests;
 
 use crate::config::{Config, MAX_CHANNELS};
 use crate::fixed;
+use crate::ports::{ConverterSilent, Ports};
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
 use crate::safety::{State, Watch};
 use crate::schedule::Schedule;
+use crate::status::Status;
 use crate::velocity::SpeedLoop;
-use crate::{Fault, Flags, Refusal, Request, Sample};
-
-/// A converter did not answer within its time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ConverterSilent;
-
-/// The hardware, as little of it as there is. Every call must return within a bounded time, far below one sampling period:
-/// a converter that does not answer is an error, never a wait.
-pub trait Ports {
-    /// Microseconds since power-on; never goes back.
-    fn now_us(&mut self) -> u64;
-
-    /// Reads one count per entry of `counts`, in channel order.
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent>;
-
-    /// Writes the command output, in signed counts around 0 V.
-    fn write(&mut self, count: i16) -> Result<(), ConverterSilent>;
-
-    /// Sets the drive's enable line.
-    fn enable(&mut self, on: bool);
-
-    /// Whether the emergency stop at the bench is pressed. Benches without one leave this as it is.
-    fn emergency_stop(&mut self) -> bool {
-        false
-    }
-
-    /// Whether the cable to the host is unplugged, where the board can tell.
-    fn cable_pulled(&mut self) -> bool {
-        false
-    }
-}
-
-/// What a board tells about itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Status {
-    /// What the board is doing.
-    pub state: State,
-    /// Why the output was cut, while `state` is [`State::Fault`].
-    pub fault: Option<Fault>,
-    /// The latest tick, see [`Sample::tick`].
-    pub tick: u32,
-    /// Ticks missed since power-on.
-    pub overruns: u32,
-    /// Samples that found the ring full since power-on.
-    pub dropped: u32,
-    /// Samples on which a limit changed what the profile asked for, since the latest run began.
-    pub limited: u32,
-    /// Time between two ticks.
-    pub sample_period_us: u32,
-    /// Whether a profile is loaded.
-    pub profile_loaded: bool,
-    /// Whether samples are being streamed.
-    pub streaming: bool,
-}
+use crate::{Fault, Flags, Sample};
 
 /// A board with hardware `P` and a ring of `N` samples to its sender.
 ///
-/// The sampling interrupt calls [`tick`](Self::tick) once per period; the sender calls [`handle`](Self::handle) with what the
-/// host asks. Both need exclusive access for microseconds only. After a granted [`Request::Configure`] the caller sets its timer
+/// The sampling interrupt calls [`tick`](Self::tick) once per period; the sender calls [`handle`](Self::handle) with the
+/// host's requests. Both need exclusive access for microseconds only. After a granted [`Request::Configure`](crate::Request::Configure) the caller sets its timer
 /// to the new [`Config::sample_period_us`].
 #[derive(Debug)]
 pub struct Board<'r, P, const N: usize> {
@@ -79,12 +29,12 @@ pub struct Board<'r, P, const N: usize> {
     watch: Watch,
     loaded: Option<Profile>,
     generator: Option<Generator>,
-    /// The next setpoint, where it was worked out ahead.
+    /// The next setpoint, where [`prepare`](Self::prepare) has computed it.
     ahead: Option<Setpoint>,
     speed_loop: SpeedLoop,
-    /// The command in force.
+    /// The present command.
     output_uv: i32,
-    /// When the host was last heard.
+    /// Time of the host's last request.
     heard_us: u64,
     limited: u32,
     streaming: bool,
@@ -96,7 +46,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     pub fn new(mut ports: P, samples: Producer<'r, N>) -> Self {
         let config = Config::default();
         ports.enable(false);
-        // Should the output not answer now, the first tick finds out and latches it.
+        // If the output does not answer now, the first tick latches the fault.
         let _ = ports.write(0);
         let heard_us = ports.now_us();
         Self {
@@ -119,8 +69,8 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
     }
 
-    /// Latches a cause from before the board was there, such as a reset by the watchdog: it is told to the host, and has to be
-    /// cleared like any other. The first cause stays.
+    /// Latches a fault from before the board's start, such as a reset by the watchdog. It is reported and cleared like any other; the
+    /// first fault stays.
     pub fn latch(&mut self, cause: Fault) {
         self.cut(cause);
         self.drive();
@@ -169,48 +119,11 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
     }
 
-    /// Works out the next setpoint ahead of its tick: for a board that has more time before a tick than in it. Samples are the same
-    /// with and without, but for a stop that is asked for afterwards: it begins a sample later.
+    /// Computes the next setpoint before its tick, for a board that has more time between ticks than in one. Samples are the same
+    /// without it, except that a stop requested afterwards begins a sample later.
     pub fn prepare(&mut self) {
         if self.state.is_live() && self.ahead.is_none() {
             self.ahead = self.generator.as_mut().map(Generator::step);
-        }
-    }
-
-    /// Does what the host asks, or says why not.
-    pub fn handle(&mut self, request: Request) -> Result<(), Refusal> {
-        self.heard_us = self.ports.now_us();
-        match request {
-            Request::Heartbeat => Ok(()),
-            Request::Stream(on) => {
-                self.streaming = on;
-                self.seq = 0;
-                Ok(())
-            }
-            Request::EmergencyStop => {
-                self.cut(Fault::EmergencyStop);
-                self.drive();
-                Ok(())
-            }
-            Request::Stop => {
-                match self.state {
-                    State::Armed => self.state = State::Idle,
-                    State::Running => self.stop(),
-                    State::Idle | State::Stopping | State::Fault => {}
-                }
-                Ok(())
-            }
-            Request::ClearFault => {
-                if self.state == State::Fault {
-                    self.state = State::Idle;
-                    self.fault = None;
-                }
-                Ok(())
-            }
-            Request::Configure(config) => self.configure(config),
-            Request::Load(profile) => self.load(profile),
-            Request::Arm => self.arm(),
-            Request::Run => self.run(),
         }
     }
 
@@ -229,7 +142,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
     }
 
-    /// The configuration in force.
+    /// The present configuration.
     pub fn config(&self) -> &Config {
         &self.config
     }
@@ -237,56 +150,6 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     /// The hardware, for a caller that also owns its other end (a simulated plant, a test).
     pub fn ports_mut(&mut self) -> &mut P {
         &mut self.ports
-    }
-
-    fn expect(&self, needs: State) -> Result<(), Refusal> {
-        match self.fault {
-            Some(fault) => Err(Refusal::Faulted(fault)),
-            None if self.state == needs => Ok(()),
-            None => Err(Refusal::WrongState { state: self.state, needs }),
-        }
-    }
-
-    fn configure(&mut self, config: Config) -> Result<(), Refusal> {
-        self.expect(State::Idle)?;
-        config.check()?;
-        self.schedule.set_period(config.sample_period_us);
-        self.config = config;
-        self.loaded = None;
-        Ok(())
-    }
-
-    fn load(&mut self, profile: Profile) -> Result<(), Refusal> {
-        self.expect(State::Idle)?;
-        self.loaded = None;
-        Generator::new(&profile, self.config.sample_period_us)?;
-        self.loaded = Some(profile);
-        Ok(())
-    }
-
-    fn arm(&mut self) -> Result<(), Refusal> {
-        self.expect(State::Idle)?;
-        let profile = self.loaded.ok_or(Refusal::NoProfile)?;
-        self.generator = Some(Generator::new(&profile, self.config.sample_period_us)?);
-        self.ahead = None;
-        self.speed_loop = SpeedLoop::new(&self.config.speed, self.config.sample_period_us);
-        self.watch = Watch::new(&self.config);
-        self.limited = 0;
-        self.state = State::Armed;
-        Ok(())
-    }
-
-    fn run(&mut self) -> Result<(), Refusal> {
-        self.expect(State::Armed)?;
-        self.state = State::Running;
-        Ok(())
-    }
-
-    fn stop(&mut self) {
-        self.state = State::Stopping;
-        if let Some(generator) = &mut self.generator {
-            generator.stop();
-        }
     }
 
     /// The reason to cut the output now, if there is one.
@@ -306,7 +169,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.watch.check(&self.config, counts, self.output_uv)
     }
 
-    /// Into the fault state; the first cause stays. The caller drives the output afterwards.
+    /// Enters the fault state; the first cause stays. The caller drives the output afterwards.
     fn cut(&mut self, cause: Fault) {
         self.state = State::Fault;
         self.fault.get_or_insert(cause);
@@ -314,7 +177,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.ahead = None;
     }
 
-    /// What the profile asks for at this sample, and the end of the run where it is reached.
+    /// The profile's setpoint at this sample; ends the run at its last sample.
     fn setpoint(&mut self) -> Setpoint {
         if !self.state.is_live() {
             return Setpoint::default();
@@ -333,7 +196,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         setpoint
     }
 
-    /// Turns the setpoint into the output voltage; returns whether the clamp changed it.
+    /// Converts the setpoint to the output voltage; returns whether the clamp changed it.
     fn command(&mut self, setpoint: &Setpoint, counts: &[i16; MAX_CHANNELS]) -> bool {
         if !self.state.is_live() {
             self.output_uv = 0;
@@ -359,7 +222,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         clamped
     }
 
-    /// Brings the state to the hardware, at every tick anew. Off: the enable line first, because it acts without a converter.
+    /// Writes output and enable line, at every tick. To switch off, the enable line comes first: it acts without a converter.
     fn drive(&mut self) {
         let live = self.state.is_live();
         if !live {
@@ -371,7 +234,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             Ok(()) if live => self.ports.enable(true),
             Ok(()) => {}
             Err(ConverterSilent) => {
-                // An emergency stop may silence the output converter, and come at any time within a tick.
+                // An emergency stop may cut the output converter's supply at any time within a tick.
                 let is_stopped = self.ports.emergency_stop();
                 self.cut(if is_stopped { Fault::EmergencyStopInput } else { Fault::OutputSilent });
                 self.output_uv = 0;

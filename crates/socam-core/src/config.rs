@@ -1,20 +1,19 @@
-//! What the board must know about the bench: scales, limits, timing. Integers only; made from a calibration on the host.
+//! The bench's configuration on the board: scales, limits, timing. Integers only; the host makes it from a calibration.
 
 use core::fmt;
 
-use crate::scaling::{self, Converter, MotorCalibration, Scale, Sensor};
-use crate::velocity::MotorLine;
+use crate::scaling::{self, Converter, MotorCalibration, MotorLine, Scale, Sensor};
 
 /// Most converter channels that a board can sample.
 pub const MAX_CHANNELS: usize = 8;
 
-/// The bench as the board sees it.
+/// The configuration of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Time between two ticks.
     pub sample_period_us: u32,
-    /// How many of `channels` exist: the converter reads that many.
+    /// Number of `channels` that exist and are read.
     pub channel_count: u8,
     /// The input channels, in the converter's order.
     pub channels: [Channel; MAX_CHANNELS],
@@ -22,14 +21,13 @@ pub struct Config {
     pub output: Output,
     /// How a commanded speed becomes a voltage.
     pub speed: SpeedControl,
-    /// Longest silence of the host while armed, running or stopping.
+    /// Longest time without a request of the host while armed, running or stopping.
     pub host_timeout_us: u32,
-    /// How many samples in a row must break a channel's limit or sit at the converter's rail before it is a fault; 1 trips
-    /// at the first.
+    /// Consecutive samples beyond a channel's limit, or at the converter's rail, that are a fault; 1: the first one is.
     pub confirm_samples: u8,
-    /// A sensor counts as expected to move when the output's magnitude is at least this.
+    /// Magnitude of the output from which the bench is expected to move.
     pub moving_uv: i32,
-    /// How long a sensor that is expected to move may read nothing, see [`Channel::missing_below_micro`].
+    /// Longest time of a missing signal while the bench is expected to move, see [`Channel::missing_below_micro`].
     pub missing_after_us: u32,
 }
 
@@ -37,18 +35,18 @@ pub struct Config {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
-    /// What it measures: names the fault when a limit is broken.
+    /// The kind of quantity; it decides the fault when a limit is exceeded.
     pub kind: ChannelKind,
     /// Counts to SI.
     pub scale: Scale,
     /// Largest allowed magnitude.
     pub limit_micro: Option<i32>,
-    /// From this magnitude on, the converter is at its rail.
+    /// Magnitude from which the converter is at its rail.
     pub saturation_count: Option<i16>,
-    /// How long the very same count may repeat while the output moves the bench.
+    /// Longest time of one repeated count while the bench is expected to move.
     pub stuck_after_us: Option<u32>,
-    /// Readings of at most this magnitude are "nothing": for [`Config::missing_after_us`] on end while the output moves the
-    /// bench, they mean that the sensor is missing (or the shaft locked).
+    /// Readings of at most this magnitude count as no signal. When they last for [`Config::missing_after_us`] while the bench is
+    /// expected to move, the sensor is missing (or the shaft locked).
     pub missing_below_micro: Option<i32>,
 }
 
@@ -74,7 +72,7 @@ pub struct Output {
     pub clamp_uv: i32,
 }
 
-/// How a commanded speed becomes a voltage: feed-forward by the motor's calibration, and in closed loop a PI controller on
+/// The speed controller: feed-forward by the motor's calibration, and in closed loop a PI controller on
 /// one tachometer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -114,10 +112,10 @@ impl Default for Config {
             missing_below_micro: None,
         };
         let rpm = scaling::RAD_S_PER_RPM;
-        // 1425 rpm reads 9.83 V: the last round figure before the tachometer's rail.
+        // 1425 rpm reads 9.83 V: the highest round number below the tachometer's rail.
         let mut motor_speed = channel(ChannelKind::Speed, Sensor::MOTOR_SPEED, 1425.0 * rpm);
         let mut output_speed = channel(ChannelKind::Speed, Sensor::OUTPUT_SPEED, 1425.0 / 8.0 * 1.1 * rpm);
-        // 0.5 V means 348 rpm; below 10 rpm (and an eighth of it) nothing turns.
+        // 0.5 V command 348 rpm; below 10 rpm (and an eighth of it at the output) the shafts stand still.
         motor_speed.missing_below_micro = Some(scaling::micro(10.0 * rpm));
         output_speed.missing_below_micro = Some(scaling::micro(10.0 / 8.0 * rpm));
         let mut channels = [Channel::UNUSED; MAX_CHANNELS];
@@ -287,43 +285,4 @@ impl SpeedControl {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn default_is_sound_and_each_slip_is_named() {
-        assert_eq!(Config::default().check(), Ok(()));
-        let check = |change: fn(&mut Config)| {
-            let mut config = Config::default();
-            change(&mut config);
-            config.check().map_err(|e| std::string::ToString::to_string(&e))
-        };
-        assert!(check(|c| c.sample_period_us = 0).unwrap_err().starts_with("sample period is 0 us"));
-        assert!(check(|c| c.channel_count = 9).unwrap_err().starts_with("9 channels"));
-        assert!(check(|c| c.channels[2].scale.micro_per_count_q16 = 0).unwrap_err().starts_with("channel 2"));
-        assert!(check(|c| c.output.clamp_uv = 11_000_000).unwrap_err().contains("exceeds the converter"));
-        assert!(check(|c| c.speed.tachometer = 2).unwrap_err().contains("tachometer"));
-        assert!(check(|c| c.host_timeout_us = 0).unwrap_err().starts_with("host timeout"));
-        assert!(check(|c| c.confirm_samples = 0).is_err());
-    }
-
-    #[test]
-    fn converters_of_fewer_bits_have_larger_counts() {
-        let twelve_bit = Converter { bits: 12, full_scale_v: 10.0 };
-        let mut config = Config::default();
-        config.channels[0].scale = Sensor::MOTOR_SPEED.scale(&twelve_bit);
-        config.channels[0].saturation_count = Some(twelve_bit.highest_count());
-        assert_eq!(config.check(), Ok(()));
-        // 2047 counts of this are 2500 units: more than an i32 holds in millionths.
-        config.channels[0].scale.micro_per_count_q16 *= 17;
-        assert_eq!(config.check(), Err(ConfigError::Channel(0)));
-    }
-
-    #[test]
-    fn full_clamp_is_the_thesis_limit() {
-        let output = Config::default().output;
-        assert_eq!(output.count(output.clamp_uv), 16351);
-        assert_eq!(output.count(-output.clamp_uv), -16351);
-        assert_eq!(output.count(0), 0);
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! Why the output was cut, in numbers and in words.
+//! Faults: why the output was cut, in numbers and in words.
 
 use core::fmt;
 
@@ -10,7 +10,7 @@ pub enum Fault {
     EmergencyStop,
     /// The emergency stop's contact at the bench is open.
     EmergencyStopInput,
-    /// The host said nothing for too long.
+    /// No request of the host for too long.
     HostSilent {
         /// The configured limit.
         timeout_us: u32,
@@ -24,7 +24,7 @@ pub enum Fault {
         /// Allowed, in urad/s.
         limit_micro: i32,
     },
-    /// A shaft carries too much torque.
+    /// A torque is too large.
     OverTorque {
         /// Channel that measured it.
         channel: u8,
@@ -42,14 +42,14 @@ pub enum Fault {
         /// Allowed, in millionths of the channel's unit.
         limit_micro: i32,
     },
-    /// A reading sits at the converter's rail.
+    /// A reading is at the converter's rail.
     SensorSaturated {
         /// Channel that reads it.
         channel: u8,
         /// The reading.
         count: i16,
     },
-    /// A reading repeats to the count although the bench moves.
+    /// A reading repeats exactly although the bench moves.
     SensorStuck {
         /// Channel that reads it.
         channel: u8,
@@ -58,7 +58,7 @@ pub enum Fault {
         /// For how long.
         for_us: u32,
     },
-    /// A sensor reads nothing although the bench should move.
+    /// A sensor gives no signal although the bench should move.
     SensorMissing {
         /// Channel that reads it.
         channel: u8,
@@ -77,7 +77,7 @@ pub enum Fault {
     Watchdog,
     /// The board was reset from outside.
     Reset,
-    /// All inputs read one and the same count.
+    /// All inputs read the same count.
     ConverterStuck {
         /// The reading.
         count: i16,
@@ -85,7 +85,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// A number that stays the same over all versions.
+    /// Its number, the same in all versions.
     pub fn code(&self) -> u8 {
         match self {
             Self::EmergencyStop => 1,
@@ -126,6 +126,10 @@ struct Sentence<'a> {
 impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = |channel: u8| Name { channel, name: self.names.get(usize::from(channel)).copied() };
+        let over = |f: &mut fmt::Formatter<'_>, what: &str, channel, value_micro, limit_micro, unit: &str| {
+            let (value, limit) = (Milli(value_micro), Milli(limit_micro));
+            write!(f, "{what}{} is {value}{unit}, the limit is {limit}{unit}", name(channel))
+        };
         match *self.fault {
             Fault::EmergencyStop => f.write_str("emergency stop by the host"),
             Fault::EmergencyStopInput => f.write_str("emergency stop: the contact at the bench is open"),
@@ -137,25 +141,13 @@ impl fmt::Display for Sentence<'_> {
                 )
             }
             Fault::OverSpeed { channel, value_micro, limit_micro } => {
-                write!(
-                    f,
-                    "over-speed: {} is {} rad/s, the limit is {} rad/s",
-                    name(channel),
-                    Milli(value_micro),
-                    Milli(limit_micro)
-                )
+                over(f, "over-speed: ", channel, value_micro, limit_micro, " rad/s")
             }
             Fault::OverTorque { channel, value_micro, limit_micro } => {
-                write!(
-                    f,
-                    "over-torque: {} is {} N m, the limit is {} N m",
-                    name(channel),
-                    Milli(value_micro),
-                    Milli(limit_micro)
-                )
+                over(f, "over-torque: ", channel, value_micro, limit_micro, " N m")
             }
             Fault::OverLimit { channel, value_micro, limit_micro } => {
-                write!(f, "{} is {}, the limit is {}", name(channel), Milli(value_micro), Milli(limit_micro))
+                over(f, "", channel, value_micro, limit_micro, "")
             }
             Fault::SensorSaturated { channel, count } => write!(
                 f,

@@ -7,7 +7,7 @@
 //!   owner states: volt or rad/s for a [`Profile`], the channel's SI unit (rad/s, N m, ...) for a [`Channel`].
 //! - What [`Board::tick`] runs is integer arithmetic only: the board has no floating-point unit, and integers make board
 //!   and host agree bit for bit. Floating point ([`scaling`]) appears only where a bench is configured.
-//! - Nothing here panics, allocates or blocks; arithmetic wraps or saturates on purpose, never by accident.
+//! - Nothing here panics, allocates or blocks; arithmetic wraps or saturates only where it is written so.
 //!
 //! # Main types
 //!
@@ -34,6 +34,7 @@ mod board;
 mod config;
 mod fault;
 mod fixed;
+mod ports;
 mod profile;
 mod request;
 mod ring;
@@ -41,16 +42,18 @@ mod safety;
 mod sample;
 pub mod scaling;
 mod schedule;
+mod status;
 mod velocity;
 
 pub use average::{Average, conversions_per_sample};
-pub use board::{Board, ConverterSilent, Ports, Status};
+pub use board::Board;
 pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
 pub use fault::Fault;
+pub use ports::{ConverterSilent, Ports};
 pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};
 pub use request::{Refusal, Request};
 pub use ring::{Consumer, Producer, Ring};
 pub use safety::State;
 pub use sample::{Flags, Sample};
-pub use scaling::Scale;
-pub use velocity::MotorLine;
+pub use scaling::{MotorLine, Scale};
+pub use status::Status;

@@ -1,4 +1,4 @@
-//! The board's states, and the watch over sensors that can end them.
+//! The board's states, and the checks of readings that lead to a fault.
 
 use core::fmt;
 
@@ -22,7 +22,7 @@ pub enum State {
 }
 
 impl State {
-    /// A number that stays the same over all versions.
+    /// Its number, the same in all versions.
     pub fn code(self) -> u8 {
         match self {
             Self::Idle => 0,
@@ -63,7 +63,7 @@ impl fmt::Display for State {
     }
 }
 
-/// So many different sensors do not agree to the count by chance, ...
+/// This many different sensors do not read the same count by chance, ...
 const DISAGREE_FROM_CHANNELS: usize = 4;
 
 /// ... unless at rest: a hundredth of the converter's range.
@@ -75,7 +75,7 @@ pub(crate) struct Watch {
     channels: [ChannelWatch; MAX_CHANNELS],
 }
 
-/// What one channel did lately, counted in samples.
+/// Consecutive samples of one channel with each symptom.
 #[derive(Debug, Clone, Copy, Default)]
 struct ChannelWatch {
     last_count: i16,
@@ -102,8 +102,8 @@ impl Watch {
         Self { channels }
     }
 
-    /// Looks at one set of readings, taken while `output_uv` was commanded. The first cause found wins; a converter
-    /// that repeats itself and a reading at the rail are looked at before the limits, because they are no measurements.
+    /// Checks one set of readings, taken while `output_uv` was commanded, and returns the first fault found. A converter that repeats
+    /// itself and a reading at the rail are checked before the limits, because they are not measurements.
     pub(crate) fn check(
         &mut self,
         config: &Config,
@@ -127,7 +127,7 @@ impl Watch {
     }
 }
 
-/// Whether the converter gives every channel one and the same count.
+/// A fault if every channel reads the same count.
 fn repeated(counts: &[i16]) -> Option<Fault> {
     let &count = counts.first()?;
     let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == count);

@@ -120,11 +120,29 @@ impl MotorCalibration {
     }
 
     /// The integer form for the board.
-    pub fn line(&self) -> crate::MotorLine {
-        crate::MotorLine {
+    pub fn line(&self) -> MotorLine {
+        MotorLine {
             uv_per_urad_s_q32: round(TWO_POW_32 / (self.rpm_per_volt * RAD_S_PER_RPM)) as i64,
             offset_uv: round(-self.offset_rpm / self.rpm_per_volt * 1e6) as i32,
         }
+    }
+}
+
+/// The motor's calibration in integers: `voltage = speed * slope + sign(speed) * offset`, and 0 V for standstill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MotorLine {
+    /// uV per urad/s, in 1/2^32.
+    pub uv_per_urad_s_q32: i64,
+    /// Voltage that just overcomes friction.
+    pub offset_uv: i32,
+}
+
+impl MotorLine {
+    /// The voltage that holds `speed_urad_s`, saturated.
+    pub fn voltage_uv(&self, speed_urad_s: i32) -> i32 {
+        let voltage_uv = fixed::scale(speed_urad_s, self.uv_per_urad_s_q32, 32);
+        voltage_uv.saturating_add(self.offset_uv.saturating_mul(speed_urad_s.signum()))
     }
 }
 

@@ -1,31 +1,13 @@
-//! From a commanded speed to a voltage: open loop by the motor's calibration, closed loop by PI on top of it.
+//! The speed controller: feed-forward by the motor's calibration plus PI.
 
 use crate::config::SpeedControl;
 use crate::fixed;
 
-/// The motor's calibration in integers: `voltage = speed * slope + sign(speed) * offset`, and 0 V for standstill.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MotorLine {
-    /// uV per urad/s, in 1/2^32.
-    pub uv_per_urad_s_q32: i64,
-    /// Voltage that just overcomes friction.
-    pub offset_uv: i32,
-}
-
-impl MotorLine {
-    /// The voltage that holds `speed_urad_s`, saturated.
-    pub fn voltage_uv(&self, speed_urad_s: i32) -> i32 {
-        let voltage_uv = fixed::scale(speed_urad_s, self.uv_per_urad_s_q32, 32);
-        voltage_uv.saturating_add(self.offset_uv.saturating_mul(speed_urad_s.signum()))
-    }
-}
-
-/// Feed-forward plus PI. Anti-windup: the integral stands still while the output is at its clamp and the error would push
-/// it further, and never exceeds the clamp itself.
+/// Feed-forward plus PI with anti-windup: the integral stops while the output is at its clamp and the error would increase it, and it
+/// never exceeds the clamp.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SpeedLoop {
-    /// In uV, in 1/2^16: fine enough that the smallest error still integrates.
+    /// Integral, uV in 1/2^16: fine enough for the smallest error.
     integral_uv_q16: i64,
     integral_per_sample_q32: i64,
 }

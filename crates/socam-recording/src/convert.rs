@@ -7,8 +7,9 @@ use std::path::Path;
 use crate::dataset::{Block, Dataset};
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
+use crate::log::attachments::Attachment;
 use crate::log::sample::{Event, SampleRow, encode_event, encode_sample};
-use crate::log::writer::{Attachment, LogWriter, RecordingHeader, Topic};
+use crate::log::writer::{LogWriter, RecordingHeader, Topic};
 use crate::output_file::OutputFile;
 
 /// Times beyond this (centuries) do not fit a log's nanoseconds.

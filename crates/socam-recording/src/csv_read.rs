@@ -1,19 +1,14 @@
 //! CSV recordings, streamed: `t_s` first, then one column per channel named with its unit.
 
-use std::io::{BufReader, Read, SeekFrom};
-use std::path::{Path, PathBuf};
-
-use csv::ByteRecord;
+use std::path::Path;
 
 use crate::Channel;
-use crate::dataset::{BLOCK_ROWS, Warning};
-use crate::error::{LineProblem, RecordingError, Result, excerpt};
-use crate::files::{self, File};
-use crate::rows::{EndOfRows, Layout, Part, Place};
-use crate::table::Table;
-
-/// Bytes asked from the system at a time.
-const BUFFER_BYTES: usize = 1 << 18;
+use crate::csv_lines::{CsvLines, number};
+use crate::error::{RecordingError, Result};
+use crate::line_problem::LineProblem;
+use crate::part::{EndOfRows, Part, Place};
+use crate::table::{BLOCK_ROWS, Table};
+use crate::warning::Warning;
 
 /// Rows streaming from a CSV file.
 pub(crate) struct CsvRows {
@@ -24,18 +19,18 @@ pub(crate) struct CsvRows {
     previous_s: f64,
 }
 
-/// A column that a channel is read from, and what it has held so far.
+/// The column of a channel, and whether it has held numbers or text so far.
 struct CsvColumn {
     cell: usize,
     numbers: bool,
-    /// Line and content of the first text in it.
+    /// Line and content of its first text.
     text: Option<(u64, String)>,
 }
 
-/// Where a table's channels stand in its lines.
+/// The cells of a file's channels in each line.
 #[derive(Debug, Clone)]
 pub(crate) struct CsvLayout {
-    /// Cells in every line.
+    /// Number of cells in every line.
     cells: usize,
     /// Cell of each channel.
     channels: Vec<(usize, Channel)>,
@@ -60,7 +55,7 @@ impl CsvRows {
         Ok(Self::new(lines, named, warnings, false))
     }
 
-    /// Reads some of the channels again, from some line on.
+    /// Reads some of the channels again, from a place on.
     pub(crate) fn resume(path: &Path, layout: &CsvLayout, columns: &[usize], place: Place) -> Result<Self> {
         let mut lines = CsvLines::open(path)?;
         lines.cells = layout.cells;
@@ -113,14 +108,14 @@ impl CsvRows {
         table.time_s.push(time_s);
         for ((column, channel), values) in self.columns.iter_mut().zip(&self.channels).zip(&mut table.columns)
         {
-            let value = column.take(&record[column.cell], channel, self.lines.line)?;
+            let value = column.number(&record[column.cell], channel, self.lines.line)?;
             values.push(value.unwrap_or(f64::NAN));
         }
         Ok(())
     }
 
-    /// Which columns turned out to be text or empty, in words and by number.
-    pub(crate) fn finish(self) -> EndOfRows {
+    /// The layout, and which columns are text or empty.
+    pub(crate) fn finish(self) -> (CsvLayout, EndOfRows) {
         let mut unusable = Vec::new();
         let mut warnings = self.warnings;
         for (index, (column, channel)) in self.columns.iter().zip(&self.channels).enumerate() {
@@ -136,20 +131,13 @@ impl CsvRows {
         }
         let cells = self.columns.iter().map(|column| column.cell);
         let layout = CsvLayout { cells: self.lines.cells, channels: cells.zip(self.channels).collect() };
-        EndOfRows {
-            layout: Layout::Csv(layout),
-            unusable,
-            warnings,
-            lost_samples: 0,
-            cut: None,
-            contents: None,
-        }
+        (layout, EndOfRows { unusable, warnings, lost_samples: 0, cut: None, contents: None })
     }
 }
 
 impl CsvColumn {
-    /// A cell's number; text is let pass while the column has held nothing else.
-    fn take(&mut self, cell: &[u8], channel: &Channel, line: u64) -> Result<Option<f64>, LineProblem> {
+    /// A cell's number. Text is accepted as missing while the column has held no number.
+    fn number(&mut self, cell: &[u8], channel: &Channel, line: u64) -> Result<Option<f64>, LineProblem> {
         let value = match number(cell, "") {
             Ok(Some(value)) => value,
             Ok(None) => return Ok(None),
@@ -178,118 +166,4 @@ impl LineProblem {
         }
         self
     }
-}
-
-/// A cell's number, `None` when it is empty.
-pub(crate) fn number(cell: &[u8], column: &str) -> Result<Option<f64>, LineProblem> {
-    let cell = cell.trim_ascii();
-    if cell.is_empty() {
-        return Ok(None);
-    }
-    let parsed = std::str::from_utf8(cell).ok().and_then(|c| c.parse().ok());
-    match parsed {
-        Some(value) if f64::is_finite(value) => Ok(Some(value)),
-        Some(_) => Err(LineProblem::NotFinite { column: column.into(), found: excerpt(cell) }),
-        None => Err(LineProblem::NotANumber { column: column.into(), found: excerpt(cell) }),
-    }
-}
-
-/// Lines of any CSV file with a header, with their numbers.
-pub(crate) struct CsvLines {
-    path: PathBuf,
-    reader: csv::Reader<BufReader<File>>,
-    /// Bytes before the first line: a byte order mark.
-    skipped: u64,
-    cells: usize,
-    /// The line last read.
-    pub(crate) record: ByteRecord,
-    /// Its number in the file, from 1.
-    pub(crate) line: u64,
-}
-
-impl CsvLines {
-    pub(crate) fn open(path: &Path) -> Result<Self> {
-        let (file, _) = files::open(path).map_err(|e| RecordingError::io(path, "open", e))?;
-        let mut file = BufReader::with_capacity(BUFFER_BYTES, file);
-        let skipped = skip_byte_order_mark(&mut file).map_err(|e| RecordingError::io(path, "read", e))?;
-        let reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .buffer_capacity(BUFFER_BYTES)
-            .from_reader(file);
-        Ok(Self { path: path.into(), reader, skipped, cells: 0, record: ByteRecord::new(), line: 0 })
-    }
-
-    /// Where the line that is read next starts.
-    pub(crate) fn place(&self) -> Place {
-        let position = self.reader.position();
-        Place { byte: position.byte(), line: position.line() }
-    }
-
-    /// Goes on at a place of this file.
-    pub(crate) fn seek(&mut self, place: Place) -> Result<()> {
-        let mut position = csv::Position::new();
-        position.set_byte(place.byte).set_line(place.line);
-        let byte = SeekFrom::Start(self.skipped + place.byte);
-        self.reader.seek_raw(byte, position).map_err(|e| match e.into_kind() {
-            csv::ErrorKind::Io(e) => RecordingError::io(&self.path, "read", e),
-            _ => self.error(LineProblem::NotText),
-        })
-    }
-
-    /// Reads the header; its first column must be `first`.
-    pub(crate) fn header(&mut self, first: &str) -> Result<Vec<String>> {
-        self.advance()?;
-        let header: Option<Vec<String>> =
-            self.record.iter().map(|cell| Some(std::str::from_utf8(cell).ok()?.trim().to_owned())).collect();
-        let header = header.ok_or_else(|| self.error(LineProblem::NotText))?;
-        if header.first().is_none_or(|cell| cell != first) {
-            let found = excerpt(self.record.get(0).unwrap_or_default());
-            return Err(self.error(LineProblem::WrongHeader { found }));
-        }
-        for (index, column) in header.iter().enumerate() {
-            if header[..index].contains(column) {
-                return Err(self.error(LineProblem::DuplicateColumn { column: column.clone() }));
-            }
-        }
-        self.cells = header.len();
-        Ok(header)
-    }
-
-    /// Reads the next line that holds anything; false at the file's end.
-    pub(crate) fn next(&mut self) -> Result<bool> {
-        if !self.advance()? {
-            return Ok(false);
-        }
-        if self.record.len() != self.cells {
-            return Err(self.error(LineProblem::CellCount { found: self.record.len(), expected: self.cells }));
-        }
-        Ok(true)
-    }
-
-    fn advance(&mut self) -> Result<bool> {
-        let more = self.reader.read_byte_record(&mut self.record).map_err(|e| match e.into_kind() {
-            csv::ErrorKind::Io(e) => RecordingError::io(&self.path, "read", e),
-            _ => self.error(LineProblem::NotText),
-        })?;
-        if let Some(position) = self.record.position() {
-            self.line = position.line();
-        }
-        Ok(more)
-    }
-
-    /// An error at the line last read.
-    pub(crate) fn error(&self, problem: LineProblem) -> RecordingError {
-        RecordingError::line(&self.path, self.line, problem)
-    }
-}
-
-/// Returns its length.
-fn skip_byte_order_mark(file: &mut BufReader<File>) -> std::io::Result<u64> {
-    use std::io::BufRead;
-    if file.fill_buf()?.starts_with(b"\xef\xbb\xbf") {
-        file.read_exact(&mut [0; 3])?;
-        return Ok(3);
-    }
-    Ok(0)
 }

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use socam_core::scaling::Sensor;
 
 use crate::calibration_file::Calibration;
-use crate::error::{LineProblem, RecordingError, Result, excerpt};
+use crate::error::{RecordingError, Result, excerpt};
 use crate::files;
+use crate::line_problem::LineProblem;
 use crate::table::Table;
 use crate::{Channel, Unit};
 

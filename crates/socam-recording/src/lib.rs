@@ -11,14 +11,17 @@ mod calibration_edit;
 mod calibration_file;
 pub mod check;
 mod convert;
+mod csv_lines;
 mod csv_read;
 mod dataset;
 mod error;
 mod files;
 mod format;
 mod legacy;
+mod line_problem;
 mod log;
 mod output_file;
+mod part;
 mod profile_file;
 mod rows;
 mod segments;
@@ -28,25 +31,25 @@ mod statistics;
 mod steady;
 mod table;
 mod unit;
+mod warning;
 mod welch;
 
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
-pub use dataset::{Block, Blocks, Carry, Column, Cut, Dataset, Loaded, Steps, Warning};
-pub use error::{LineProblem, RecordingError, Result};
+pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Steps};
+pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
-pub use log::read::read_attachments;
+pub use line_problem::LineProblem;
+pub use log::attachments::{Attachment, read_attachments};
+pub use log::contents::{AttachmentInfo, LogContents};
+pub use log::names::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
 pub use log::record::{Recorder, RecordingSummary};
 pub use log::sample::{Event, SampleRow, Status};
-pub use log::writer::{Attachment, RecordingHeader};
-pub use log::{
-    AttachmentInfo, EVENT_TOPIC, LogContents, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC,
-    SUMMARY_NAME,
-};
+pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;
 pub use profile_file::{Course, ProfileFile};
 pub use segments::{GAP_STEPS, Segment};
@@ -55,4 +58,5 @@ pub use settings::SettingsError;
 pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};
+pub use warning::{Cut, Warning};
 pub use welch::{Welch, without_mean};

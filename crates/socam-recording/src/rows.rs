@@ -1,50 +1,21 @@
-//! Rows streaming from a file of one format or another: all of them once, then any part of them again.
+//! The first reading of a file, and further readings of any part of it, whatever its format.
 
 use std::path::{Path, PathBuf};
 
 use crate::Channel;
 use crate::csv_read::{CsvLayout, CsvRows};
-use crate::dataset::{Cut, Warning};
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
-use crate::log::LogContents;
 use crate::log::decode::LogLayout;
-use crate::log::read::{LogSamples, LogScan};
+use crate::log::reread::LogSamples;
+use crate::log::scan::LogScan;
+use crate::part::{EndOfRows, Part, Place};
 use crate::table::Table;
 
-/// A place in a file at which reading can start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub(crate) byte: u64,
-    /// Line number, where the file has lines.
-    pub(crate) line: u64,
-}
-
-/// Some rows of a file and where they start and end.
-#[derive(Debug)]
-pub(crate) struct Part {
-    pub(crate) place: Place,
-    pub(crate) end_byte: u64,
-    pub(crate) table: Table,
-}
-
-/// The first reading of a file: checks every row and finds out what else there is.
+/// The first reading of a file: checks every row and collects all other contents.
 pub(crate) enum Scan {
     Csv(Box<CsvRows>),
     Log(Box<LogScan>),
-}
-
-/// What is known once the last row has been seen.
-#[derive(Debug)]
-pub(crate) struct EndOfRows {
-    /// How to read rows again.
-    pub(crate) layout: Layout,
-    /// Columns that turned out to hold no numbers.
-    pub(crate) unusable: Vec<usize>,
-    pub(crate) warnings: Vec<Warning>,
-    pub(crate) lost_samples: u64,
-    pub(crate) cut: Option<Cut>,
-    pub(crate) contents: Option<LogContents>,
 }
 
 impl Scan {
@@ -66,7 +37,7 @@ impl Scan {
         }
     }
 
-    /// The next rows, none empty; nothing once there are no more.
+    /// The next rows, in tables that are not empty; no table after the last row.
     pub(crate) fn next(&mut self) -> Result<Vec<Part>> {
         match self {
             Self::Csv(rows) => rows.next(),
@@ -74,29 +45,36 @@ impl Scan {
         }
     }
 
-    pub(crate) fn finish(self) -> EndOfRows {
+    /// The layout, by which rows can be read again, and what else is known at the end.
+    pub(crate) fn finish(self) -> (Layout, EndOfRows) {
         match self {
-            Self::Csv(rows) => rows.finish(),
-            Self::Log(rows) => rows.finish(),
+            Self::Csv(rows) => {
+                let (layout, end) = rows.finish();
+                (Layout::Csv(layout), end)
+            }
+            Self::Log(rows) => {
+                let (layout, end) = rows.finish();
+                (Layout::Log(layout), end)
+            }
         }
     }
 }
 
-/// What a scan found out about a file's rows, so that they can be read again from any place.
+/// Where a file's channels stand in its rows, as a scan found it: by it rows are read again from any place.
 #[derive(Debug, Clone)]
 pub(crate) enum Layout {
     Csv(CsvLayout),
     Log(LogLayout),
 }
 
-/// A second reading, of some columns, from some place on.
+/// A further reading of some columns, from some place on.
 pub(crate) enum Again {
     Csv(Box<CsvRows>),
     Log(Box<LogSamples>),
 }
 
 impl Layout {
-    /// `columns`: which of the file's channels to read, in the order wanted.
+    /// Opens a further reading. `columns`: indices of the file's channels, in the order of the table's columns.
     pub(crate) fn open(&self, path: &Path, columns: &[usize], place: Place) -> Result<Again> {
         match self {
             Self::Csv(layout) => Ok(Again::Csv(Box::new(CsvRows::resume(path, layout, columns, place)?))),
@@ -106,7 +84,7 @@ impl Layout {
 }
 
 impl Again {
-    /// Appends about `rows` rows; false once there are no more.
+    /// Appends about `rows` rows; false after the last row.
     pub(crate) fn read(&mut self, table: &mut Table, rows: usize) -> Result<bool> {
         match self {
             Self::Csv(lines) => lines.read(table, rows),

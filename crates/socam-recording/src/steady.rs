@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use crate::Channel;
-use crate::csv_read::{CsvLines, number};
-use crate::dataset::Warning;
-use crate::error::{LineProblem, RecordingError, Result};
+use crate::csv_lines::{CsvLines, number};
+use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
+use crate::line_problem::LineProblem;
+use crate::warning::Warning;
 
 /// A table of operating points. Small by nature, so all of it is held.
 #[derive(Debug, Clone, PartialEq)]

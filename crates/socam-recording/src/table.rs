@@ -1,8 +1,11 @@
-//! Rows of a recording, column by column: what readers fill and blocks are cut from.
+//! A table of rows in memory, column by column: readers fill it, blocks are copied from it.
 
 use std::ops::Range;
 
 use crate::selection::Span;
+
+/// Rows read at a time, and the largest number of rows in a block.
+pub(crate) const BLOCK_ROWS: usize = 4096;
 
 /// Rows of a recording, column by column. A missing value is NaN (readers refuse NaN in files).
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -39,7 +42,7 @@ impl Table {
         self.all().for_each(|column| drop(column.drain(..rows)));
     }
 
-    /// Rows before the span and after it go; returns how many went before it.
+    /// Removes rows outside the span; returns the number removed before it.
     pub(crate) fn retain_span(&mut self, span: Span) -> usize {
         if span == Span::ALL {
             return 0;
@@ -51,7 +54,7 @@ impl Table {
         start
     }
 
-    /// Times, then each column.
+    /// The times, then each column.
     pub(crate) fn all(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         std::iter::once(&mut self.time_s).chain(&mut self.columns)
     }

@@ -1,17 +1,17 @@
 //! A logarithmic chirp: equal time in every octave.
 
-use super::generator::Wish;
-use super::{ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::error::{ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::target::Target;
 use crate::fixed;
 
-/// With fewer samples per sweep the series in [`growth_q64`] would lose digits.
+/// Fewest samples per sweep: below, the series in [`growth_q64`] loses digits.
 const FEWEST_SAMPLES: u32 = 1000;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chirp {
     offset_micro: i32,
     amplitude_micro: i32,
-    /// 2^64 is one turn, of phase and of its growth per sample.
+    /// Phase and its increment per sample, in turns of 2^64.
     phase: u64,
     increment: u64,
     first_increment: u64,
@@ -51,7 +51,7 @@ impl Chirp {
         })
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         if self.samples_left == 0 {
             self.samples_left = self.samples;
             self.increment = self.first_increment;
@@ -68,7 +68,7 @@ impl Chirp {
         } else {
             self.increment.wrapping_add(change)
         };
-        Wish { value_micro, segment: self.sweep, ended: false }
+        Target { value_micro, segment: self.sweep, ended: false }
     }
 }
 

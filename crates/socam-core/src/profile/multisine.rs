@@ -1,23 +1,10 @@
-//! A random-phase multisine: all chosen lines at once, exactly periodic.
+//! A random-phase multisine, exactly periodic.
 
-use super::generator::Wish;
-use super::{PeriodClock, ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::clock::PeriodClock;
+use super::error::{ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::shape::{Lines, MAX_LINES};
+use super::target::Target;
 use crate::fixed;
-
-/// Most lines of a multisine: what the sum's integer format holds.
-pub const MAX_LINES: u32 = 256;
-
-/// Which multiples of the line spacing a multisine contains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Lines {
-    /// All of them.
-    Full,
-    /// Odd multiples: even-order nonlinearity shows up between them.
-    Odd,
-    /// Even multiples.
-    Even,
-}
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Multisine {
@@ -27,7 +14,7 @@ pub(super) struct Multisine {
     first: u32,
     stride: u32,
     count: u32,
-    /// Of each line at the beginning of a period. Kept, because a tick has no time to draw them anew.
+    /// Phase of each line at the start of a period. Stored, because a tick is too short to compute them again.
     phases: [u32; MAX_LINES as usize],
 }
 
@@ -62,16 +49,16 @@ impl Multisine {
         Ok(Self { offset_micro, line_micro, clock: PeriodClock::new(period), first, stride, count, phases })
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         let segment = self.clock.periods;
         let base = self.clock.step();
         let sum_q22 = self.sum_q22(base);
         let swing = fixed::scale(self.line_micro, i64::from(sum_q22), 22);
-        Wish { value_micro: self.offset_micro.saturating_add(swing), segment, ended: false }
+        Target { value_micro: self.offset_micro.saturating_add(swing), segment, ended: false }
     }
 
-    /// All lines at one instant: at most 256 terms of at most 2^22. Most of a tick is spent here; by itself, so that the
-    /// processor's few registers are all for this loop.
+    /// Sum of all lines at one phase: at most 256 terms of at most 2^22. This is most of a tick's time; the function is not inlined, so
+    /// that the loop has all of the processor's few registers.
     #[inline(never)]
     fn sum_q22(&self, base: u32) -> i32 {
         let phase_step = base.wrapping_mul(self.stride);

@@ -1,7 +1,7 @@
 //! A pseudo-random binary sequence from a linear feedback shift register.
 
-use super::generator::Wish;
-use super::{ProfileError, ProfileKey, whole_samples};
+use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::target::Target;
 
 /// Feedback masks of maximum-length sequences, for orders 3 to 16 (a test runs through every one of them).
 const MASKS: [u16; 14] =
@@ -46,7 +46,7 @@ impl Prbs {
         })
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         if self.samples_left == 0 {
             self.samples_left = self.bit;
             let feedback = if self.register & 1 == 1 { self.mask } else { 0 };
@@ -55,6 +55,6 @@ impl Prbs {
         }
         self.samples_left = self.samples_left.saturating_sub(1);
         let value_micro = if self.register & 1 == 1 { self.high_micro } else { self.low_micro };
-        Wish { value_micro, segment: self.repeat, ended: false }
+        Target { value_micro, segment: self.repeat, ended: false }
     }
 }

@@ -1,7 +1,7 @@
 //! A sine around an offset, for a number of periods: the thesis' program.
 
-use super::generator::Wish;
-use super::{ProfileError, ProfileKey, check_frequency};
+use super::error::{ProfileError, ProfileKey, check_frequency};
+use super::target::Target;
 use crate::fixed;
 
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ impl Sine {
         Ok(Self { offset_micro, amplitude_micro, phase: 0, increment, period: 0, periods })
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         let sine_q22 = fixed::sine_q22((self.phase >> 32) as u32);
         let value_micro =
             self.offset_micro.saturating_add(fixed::scale(self.amplitude_micro, i64::from(sine_q22), 22));
@@ -40,6 +40,6 @@ impl Sine {
         let (phase, wrapped) = self.phase.overflowing_add(self.increment);
         self.phase = phase;
         self.period = self.period.wrapping_add(u16::from(wrapped));
-        Wish { value_micro, segment, ended }
+        Target { value_micro, segment, ended }
     }
 }

@@ -1,7 +1,7 @@
-//! Levels one after the other: steady states, steps and reversals.
+//! A staircase: steady states, steps and reversals.
 
-use super::generator::Wish;
-use super::{ProfileError, ProfileKey, whole_samples};
+use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::target::Target;
 use crate::fixed;
 
 #[derive(Debug, Clone, Copy)]
@@ -50,14 +50,14 @@ impl Staircase {
             .saturating_add(i64::from(self.step_micro).saturating_mul(i64::from(index)))
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         if self.samples_left == 0 {
             self.samples_left = self.dwell;
             self.segment = self.segment.wrapping_add(1);
             self.next_level();
         }
         self.samples_left = self.samples_left.saturating_sub(1);
-        Wish { value_micro: fixed::saturate(self.level(self.index)), segment: self.segment, ended: false }
+        Target { value_micro: fixed::saturate(self.level(self.index)), segment: self.segment, ended: false }
     }
 
     fn next_level(&mut self) {

@@ -2,6 +2,7 @@ use std::vec::Vec;
 
 use proptest::prelude::*;
 
+use super::clock::PeriodClock;
 use super::*;
 
 const PERIOD_US: u32 = 1000;

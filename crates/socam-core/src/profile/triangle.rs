@@ -1,7 +1,8 @@
-//! A slow sweep through zero, up and down: friction shows as the difference of both directions.
+//! A triangle: a slow sweep in both directions, whose difference shows friction.
 
-use super::generator::Wish;
-use super::{PeriodClock, ProfileError, ProfileKey, whole_samples};
+use super::clock::PeriodClock;
+use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::target::Target;
 use crate::fixed;
 
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +27,7 @@ impl Triangle {
         Ok(Self { offset_micro, amplitude_micro, clock: PeriodClock::new(period), falling: false, leg: 0 })
     }
 
-    pub(super) fn step(&mut self) -> Wish {
+    pub(super) fn step(&mut self) -> Target {
         // Seen from the lowest point, the first half turn rises and the second falls.
         let from_lowest = self.clock.step().wrapping_add(QUARTER);
         let falling = from_lowest >> 31 == 1;
@@ -40,6 +41,6 @@ impl Triangle {
             self.leg = self.leg.wrapping_add(1);
         }
         let swing = fixed::scale(self.amplitude_micro, i64::from(height_q30), 30);
-        Wish { value_micro: self.offset_micro.saturating_add(swing), segment: self.leg, ended: false }
+        Target { value_micro: self.offset_micro.saturating_add(swing), segment: self.leg, ended: false }
     }
 }

@@ -1,109 +1,84 @@
-//! How a channel moves in time: steps, turning points, changes of sign.
+//! Findings about how far a channel moves, at which frequencies, and in which directions.
 
-/// A change of direction, or of sign, counts when it is at least this share of peak to peak.
-const HYSTERESIS: f64 = 0.1;
+use super::finding::{Finding, LOWEST_SNR_DB};
+use super::options::{BothWays, CheckOptions, Resonance};
+use super::outcome::ChannelCheck;
+use super::spectrum::Spectrum;
+use crate::dataset::Dataset;
+use crate::statistics::Statistics;
+use crate::{Channel, Unit};
 
-/// A jump within one sample counts when it is at least this share of peak to peak ...
-const STEP: f64 = 0.02;
+/// Standard deviation of the input, as a share of its mean, below which it counts as standing still.
+const SMALLEST_SPREAD: f64 = 0.005;
 
-/// ... and this many times the usual change from sample to sample.
-const STEP_OVER_USUAL: f64 = 20.0;
+/// Smallest number of spectral lines that determines a drivetrain with a handful of parameters: each line gives two equations
+/// per output. A model with many parameters and few outputs needs more.
+const FEWEST_LINES: usize = 3;
 
-/// Changes seen before any is taken for a step: until then nothing is usual.
-const CHANGES_BEFORE_STEPS: u64 = 16;
+/// The input excites a resonance when it moves within this factor of its frequency, up or down.
+const BESIDE_RESONANCE: f64 = 1.25;
 
-/// Counts with hysteresis, so that noise does not count.
-pub(super) struct TurningPoints {
-    hysteresis: f64,
-    step: f64,
-    previous: Option<f64>,
-    /// The extreme since the last turning point, and the direction of travel (0 while unknown).
-    extreme: f64,
-    direction: i8,
-    sign: i8,
-    /// Running mean of the magnitude of changes from sample to sample, without the jumps.
-    usual: f64,
-    changes: u64,
-    /// Direction of a jump that goes on, so that a step over two samples is one.
-    jumping: i8,
-    counts: Counts,
+/// A finding where a channel moves too little, or the input at too few frequencies.
+pub(super) fn excitation_of(
+    channel: &Channel,
+    check: &ChannelCheck,
+    statistics: &Statistics,
+    input_of: Option<&CheckOptions>,
+) -> Option<Finding> {
+    let is_input = input_of.is_some();
+    let needed =
+        input_of.and_then(|options| options.free).map_or(FEWEST_LINES, |free| free.lines().max(FEWEST_LINES));
+    let mean = statistics.mean.unwrap_or(0.0);
+    let std = statistics.std.unwrap_or(0.0);
+    let name = channel.name.clone();
+    if is_input && std < SMALLEST_SPREAD * mean.abs() {
+        let snr_db = check.snr_db;
+        return Some(Finding::StandsStill { channel: name, unit: channel.unit, mean, std, snr_db });
+    }
+    match (check.snr_db, check.lines, check.band_hz) {
+        // Differencing an angle amplifies its noise, so its ratio is not judged.
+        (Some(snr_db), ..) if snr_db < LOWEST_SNR_DB && check.noise_std.is_some() => {
+            Some(Finding::Buried { channel: name, snr_db, is_input })
+        }
+        (_, Some(lines), Some(band_hz)) if is_input && lines < needed => {
+            Some(Finding::FewLines { channel: name, lines, needed, band_hz })
+        }
+        _ => None,
+    }
 }
 
-#[derive(Default, Clone, Copy)]
-pub(super) struct Counts {
-    pub(super) steps: u64,
-    pub(super) turning_points: u64,
-    pub(super) sign_changes: u64,
+/// A finding that lists the resonances near which the input has no power.
+pub(super) fn not_excited(
+    channel: &Channel,
+    check: &ChannelCheck,
+    spectrum: &Spectrum,
+    resonances: &[Resonance],
+) -> Option<Finding> {
+    let band_hz = check.band_hz?;
+    let unexcited = |resonance: &&Resonance| {
+        let frequency_hz = resonance.frequency_hz;
+        // Below the lowest frequency that the windows separate from the mean.
+        if frequency_hz < spectrum.lowest_hz() {
+            return false;
+        }
+        !spectrum.moves_between(frequency_hz / BESIDE_RESONANCE, frequency_hz * BESIDE_RESONANCE)
+    };
+    let resonances: Vec<Resonance> = resonances.iter().filter(unexcited).cloned().collect();
+    (!resonances.is_empty()).then(|| Finding::ResonancesNotExcited {
+        channel: channel.name.clone(),
+        resonances,
+        band_hz,
+        highest_hz: spectrum.highest_hz(),
+    })
 }
 
-impl TurningPoints {
-    pub(super) fn new(min: f64, max: f64) -> Self {
-        Self {
-            hysteresis: HYSTERESIS * (max - min),
-            step: STEP * (max - min),
-            previous: None,
-            extreme: 0.0,
-            direction: 0,
-            sign: 0,
-            usual: 0.0,
-            changes: 0,
-            jumping: 0,
-            counts: Counts::default(),
-        }
-    }
-
-    pub(super) fn push(&mut self, value: f64) {
-        let Some(previous) = self.previous.replace(value) else {
-            self.extreme = value;
-            return;
-        };
-        self.take_change(value - previous);
-        self.take_direction(value);
-        self.take_sign(value);
-    }
-
-    fn take_change(&mut self, change: f64) {
-        let magnitude = change.abs();
-        let direction = if change > 0.0 { 1 } else { -1 };
-        self.changes += 1;
-        let known = self.changes > CHANGES_BEFORE_STEPS;
-        if known && magnitude > self.step && magnitude > STEP_OVER_USUAL * self.usual {
-            self.counts.steps += u64::from(self.jumping != direction);
-            self.jumping = direction;
-        } else {
-            self.jumping = 0;
-            self.usual += (magnitude - self.usual) / self.changes.min(64) as f64;
-        }
-    }
-
-    fn take_direction(&mut self, value: f64) {
-        let travelled = value - self.extreme;
-        let ahead = match self.direction {
-            0 => travelled.abs() >= self.hysteresis && travelled != 0.0,
-            direction => travelled * f64::from(direction) >= 0.0,
-        };
-        if ahead {
-            if self.direction == 0 {
-                self.direction = if travelled > 0.0 { 1 } else { -1 };
-            }
-            self.extreme = value;
-        } else if self.direction != 0 && travelled.abs() >= self.hysteresis {
-            self.counts.turning_points += 1;
-            self.direction = -self.direction;
-            self.extreme = value;
-        }
-    }
-
-    fn take_sign(&mut self, value: f64) {
-        if value.abs() < self.hysteresis / 2.0 {
-            return;
-        }
-        let sign = if value > 0.0 { 1 } else { -1 };
-        self.counts.sign_changes += u64::from(self.sign == -sign);
-        self.sign = sign;
-    }
-
-    pub(super) fn finish(self) -> Counts {
-        self.counts
-    }
+/// A finding where a motion that must reverse never does.
+pub(super) fn one_way(data: &Dataset, motion: &BothWays, channels: &[ChannelCheck]) -> Option<Finding> {
+    let name = &data.channels()[data.channel_index(&motion.channel).ok()?].name;
+    let channel = channels.iter().find(|channel| channel.name == *name)?;
+    let turns = match channel.unit {
+        Unit::Rad | Unit::M => channel.turning_points,
+        _ => channel.sign_changes,
+    };
+    (turns == 0).then(|| Finding::OneWay { channel: name.clone(), parameters: motion.parameters.clone() })
 }

@@ -1,23 +1,13 @@
-//! Where channels are clipped or stuck: the rows of the flat parts that [`flat`](super::flat) finds.
+//! The rows at which channels are clipped or stuck, for the flat parts that [`flat`](super::flat) finds.
 
 use std::ops::Range;
 
-use super::flat::{Flat, FlatParts, SHORTEST_STUCK};
+use super::finding::HeldAt;
+use super::flat::FlatParts;
+use super::runs::{Flat, SHORTEST_STUCK};
 use crate::{Dataset, error::Result};
 
-/// Where a channel is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum HeldAt {
-    /// At its least value: clipped.
-    Least,
-    /// At its greatest value: clipped.
-    Greatest,
-    /// At a value between: stuck.
-    Between,
-}
-
-/// A value at which a channel was held, and where.
+/// A value at which a channel is held, and its rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Held {
     /// Index of the channel.
@@ -26,14 +16,14 @@ pub struct Held {
     pub value: f64,
     /// Whether the channel is clipped there, at which end, or stuck.
     pub at: HeldAt,
-    /// The rows at which it reads that value (give or take one step of its resolution, where it does so in runs).
+    /// The rows at which it reads that value (within one step of its resolution, if it was found so).
     pub rows: Vec<Range<u64>>,
-    /// How many rows that are, as a share of all rows.
+    /// Share of all rows.
     pub share: f64,
 }
 
-/// Finds where channels (by index), inputs and outputs alike, are clipped or stuck, as [`check`](super::check()) tells it. A channel
-/// that rests, at an end of its travel too, turns round, or moves by few steps of its resolution is neither.
+/// Finds where channels (by index) are clipped or stuck, by the rules of [`check`](super::check()). A channel that is at rest (also
+/// at an end of its travel), reverses, or moves by few steps of its resolution is neither.
 ///
 /// # Errors
 /// When the file cannot be read again.
@@ -56,18 +46,18 @@ pub fn held(data: &Dataset, channels: &[usize]) -> Result<Vec<Held>> {
     Ok(found)
 }
 
-/// A value at which a channel sticks, and where it is held by it.
+/// A limit at which a channel is clipped, and its rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Saturation {
     /// Index of the channel.
     pub channel: usize,
-    /// The value at which it sticks, in the channel's unit.
+    /// The limit, in the channel's unit.
     pub limit: f64,
-    /// All rows of that value.
+    /// All rows at the limit.
     pub rows: Vec<Range<u64>>,
 }
 
-/// Where channels (by index) are clipped at an extreme: of what [`held`] finds, all but what is stuck between.
+/// Where channels (by index) are clipped at an extreme: what [`held`] finds, without [`HeldAt::Between`].
 ///
 /// # Errors
 /// When the file cannot be read again.
@@ -76,7 +66,8 @@ pub fn saturations(data: &Dataset, channels: &[usize]) -> Result<Vec<Saturation>
     Ok(clipped.map(|held| Saturation { channel: held.channel, limit: held.value, rows: held.rows }).collect())
 }
 
-/// The rows at which a channel is within the tolerance of a value; between the extremes only in runs, since it passes there too.
+/// The rows at which a channel is within the tolerance of a value. Between the extremes only long runs count: the channel also passes
+/// through that value.
 fn rows_of(data: &Dataset, channel: usize, flat: &Flat) -> Result<Vec<Range<u64>>> {
     let mut found: Vec<Range<u64>> = Vec::new();
     for block in data.blocks_in(0..data.rows(), &[channel])? {

@@ -1,13 +1,13 @@
-//! Two speeds tied by a gear: their ratio on average.
+//! The average ratio of two speeds that a gear ties together.
 
-use super::FixedRatio;
 use super::finding::Finding;
+use super::options::FixedRatio;
 use crate::dataset::Block;
 
-/// Speeds are averaged over so long before they are compared: what springs and lags do in between says nothing of the gear.
+/// Length of the averages that are compared, s: it evens out springs and lags between the two shafts.
 const WINDOW_S: f64 = 1.0;
 
-/// Standard errors that a deviation must exceed to be said: chance passes three once in 370 recordings.
+/// Standard errors that a deviation must exceed to be a finding: chance exceeds three in one of 370 recordings.
 const STANDARD_ERRORS: f64 = 3.0;
 
 /// Least-squares slope of the fast speed's averages over the slow one's. Where the shaft turns one way this is the ratio of the
@@ -23,7 +23,7 @@ pub(super) struct RatioFit {
     windows: u32,
 }
 
-/// The window that is being filled.
+/// Sums over the present window.
 #[derive(Default)]
 struct Window {
     segment: usize,
@@ -67,7 +67,7 @@ impl RatioFit {
         self.windows += 1;
     }
 
-    /// A broken ratio, if it is; `None` also where less than two windows were seen.
+    /// A finding if the ratio deviates; `None` also with fewer than two windows.
     pub(super) fn finish(self) -> Option<Finding> {
         let measured = self.fast_slow / self.slow_slow;
         let deviation = measured / self.fixed.ratio - 1.0;

@@ -1,19 +1,25 @@
-//! What scatters from sample to sample: noise that steps of the motion do not count in, and spikes.
+//! Noise from fourth differences, robust to steps of the motion; and spikes.
 
-/// Fourth differences of white noise have so many times its standard deviation: the root of 1 + 16 + 36 + 16 + 1.
+/// Standard deviation of fourth differences of unit white noise: the root of 1 + 16 + 36 + 16 + 1.
 const OF_FOURTH_DIFFERENCES: f64 = 8.366_600_265_340_756;
 
 /// Median of the magnitude of a normal distribution, in standard deviations.
 const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
 
-/// Most fourth differences that are kept; from then on every second one of those kept, and so on.
+/// Most fourth differences kept; when reached, every second one is dropped and the stride doubles.
 const MOST_KEPT: usize = 1 << 16;
 
-/// A channel that steps by at least this share of its range, whenever it does, switches between a few levels.
+/// A channel whose smallest step is at least this share of its range switches between a few levels.
 const SWITCHING: f64 = 0.125;
 
-/// The median of the fourth differences: a motion that jumps now and then does not raise it.
+/// The difference of fourth order at a value. `last` holds the value before and its differences of first to third order.
+pub(super) fn fourth_difference(last: &mut [f64; 4], value: f64) -> f64 {
+    last.iter_mut().fold(value, |difference, last| difference - std::mem::replace(last, difference))
+}
+
+/// The median of the fourth differences' magnitudes, which occasional jumps of the motion do not raise.
 pub(super) struct Scatter {
+    /// See [`fourth_difference`].
     last: [f64; 4],
     seen: usize,
     stride: usize,
@@ -26,7 +32,7 @@ impl Scatter {
         Self { last: [0.0; 4], seen: 0, stride: 1, kept: Vec::new(), smallest_step: f64::INFINITY }
     }
 
-    /// Rows are missing here.
+    /// Marks a gap: no difference reaches across.
     pub(super) fn interrupt(&mut self) {
         self.seen = 0;
     }
@@ -36,10 +42,7 @@ impl Scatter {
         if self.seen > 0 && step > 0.0 {
             self.smallest_step = self.smallest_step.min(step);
         }
-        let mut difference = value;
-        for last in &mut self.last {
-            difference -= std::mem::replace(last, difference);
-        }
+        let difference = fourth_difference(&mut self.last, value);
         self.seen += 1;
         if self.seen <= 4 || !self.seen.is_multiple_of(self.stride) {
             return;
@@ -55,8 +58,8 @@ impl Scatter {
         }
     }
 
-    /// Standard deviation of white noise that would scatter so, not less than rounding to the smallest step makes; 0 for a channel
-    /// that switches between a few levels; `None` of too few samples.
+    /// Standard deviation of white noise with this median, at least the rounding error of the smallest step; 0 for a channel that
+    /// switches between a few levels; `None` with fewer than 64 differences.
     pub(super) fn noise_std(mut self, range: f64) -> Option<f64> {
         if self.kept.len() < 64 {
             return None;
@@ -71,39 +74,39 @@ impl Scatter {
     }
 }
 
-/// A spike is over within so many rows ...
+/// A spike lasts at most this many rows ...
 const LONGEST_SPIKE: usize = 3;
 
 /// ... jumps by this share of the channel's range ...
 const JUMP: f64 = 0.2;
 
-/// ... comes back to within this share of the jump ...
+/// ... returns to within this share of the jump ...
 const BACK: f64 = 0.3;
 
 /// ... and reaches beyond the range of all other rows by this share of it.
 const BEYOND: f64 = 0.5;
 
-/// Share of rows above which they are no spikes but the motion.
+/// Share of rows above which excursions are part of the motion, not spikes.
 const MOST_SPIKES: f64 = 0.01;
 
-/// Short excursions beyond the range of everything else.
+/// Short excursions beyond the range of all other rows.
 pub(super) struct Spikes {
     jump: f64,
-    /// The last value that was no part of an excursion, and the values since.
+    /// The last value before the present excursion, and the excursion's values.
     base: Option<f64>,
     open: Vec<f64>,
-    /// Farthest values of excursions that came back.
+    /// Farthest values of excursions that returned.
     peaks: Vec<f64>,
     least: f64,
     greatest: f64,
     rows: u64,
 }
 
-/// What was found: how many, and how far out.
+/// The spikes found.
 pub(super) struct Spiky {
     pub(super) spikes: u64,
     pub(super) farthest: f64,
-    /// Range of everything else.
+    /// Range of all other rows.
     pub(super) range: [f64; 2],
 }
 
@@ -123,7 +126,7 @@ impl Spikes {
     pub(super) fn push(&mut self, value: f64) {
         self.rows += 1;
         let Some(base) = self.base else {
-            self.settle(value);
+            self.outside_of_spikes(value);
             return;
         };
         let farthest = self
@@ -132,23 +135,23 @@ impl Spikes {
             .map(|open| open - base)
             .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         if self.open.is_empty() && (value - base).abs() < self.jump {
-            self.settle(value);
+            self.outside_of_spikes(value);
         } else if !self.open.is_empty() && (value - base).abs() < BACK * farthest.abs() {
             self.peaks.push(base + farthest);
             self.open.clear();
-            self.settle(value);
+            self.outside_of_spikes(value);
         } else {
             self.open.push(value);
             if self.open.len() > LONGEST_SPIKE {
-                // It stayed: a step of the motion.
+                // It did not return: a step of the motion.
                 for value in std::mem::take(&mut self.open) {
-                    self.settle(value);
+                    self.outside_of_spikes(value);
                 }
             }
         }
     }
 
-    fn settle(&mut self, value: f64) {
+    fn outside_of_spikes(&mut self, value: f64) {
         self.least = self.least.min(value);
         self.greatest = self.greatest.max(value);
         self.base = Some(value);

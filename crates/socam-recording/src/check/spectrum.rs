@@ -1,4 +1,4 @@
-//! Power over frequency by Welch's method, and what it tells: noise, band, lines, hum.
+//! Power spectral density by Welch's method; from it noise, band, lines and mains hum.
 
 use super::finding::Finding;
 use crate::{Channel, Welch, without_mean};
@@ -7,8 +7,8 @@ use crate::{Channel, Welch, without_mean};
 const LONGEST: usize = 1 << 14;
 const SHORTEST: usize = 64;
 
-/// Power over the noise's that counts as signal (10 dB), and at most this far below the strongest line (60 dB: what the
-/// window leaks must not count).
+/// Power that counts as signal: over the noise (10 dB), and at most 60 dB below the strongest line, where leakage of the window
+/// ends.
 const OVER_NOISE: f64 = 10.0;
 const UNDER_PEAK: f64 = 1e-6;
 
@@ -25,7 +25,7 @@ const HUM_OVER_NEIGHBOURS: f64 = 6.0;
 /// Half width of the neighbourhood, Hz.
 const NEIGHBOURHOOD_HZ: f64 = 8.0;
 
-/// Gathers windows of a signal, half overlapping.
+/// Sums the power of half-overlapping windows.
 pub(super) struct Gatherer {
     /// None where segments are too short for any window.
     welch: Option<Welch>,
@@ -45,7 +45,7 @@ impl Gatherer {
         Self { welch, buffer: Vec::new(), power, windows: 0, sample_time_s }
     }
 
-    /// Rows are missing here: no window reaches across.
+    /// Marks a gap: no window reaches across.
     pub(super) fn interrupt(&mut self) {
         self.buffer.clear();
     }
@@ -91,13 +91,13 @@ impl Spectrum {
         (self.floor * self.step_hz * (self.density.len() - 1) as f64).sqrt()
     }
 
-    /// Noise is at most so large: what a switching input has at high frequencies is no noise.
+    /// Bounds the noise from above: the high-frequency power of a switching input is not noise.
     pub(super) fn bound_noise(&mut self, noise_std: f64) {
         let density = noise_std.powi(2) / (self.step_hz * (self.density.len() - 1) as f64);
         self.floor = self.floor.min(density);
     }
 
-    /// The lowest frequency at which motion is seen, Hz.
+    /// The lowest frequency that is separated from the mean, Hz.
     pub(super) fn lowest_hz(&self) -> f64 {
         3.0 * self.step_hz
     }
@@ -132,7 +132,7 @@ impl Spectrum {
         self.moving().any(|(bin, density)| bins.contains(&bin) && density > threshold)
     }
 
-    /// The highest frequency that the samples can show, Hz.
+    /// The Nyquist frequency, Hz.
     pub(super) fn highest_hz(&self) -> f64 {
         self.step_hz * (self.density.len() - 1) as f64
     }
@@ -146,7 +146,7 @@ impl Spectrum {
         Some([first as f64 * self.step_hz, last as f64 * self.step_hz])
     }
 
-    /// Lines above the noise; a continuous band counts as many lines as fit in it.
+    /// Number of lines above the noise; a continuous band counts as the lines that would fill it.
     pub(super) fn lines(&self) -> usize {
         let threshold = (OVER_NOISE * self.floor).max(LINE_UNDER_PEAK * self.peak());
         let mut lines = 0;
@@ -172,7 +172,7 @@ impl Spectrum {
             .into_iter()
             .max_by_key(|(_, lines)| lines.len())?;
         let strongest = lines.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        // The mains' own line is hum, and so is a rectifier's family on its double; other lines are anything.
+        // Mains hum has the mains' own line, or a rectifier's harmonics of its double; other lines are of the motion.
         let has = |order| lines.iter().any(|line| line.0 == order);
         let is_hum = has(1) || (has(2) && lines.len() >= 2);
         if !is_hum {
@@ -191,7 +191,7 @@ impl Spectrum {
     fn line_at(&self, frequency_hz: f64) -> Option<f64> {
         let bin = (frequency_hz / self.step_hz).round() as usize;
         let reach = (NEIGHBOURHOOD_HZ / self.step_hz) as usize;
-        // Too coarse to tell a line from its neighbours, or too near either end.
+        // Resolution too coarse to separate a line from its neighbours, or too near either end.
         if reach < 8 || bin < reach + 3 || bin + reach + 3 >= self.density.len() {
             return None;
         }
@@ -200,9 +200,9 @@ impl Spectrum {
         let around = self.density[bin - reach..bin - 3].iter().chain(&self.density[bin + 4..bin + reach]);
         let (count, sum, strongest) =
             around.fold((0, 0.0, 0.0_f64), |(n, sum, max), d| (n + 1, sum + d, max.max(*d)));
-        // Numerical dust of a noiseless simulation is no hum.
-        let dust = 1e-12 * self.peak();
-        if peak < HUM_OVER_NEIGHBOURS * strongest || peak < dust {
+        // Rounding errors of a noiseless simulation are not hum.
+        let rounding = 1e-12 * self.peak();
+        if peak < HUM_OVER_NEIGHBOURS * strongest || peak < rounding {
             return None;
         }
         let background = sum / f64::from(count);

@@ -1,4 +1,4 @@
-//! Rows as they are given out.
+//! Rows in memory, as a pass returns them.
 
 /// The values of one channel in a [`Block`], in the channel's unit.
 ///
@@ -63,7 +63,7 @@ impl Block {
     }
 }
 
-/// All rows of some channels at once, for methods that need them so. See [`Dataset::load`](crate::Dataset::load).
+/// All rows of some channels at once. See [`Dataset::load`](crate::Dataset::load).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
     /// Times, s, strictly increasing.

@@ -1,19 +1,22 @@
-//! A pass over some rows of a dataset, block by block.
+//! A pass over rows of a dataset, block by block.
 
 use std::ops::Range;
 use std::path::PathBuf;
 
 use super::block::{Block, Column};
-use super::{BLOCK_ROWS, Dataset, FileSource, Source, SpillSource, spill};
+use super::source::{FileSource, Source, SpillSource};
+use super::spill;
 use crate::error::{RecordingError, Result};
 use crate::rows::Again;
-use crate::table::Table;
+use crate::segments::Segment;
+use crate::table::{BLOCK_ROWS, Table};
 
-/// A pass over a dataset. See [`Dataset::blocks`] and [`Dataset::blocks_in`].
+/// A pass over a dataset. See [`Dataset::blocks`](crate::Dataset::blocks) and [`Dataset::blocks_in`](crate::Dataset::blocks_in).
 pub struct Blocks<'a> {
-    dataset: &'a Dataset,
+    name: &'a str,
+    segments: &'a [Segment],
     columns: Vec<usize>,
-    /// Rows not given out yet.
+    /// Rows not returned yet.
     rows: Range<u64>,
     segment: usize,
     feed: Feed<'a>,
@@ -23,11 +26,11 @@ enum Feed<'a> {
     Memory(&'a Table),
     Spill(&'a SpillSource, Vec<u8>),
     File(Reading),
-    /// Nothing more is wanted, or can be had.
+    /// No more rows, by the end of the pass or after an error.
     Ended,
 }
 
-/// Rows read ahead from a file, `pending[given..]`.
+/// Rows read ahead from a file: `pending[given..]`.
 struct Reading {
     again: Again,
     pending: Table,
@@ -49,7 +52,7 @@ impl Reading {
         Ok(reading)
     }
 
-    /// Reads until so many rows are there; false where the file has fewer.
+    /// Reads until this many rows are pending; false where the file has fewer.
     fn have(&mut self, rows: usize) -> Result<bool> {
         if self.pending.rows() - self.given >= rows {
             return Ok(true);
@@ -76,22 +79,28 @@ impl Reading {
 }
 
 impl<'a> Blocks<'a> {
-    pub(super) fn new(dataset: &'a Dataset, rows: Range<u64>, columns: Vec<usize>) -> Result<Self> {
-        let rows = rows.start..rows.end.min(dataset.rows);
-        let feed = match &dataset.source {
+    pub(super) fn new(
+        source: &'a Source,
+        name: &'a str,
+        segments: &'a [Segment],
+        rows: Range<u64>,
+        columns: Vec<usize>,
+    ) -> Result<Self> {
+        let rows = rows.start..rows.end.min(all_rows(segments));
+        let feed = match source {
             _ if rows.is_empty() => Feed::Ended,
             Source::Memory(memory) => Feed::Memory(&memory.table),
             Source::Spill(source) => Feed::Spill(source, Vec::new()),
             Source::File(file) => Feed::File(Reading::open(file, rows.start, &columns)?),
         };
-        let segment = dataset.segments.partition_point(|segment| segment.end_row() <= rows.start);
-        Ok(Self { dataset, columns, rows, segment, feed })
+        let segment = segments.partition_point(|segment| segment.end_row() <= rows.start);
+        Ok(Self { name, segments, columns, rows, segment, feed })
     }
 
-    /// Blocks are cut alike wherever the rows come from.
+    /// The next block. Blocks have the same limits for every source.
     fn next_block(&mut self) -> Result<Option<Block>> {
         let first_row = self.rows.start;
-        let Some(segment) = self.dataset.segments.get(self.segment).filter(|_| !self.rows.is_empty()) else {
+        let Some(segment) = self.segments.get(self.segment).filter(|_| !self.rows.is_empty()) else {
             return Ok(None);
         };
         let end_row = self.rows.end.min(segment.end_row()).min(first_row + BLOCK_ROWS as u64);
@@ -116,8 +125,8 @@ impl<'a> Blocks<'a> {
             Feed::File(reading) => {
                 if !reading.have(rows)? {
                     return Err(RecordingError::Changed {
-                        path: PathBuf::from(&self.dataset.name),
-                        expected_rows: self.dataset.rows,
+                        path: PathBuf::from(self.name),
+                        expected_rows: all_rows(self.segments),
                         found_rows: first_row + (reading.pending.rows() - reading.given) as u64,
                     });
                 }
@@ -134,6 +143,10 @@ impl<'a> Blocks<'a> {
         }
         Ok(Some(block))
     }
+}
+
+fn all_rows(segments: &[Segment]) -> u64 {
+    segments.last().map_or(0, Segment::end_row)
 }
 
 impl Iterator for Blocks<'_> {

@@ -1,4 +1,4 @@
-//! Where a recording's values stay for later passes: in memory, in a temporary file, or only where they came from.
+//! Keeps a recording's values for later passes: in memory, in a temporary file, or not at all.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,10 +8,10 @@ use crate::table::Table;
 /// Values that all datasets together keep in memory (512 MiB, times included).
 const VALUES: u64 = 64 << 20;
 
-/// Values kept at the moment.
+/// Number of values kept now.
 static KEPT: AtomicU64 = AtomicU64::new(0);
 
-/// A table in memory and the room that it takes.
+/// A table in memory and its share of the limit.
 #[derive(Debug)]
 pub(crate) struct Memory {
     pub(crate) table: Table,
@@ -19,18 +19,18 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Columns that exist already, whatever room there is.
+    /// Columns that exist already; they do not count towards the limit.
     pub(crate) fn existing(table: Table) -> Self {
         Self { table, room: Room::default() }
     }
 }
 
-/// A part of [`VALUES`], given back when it is dropped.
+/// A share of [`VALUES`], released on drop.
 #[derive(Debug, Default)]
 struct Room(u64);
 
 impl Room {
-    /// Takes so many values more; false when that would be too many.
+    /// Reserves this many more values; false when the limit would be exceeded.
     fn grow(&mut self, values: u64) -> bool {
         let fits = |kept: u64| kept.checked_add(values).filter(|kept| *kept <= VALUES);
         let grown = KEPT.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits).is_ok();
@@ -45,7 +45,7 @@ impl Drop for Room {
     }
 }
 
-/// Rows on their way to where they stay.
+/// Rows being kept.
 #[derive(Debug)]
 pub(crate) enum Keeping {
     Memory(Memory),
@@ -53,7 +53,7 @@ pub(crate) enum Keeping {
     Nothing,
 }
 
-/// Where they arrived.
+/// All rows, kept.
 #[derive(Debug)]
 pub(crate) enum Kept {
     Memory(Memory),
@@ -66,7 +66,7 @@ impl Keeping {
         Self::Memory(Memory::existing(Table::with_columns(columns)))
     }
 
-    /// Takes more rows, of about `expected_rows` in all.
+    /// Appends rows, of about `expected_rows` in all.
     pub(crate) fn append(&mut self, rows: &Table, expected_rows: u64) {
         if let Self::Memory(memory) = self {
             if memory.room.grow(rows.rows() as u64 * (1 + rows.columns.len() as u64)) {
@@ -75,7 +75,7 @@ impl Keeping {
             }
             self.leave_memory(expected_rows);
         }
-        // A full disk is no reason to fail: the rows can be read from where they came.
+        // A full disk is no error: the rows can be read from the recording's own file.
         if let Self::Spill(spill) = self
             && spill.append(rows).is_err()
         {
@@ -83,7 +83,7 @@ impl Keeping {
         }
     }
 
-    /// Goes on in a temporary file, where there is room for one.
+    /// Moves the rows to a temporary file, where there is room for one.
     pub(crate) fn leave_memory(&mut self, expected_rows: u64) {
         if let Self::Memory(memory) = self {
             let spill = SpillWriter::create(memory.table.columns.len(), expected_rows);

@@ -1,72 +1,21 @@
-//! The first reading of a recording: every row is checked, segments, statistics and places to start from are found.
+//! The first reading of a file: checks every row and finds segments, statistics and places at which reading can start.
 
 use std::sync::Arc;
 
-use super::keep::{Keeping, Kept, Memory};
-use super::{BLOCK_ROWS, Dataset, FileSource, Mark, Source, SpillSource};
+use super::data::Dataset;
+use super::keep::{Keeping, Kept};
+use super::source::{FileSource, Mark, Source, SpillSource};
+use super::tally::Tally;
 use crate::Channel;
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
-use crate::rows::{EndOfRows, Part, Scan};
-use crate::segments::SegmentFinder;
+use crate::part::{EndOfRows, Part};
+use crate::rows::{Layout, Scan};
 use crate::selection::Selection;
-use crate::statistics::Running;
-use crate::table::Table;
-
-/// What a first pass gathers.
-pub(super) struct Tally {
-    pub(super) finder: SegmentFinder,
-    pub(super) running: Vec<Running>,
-    pub(super) rows: u64,
-}
-
-impl Tally {
-    pub(super) fn new(columns: usize) -> Self {
-        Self { finder: SegmentFinder::new(), running: vec![Running::new(); columns], rows: 0 }
-    }
-
-    pub(super) fn take(&mut self, table: &Table) {
-        table.time_s.iter().for_each(|t| self.finder.push(*t));
-        for (running, column) in self.running.iter_mut().zip(&table.columns) {
-            running.take(column);
-        }
-        self.rows += table.rows() as u64;
-    }
-}
+use crate::table::BLOCK_ROWS;
 
 impl Dataset {
-    /// A dataset of a table in memory; of a part of it where less is selected.
-    pub(super) fn from_table(
-        name: String,
-        channels: Vec<Channel>,
-        mut table: Table,
-        selection: &Selection,
-    ) -> Result<Self> {
-        table.retain_span(selection.span);
-        let mut tally = Tally::new(channels.len());
-        tally.take(&table);
-        let (segments, sample_time_s) = tally.finder.finish();
-        if segments.is_empty() {
-            return Err(RecordingError::NoSamples { path: selection.path.clone() });
-        }
-        Ok(Self {
-            name,
-            format: Format::Memory,
-            channels,
-            statistics: tally.running.into_iter().map(Running::finish).collect(),
-            segments,
-            sample_time_s,
-            rows: table.rows() as u64,
-            parts: 1,
-            lost_samples: 0,
-            cut: None,
-            contents: None,
-            warnings: Vec::new(),
-            source: Source::Memory(Arc::new(Memory::existing(table))),
-        })
-    }
-
-    /// Reads the file once, and keeps the values while there is room for them.
+    /// Reads the file once, and keeps the values while there is room.
     pub(super) fn scan(
         selection: &Selection,
         format: Format,
@@ -85,9 +34,9 @@ impl Dataset {
         };
         let mut parts = scan.next()?;
         while !parts.is_empty() {
-            // While these are taken in the next are read.
+            // The next parts are read while these are appended.
             let (next, ()) =
-                rayon::join(|| scan.next(), || parts.into_iter().for_each(|part| first.take(part)));
+                rayon::join(|| scan.next(), || parts.into_iter().for_each(|part| first.append(part)));
             parts = next?;
         }
         if first.tally.rows == 0 {
@@ -100,7 +49,7 @@ impl Dataset {
         first: FirstPass<'_>,
         format: Format,
         all_channels: &[Channel],
-        end: EndOfRows,
+        (layout, end): (Layout, EndOfRows),
     ) -> Result<Self> {
         let FirstPass { selection, tally, .. } = first;
         let columns: Vec<usize> =
@@ -120,7 +69,7 @@ impl Dataset {
             Kept::Spill(spill) => Source::Spill(Arc::new(SpillSource { spill, columns })),
             Kept::Nothing => Source::File(Arc::new(FileSource {
                 path: selection.path.clone(),
-                layout: end.layout,
+                layout,
                 columns,
                 marks: first.marks,
                 skipped: first.skipped,
@@ -144,7 +93,7 @@ impl Dataset {
     }
 }
 
-/// What a first pass over a file has come to.
+/// The state of a first pass over a file.
 struct FirstPass<'a> {
     selection: &'a Selection,
     file_bytes: u64,
@@ -153,12 +102,12 @@ struct FirstPass<'a> {
     marks: Vec<Mark>,
     /// Rows of the file so far.
     row: u64,
-    /// Of these, before the span selected.
+    /// Rows of the file before the selected span.
     skipped: u64,
 }
 
 impl FirstPass<'_> {
-    fn take(&mut self, part: Part) {
+    fn append(&mut self, part: Part) {
         let Part { place, end_byte, mut table } = part;
         if self.marks.last().is_none_or(|mark| self.row - mark.row >= BLOCK_ROWS as u64) {
             self.marks.push(Mark { row: self.row, place });
@@ -166,7 +115,7 @@ impl FirstPass<'_> {
         self.row += table.rows() as u64;
         let expected_rows = self.row as f64 / end_byte as f64 * self.file_bytes as f64;
         self.skipped += table.retain_span(self.selection.span) as u64;
-        self.tally.take(&table);
+        self.tally.append(&table);
         self.kept.append(&table, expected_rows as u64);
     }
 }

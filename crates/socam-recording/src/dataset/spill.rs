@@ -1,7 +1,7 @@
 //! Columns in a temporary file: a recording too long for memory is decoded once, not on every pass.
 //!
-//! The file has no name, so it goes with the process however that ends. It lies in the folder that `TMPDIR` names, or in
-//! `/var/tmp` (`/tmp` is often memory), and takes at most half of what is free there.
+//! The file has no name, so it is removed when the process ends in any way. It lies in the folder that `TMPDIR` names, or in
+//! `/var/tmp` (`/tmp` is often memory), and takes at most half of the free space there.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -9,13 +9,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::BLOCK_ROWS;
-use crate::table::Table;
+use crate::table::{BLOCK_ROWS, Table};
 
-/// Most temporary files at a time: each holds a handle.
+/// Most temporary files at a time: each needs a file handle.
 const FILES: usize = 64;
 
-/// Temporary files at the moment.
+/// Number of temporary files that are open.
 static OPEN: AtomicUsize = AtomicUsize::new(0);
 
 /// Bytes of one column of a group of [`BLOCK_ROWS`] rows.
@@ -55,7 +54,7 @@ pub(crate) struct SpillWriter {
 }
 
 impl SpillWriter {
-    /// `None` where there is no room for so many rows.
+    /// `None` where there is no room for this many rows.
     pub(crate) fn create(columns: usize, rows: u64) -> Option<Self> {
         let handle = Handle::new()?;
         let folder = folder();
@@ -87,7 +86,7 @@ impl SpillWriter {
         Ok(self.spill)
     }
 
-    /// Writes a group, the last one filled up with nothing.
+    /// Writes a group; the last one is padded with zeros.
     fn write(&mut self) -> io::Result<()> {
         self.bytes.clear();
         for (index, column) in self.pending.all().enumerate() {
@@ -137,7 +136,7 @@ fn read_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
     std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
 }
 
-/// Elsewhere there is no reading at a place by several threads, so there is no room either.
+/// Other systems cannot read at an offset from several threads, so no temporary file is used there.
 #[cfg(not(unix))]
 fn free_bytes(_: &Path) -> Option<u64> {
     None

@@ -1,11 +1,15 @@
 //! Any part of a recording, from memory or from its file, is the same.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 
-use super::keep::Kept;
-use super::*;
-use crate::{Recorder, RecordingHeader, SampleRow, Unit};
+use super::Dataset;
+use super::keep::{Keeping, Kept};
+use super::source::Source;
+use crate::selection::Selection;
+use crate::table::Table;
+use crate::{Channel, Recorder, RecordingHeader, SampleRow, Unit, format};
 
 const ROWS: u64 = 30_000;
 

@@ -1,123 +1,42 @@
-//! From a log's records to rows and contents.
+//! Decoders: from a log's messages to rows, from its other records to its contents.
 
 use std::collections::BTreeMap;
 
 use mcap::records::{Record, op};
 
-use super::sample::{Event, Field, Status, decode_event, decode_status, fields};
-use super::schema::{DEVICE_TIME_NS, EXACT_TIME_S, SEQUENCE, double_fields};
-use super::{EVENT_TOPIC, METADATA_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME, schema};
+use super::contents::{AttachmentInfo, LogContents};
+use super::names::{EVENT_TOPIC, METADATA_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
+use super::order::SampleOrder;
+use super::sample::{Field, decode_event, decode_status, fields};
+use super::schema::{self, DEVICE_TIME_NS, EXACT_TIME_S, SEQUENCE, double_fields};
 use crate::Channel;
-use crate::dataset::Warning;
 use crate::table::Table;
+use crate::warning::Warning;
 
-/// Events kept; a recording with more is still read.
+/// Most events kept; a recording with more is still read.
 const EVENTS: usize = 10_000;
 
-/// Before a message's content: channel (2 bytes), sequence (4), log time (8), publish time (8).
+/// Length of the header before a message's content: channel (2 bytes), sequence (4), log time (8), publish time (8).
 const MESSAGE_HEAD: usize = 22;
-
-/// What a log holds besides samples.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
-pub struct LogContents {
-    /// The program that wrote it.
-    pub library: String,
-    /// Time of the day at device time 0, ns since 1970 (UTC); `None` when the log does not say.
-    pub start_unix_ns: Option<u64>,
-    /// Duration meant when the recording was started, s.
-    pub planned_duration_s: Option<f64>,
-    /// Board, firmware, host versions, operator's notes, by name.
-    pub metadata: BTreeMap<String, String>,
-    /// Name, media type and length of each attachment; [`read_attachments`](crate::read_attachments) reads them.
-    pub attachments: Vec<AttachmentInfo>,
-    /// Events in order (the first ten thousand).
-    pub events: Vec<Event>,
-    /// The last status, if there was one.
-    pub last_status: Option<Status>,
-}
-
-/// An attachment's name and size.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct AttachmentInfo {
-    /// Its name.
-    pub name: String,
-    /// Its media type.
-    pub media_type: String,
-    /// Its length, bytes.
-    pub bytes: u64,
-}
 
 /// A message's channel and content.
 fn message(body: &[u8]) -> Option<(u16, &[u8])> {
     Some((u16::from_le_bytes(*body.first_chunk()?), body.get(MESSAGE_HEAD..)?))
 }
 
-/// Whether samples follow each other as they should, in time and in number.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sequel {
-    first: Option<Moment>,
-    last: Option<Moment>,
-    back_s: Option<(f64, f64)>,
-    pub(crate) lost: u64,
-}
-
-/// Time and number of a sample.
-#[derive(Debug, Clone, Copy)]
-struct Moment {
-    time_s: f64,
-    sequence: Option<u64>,
-}
-
-impl Sequel {
-    fn of(moment: Moment) -> Self {
-        Self { first: Some(moment), last: Some(moment), ..Self::default() }
-    }
-
-    /// Appends what came after.
-    pub(crate) fn append(&mut self, next: &Self) {
-        if let (Some(last), Some(first)) = (self.last, next.first) {
-            if first.time_s <= last.time_s {
-                self.back_s.get_or_insert((last.time_s, first.time_s));
-            }
-            if let (Some(before), Some(after)) = (last.sequence, first.sequence) {
-                let between = after.saturating_sub(before.wrapping_add(1));
-                self.lost = self.lost.saturating_add(between);
-            }
-        }
-        self.back_s = self.back_s.or(next.back_s);
-        self.lost = self.lost.saturating_add(next.lost);
-        self.first = self.first.or(next.first);
-        self.last = next.last.or(self.last);
-    }
-
-    pub(crate) fn last_s(&self) -> Option<f64> {
-        self.last.map(|moment| moment.time_s)
-    }
-
-    pub(crate) fn check_order(&self) -> Result<(), String> {
-        match self.back_s {
-            None => Ok(()),
-            Some((last_s, time_s)) => Err(format!(
-                "in this chunk time goes from {last_s} s to {time_s} s; it must increase from sample to sample: \
-                 the clock was set back while recording, so record again"
-            )),
-        }
-    }
-}
-
 /// Turns messages of one channel into rows.
 #[derive(Debug)]
 pub(crate) struct SampleDecoder {
     channel: u16,
-    /// Numbers of the fields wanted with their columns in the table, by number.
+    /// Number and table column of each field to decode, sorted by number.
     columns: Vec<(u32, usize)>,
     /// Row by row: time, then columns.
     rows: Vec<f64>,
-    sequel: Sequel,
+    order: SampleOrder,
 }
 
 impl SampleDecoder {
-    /// Takes a message's body; `None` when it is damaged, `Some(false)` when it is no sample. A damaged one leaves no trace.
+    /// Decodes a message's body: `None` when it is damaged (no row is added), `Some(false)` when it is no sample.
     pub(crate) fn message(&mut self, body: &[u8]) -> Option<bool> {
         let (channel, content) = message(body)?;
         if channel != self.channel {
@@ -159,61 +78,61 @@ impl SampleDecoder {
         }
         let time_s = exact_s.unwrap_or(device_time_ns as f64 / 1e9);
         row[0] = time_s;
-        self.sequel.append(&Sequel::of(Moment { time_s, sequence }));
+        self.order.append(&SampleOrder::of(time_s, sequence));
         Some(())
     }
 
-    /// A table of no rows for what it decodes.
+    /// An empty table with its columns.
     pub(crate) fn table(&self) -> Table {
         Table::with_columns(self.columns.len())
     }
 
-    /// Moves the rows decoded since the last call into a table, and says how they follow each other.
-    pub(crate) fn hand_over(&mut self, table: &mut Table) -> Sequel {
+    /// Moves the rows decoded since the last call into a table; returns their order.
+    pub(crate) fn hand_over(&mut self, table: &mut Table) -> SampleOrder {
         let width = 1 + self.columns.len();
         for (index, column) in table.all().enumerate() {
             column.extend(self.rows.chunks_exact(width).map(|row| row[index]));
         }
         self.rows.clear();
-        std::mem::take(&mut self.sequel)
+        std::mem::take(&mut self.order)
     }
 
-    /// Forgets the rows decoded since the last [`SampleDecoder::hand_over`].
+    /// Drops the rows decoded since the last [`SampleDecoder::hand_over`].
     pub(crate) fn discard(&mut self) {
         self.rows.clear();
-        self.sequel = Sequel::default();
+        self.order = SampleOrder::default();
     }
 }
 
-/// Which messages of a log are samples, and where its channels stand in them.
+/// The topic of a log's samples, and the fields of its channels in them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LogLayout {
     channel: u16,
-    /// The field's number of each channel.
+    /// Field number of each channel.
     numbers: Vec<u32>,
 }
 
 impl LogLayout {
-    /// `columns`: the channels wanted, in that order.
+    /// A decoder of some channels (by index), in the order of the table's columns.
     pub(crate) fn decoder(&self, columns: &[usize]) -> SampleDecoder {
         let mut columns: Vec<(u32, usize)> = columns.iter().map(|c| self.numbers[*c]).zip(0..).collect();
         columns.sort_unstable();
-        SampleDecoder { channel: self.channel, columns, rows: Vec::new(), sequel: Sequel::default() }
+        SampleDecoder { channel: self.channel, columns, rows: Vec::new(), order: SampleOrder::default() }
     }
 
-    /// Takes all channels.
+    /// A decoder of all channels.
     pub(crate) fn decoder_of_all(&self) -> SampleDecoder {
         self.decoder(&(0..self.numbers.len()).collect::<Vec<_>>())
     }
 }
 
-/// Turns all records but samples into contents.
+/// Decodes all records but samples.
 #[derive(Default)]
 pub(crate) struct Decoder {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     pub(crate) topics: Vec<String>,
     pub(crate) channels: Vec<Channel>,
-    /// Known once the samples' channel is.
+    /// `None` until the samples' topic is found.
     pub(crate) layout: Option<LogLayout>,
     status_channel: Option<u16>,
     event_channel: Option<u16>,
@@ -222,7 +141,7 @@ pub(crate) struct Decoder {
 }
 
 impl Decoder {
-    /// Takes one record; `None` when it is damaged.
+    /// Decodes one record; `None` when it is damaged.
     pub(crate) fn take(&mut self, opcode: u8, body: &[u8]) -> Option<()> {
         if opcode == op::MESSAGE {
             return self.message(body);
@@ -293,7 +212,7 @@ impl Decoder {
         }
     }
 
-    /// Finds the channels among the message's fields. Names that were no identifiers stand in the topic's metadata.
+    /// Field numbers of the channels. Names that are no identifiers of the schema are taken from the topic's metadata.
     fn columns_of(&mut self, fields: Vec<(u32, String)>, names: Option<&str>) -> Vec<u32> {
         let names: Vec<String> = names.and_then(|names| serde_json::from_str(names).ok()).unwrap_or_default();
         let mut numbers = Vec::new();

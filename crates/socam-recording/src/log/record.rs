@@ -1,27 +1,18 @@
-//! The recorder: takes samples without ever making the caller wait, and leaves a log that survives a crash.
+//! The recorder: accepts samples without blocking the caller, and writes a log that survives a crash.
 //!
 //! The caller's thread only encodes rows into a queue in memory. The writer's thread empties the queue twenty times a second,
-//! closes a chunk and hands it to the system twice a second, and syncs to the disk every ten seconds. When the disk cannot
-//! keep up for so long that the queue is full, samples are dropped, counted and reported.
+//! closes and flushes a chunk twice a second, and syncs to the disk every ten seconds. When the disk is too slow and the queue
+//! is full, samples are dropped, counted and reported.
 
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 
+use super::queue::{self, Shared, write_until_ended};
 use super::sample::{Event, SampleRow, Status, encode_event, encode_sample, encode_status};
 use super::writer::{LogWriter, RecordingHeader, Topic};
 use crate::error::{RecordingError, Result};
-
-/// How often the queue is emptied.
-const POLL: Duration = Duration::from_millis(50);
-
-/// How old a chunk gets. The contract is one second; half of it leaves room for a busy machine.
-const CHUNK_AGE: Duration = Duration::from_millis(500);
-
-/// How often the file is synced to the disk.
-const SYNC_EVERY: Duration = Duration::from_secs(10);
 
 /// A running recording. Dropping it finishes the file as [`Recorder::finish`] does, but cannot report.
 #[derive(Debug)]
@@ -42,7 +33,7 @@ struct Counts {
     refused: u64,
 }
 
-/// What a recording came to.
+/// Counts of a finished recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct RecordingSummary {
     /// Samples in the file.
@@ -59,51 +50,9 @@ pub struct RecordingSummary {
     pub bytes: u64,
 }
 
-#[derive(Debug)]
-struct Shared {
-    queue: Mutex<Queue>,
-}
-
-/// Encoded messages waiting to be written.
-#[derive(Debug, Default)]
-struct Queue {
-    bytes: Vec<u8>,
-    messages: Vec<Waiting>,
-    lost: u64,
-    ended: bool,
-    failed: bool,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Waiting {
-    topic: Topic,
-    device_time_ns: i64,
-    sequence: Option<u64>,
-    end: usize,
-}
-
-impl Shared {
-    /// The queue; it stays usable if the other thread panicked.
-    fn queue(&self) -> MutexGuard<'_, Queue> {
-        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Queue {
-    fn push(&mut self, waiting: (Topic, i64, Option<u64>), encode: impl FnOnce(&mut Vec<u8>)) -> bool {
-        if self.failed || self.bytes.len() >= Recorder::QUEUE_BYTES {
-            return false;
-        }
-        encode(&mut self.bytes);
-        let (topic, device_time_ns, sequence) = waiting;
-        self.messages.push(Waiting { topic, device_time_ns, sequence, end: self.bytes.len() });
-        true
-    }
-}
-
 impl Recorder {
     /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
-    pub const QUEUE_BYTES: usize = 32 << 20;
+    pub const QUEUE_BYTES: usize = queue::QUEUE_BYTES;
 
     /// Creates the file, writes everything known beforehand, and starts the writer's thread.
     ///
@@ -112,7 +61,7 @@ impl Recorder {
     pub fn create(path: &Path, header: &RecordingHeader) -> Result<Self> {
         let file = create_file(path, header.replace)?;
         let log = LogWriter::begin(path, file, header).inspect_err(|_| remove(path))?;
-        let shared = Arc::new(Shared { queue: Mutex::new(Queue::default()) });
+        let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("socam-recorder".into())
@@ -234,55 +183,6 @@ impl Counts {
     fn lost(&self) -> u64 {
         self.missed + self.overflowed + self.refused
     }
-}
-
-/// Empties the queue until the recording ends. Returns samples and bytes written.
-fn write_until_ended(mut log: LogWriter, shared: &Shared) -> Result<(u64, u64)> {
-    let mut batch = Queue::default();
-    let mut chunk_opened = Instant::now();
-    let mut synced = Instant::now();
-    loop {
-        batch.bytes.clear();
-        batch.messages.clear();
-        let (ended, lost) = {
-            let mut queue = shared.queue();
-            std::mem::swap(&mut queue.bytes, &mut batch.bytes);
-            std::mem::swap(&mut queue.messages, &mut batch.messages);
-            (queue.ended, queue.lost)
-        };
-        let written = write(&mut log, &batch).and_then(|()| {
-            if chunk_opened.elapsed() >= CHUNK_AGE {
-                chunk_opened = Instant::now();
-                log.flush()?;
-            }
-            if synced.elapsed() >= SYNC_EVERY {
-                synced = Instant::now();
-                log.sync()?;
-            }
-            Ok(())
-        });
-        if let Err(e) = written {
-            shared.queue().failed = true;
-            return Err(e.after(log.samples_handed_over()));
-        }
-        if ended {
-            let samples = log.samples();
-            let handed_over = log.samples_handed_over();
-            let bytes = log.finish(lost).map_err(|e| e.after(handed_over))?;
-            return Ok((samples, bytes));
-        }
-        std::thread::park_timeout(POLL);
-    }
-}
-
-fn write(log: &mut LogWriter, batch: &Queue) -> Result<()> {
-    let mut start = 0;
-    for message in &batch.messages {
-        let bytes = &batch.bytes[start..message.end];
-        log.message(message.topic, message.device_time_ns, message.sequence, bytes)?;
-        start = message.end;
-    }
-    Ok(())
 }
 
 fn create_file(path: &Path, replace: bool) -> Result<File> {

@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 
+use super::attachments::Attachment;
+use super::names::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
 use super::sample::{Event, encode_event};
+use super::schema;
 use super::sink::LogSink;
-use super::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME, schema};
 use crate::Channel;
 use crate::error::{RecordingError, Result};
 
-/// Uncompressed bytes at which a chunk is closed even before its time is up.
+/// Uncompressed bytes at which a chunk is closed before the interval of flushes ends.
 const CHUNK_BYTES: u64 = 1 << 20;
 
 /// What is known about a recording before its first sample.
@@ -24,25 +26,14 @@ pub struct RecordingHeader {
     pub channels: Vec<Channel>,
     /// Time of the day at device time 0, ns since 1970 (UTC).
     pub start_unix_ns: u64,
-    /// Board, firmware and host versions, operator's notes and whatever else is worth keeping, by name.
+    /// Board, firmware and host versions, operator's notes and other texts, by name.
     pub metadata: BTreeMap<String, String>,
     /// Calibration, model, profile.
     pub attachments: Vec<Attachment>,
-    /// How long it is meant to take, s: lets a reader say how much of a cut recording is missing.
+    /// Planned duration, s: by it a reader says how much of a cut recording is missing.
     pub planned_duration_s: Option<f64>,
     /// Whether a file of this name is replaced; otherwise it is an error.
     pub replace: bool,
-}
-
-/// A file that travels with a recording.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Attachment {
-    /// Its name, such as `model.toml`.
-    pub name: String,
-    /// Its media type, such as `application/toml`.
-    pub media_type: String,
-    /// Its content.
-    pub data: Vec<u8>,
 }
 
 impl RecordingHeader {
@@ -77,11 +68,11 @@ pub(crate) struct LogWriter {
     start_unix_ns: u64,
     latest_ns: u64,
     messages: [u64; 3],
-    samples_handed_over: u64,
+    samples_flushed: u64,
 }
 
 impl LogWriter {
-    /// Writes everything known beforehand and hands it to the system, so that it survives whatever comes.
+    /// Writes everything known beforehand and flushes it to the operating system, so that it survives a crash of this process.
     pub(crate) fn begin(path: &Path, file: File, header: &RecordingHeader) -> Result<Self> {
         let sink = LogSink::new(file);
         let begin = || -> Result<Self, McapError> {
@@ -107,7 +98,7 @@ impl LogWriter {
                 start_unix_ns: header.start_unix_ns,
                 latest_ns: 0,
                 messages: [0; 3],
-                samples_handed_over: 0,
+                samples_flushed: 0,
             })
         };
         let mut log = begin().map_err(|e| failure(path, "create", e))?;
@@ -119,8 +110,8 @@ impl LogWriter {
         Ok(log)
     }
 
-    /// Writes one message. Times in the log never run back: a late status or event is logged at the latest time, and its
-    /// own time stays in its content.
+    /// Writes one message. Log times never decrease: a late status or event is logged at the latest time and keeps its own time
+    /// in its content.
     pub(crate) fn message(
         &mut self,
         topic: Topic,
@@ -143,21 +134,21 @@ impl LogWriter {
         self.writer.write_to_known_channel(&header, bytes).map_err(|e| failure(&self.path, "write to", e))
     }
 
-    /// Closes the chunk and hands everything to the system.
+    /// Closes the chunk and flushes it to the operating system.
     pub(crate) fn flush(&mut self) -> Result<()> {
         self.writer.flush().map_err(|e| failure(&self.path, "write to", e))?;
-        self.samples_handed_over = self.samples();
+        self.samples_flushed = self.samples();
         Ok(())
     }
 
-    /// Brings what was handed over to the disk.
+    /// Syncs what was flushed to the disk.
     pub(crate) fn sync(&self) -> Result<()> {
         super::sink::sync(&self.handle).map_err(|e| RecordingError::io(&self.path, "write to", e))
     }
 
-    /// Samples that reached the system.
-    pub(crate) fn samples_handed_over(&self) -> u64 {
-        self.samples_handed_over
+    /// Number of samples flushed to the operating system.
+    pub(crate) fn samples_flushed(&self) -> u64 {
+        self.samples_flushed
     }
 
     /// Samples written so far.
@@ -188,7 +179,7 @@ impl LogWriter {
 }
 
 fn options() -> WriteOptions {
-    // A chunk is put together in memory and written at once: the file never holds half a chunk's header.
+    // A chunk is assembled in memory and written at once: the file never holds a partial chunk header.
     let options = WriteOptions::new()
         .profile(PROFILE)
         .library(concat!("socam ", env!("CARGO_PKG_VERSION")))

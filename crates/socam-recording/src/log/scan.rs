@@ -1,116 +1,41 @@
-//! Reads a log record by record: memory stays at one chunk, and a log cut off or damaged anywhere gives all that is whole.
+//! The first reading of a log, in batches of chunks: a log cut off or damaged anywhere gives all records that are whole.
 
 use std::path::Path;
 
-use mcap::records::{Record, op};
+use mcap::records::op;
 use rayon::prelude::*;
 
-use super::LogContents;
-use super::decode::{Decoder, LogLayout, SampleDecoder, Sequel};
+use super::contents::LogContents;
+use super::decode::{Decoder, LogLayout};
+use super::order::SampleOrder;
 use super::records::{ChunkOpener, Next, RECORD_HEAD, Records};
-use super::writer::Attachment;
+use super::unpack::{Group, Raw, Unpacked};
 use crate::Channel;
-use crate::dataset::{BLOCK_ROWS, Cut, Warning};
 use crate::error::{RecordingError, Result};
-use crate::rows::{EndOfRows, Layout, Part, Place};
-use crate::table::Table;
+use crate::part::{EndOfRows, Part, Place};
+use crate::table::BLOCK_ROWS;
+use crate::warning::{Cut, Warning};
 
-/// Attachments of a log, with their content, in the file's order.
-///
-/// # Errors
-/// When the file cannot be read or is no MCAP log. Attachments after a cut are not there.
-pub fn read_attachments(path: &Path) -> Result<Vec<Attachment>> {
-    let mut records = Records::open(path)?;
-    let mut attachments = Vec::new();
-    while let Next::Record { opcode, body, .. } = records.next(|opcode| opcode == op::ATTACHMENT)? {
-        if opcode == op::ATTACHMENT
-            && let Ok(Record::Attachment { header, data, .. }) = mcap::parse_record(opcode, body)
-        {
-            attachments.push(Attachment {
-                name: header.name,
-                media_type: header.media_type,
-                data: data.into_owned(),
-            });
-        }
-    }
-    Ok(attachments)
-}
-
-/// Chunks unpacked at a time: as many as fit into this, but not more than [`BATCH`].
+/// Bytes of the chunks unpacked at a time; at most [`BATCH`] chunks.
 const BATCH_BYTES: usize = 8 << 20;
 
-/// See [`BATCH_BYTES`].
+/// Most chunks unpacked at a time.
 const BATCH: usize = 64;
 
-/// A first reading of a log: all samples and everything else that is in it. Chunks are unpacked on all cores and put
-/// together in their order.
+/// A first reading of a log: all samples and all other records. Chunks are unpacked on all cores and kept in order.
 pub(crate) struct LogScan {
     records: Records,
     decoder: Decoder,
-    /// Of all samples so far.
-    sequel: Sequel,
-    /// Unpacked and not given out yet.
+    /// Order of all samples so far.
+    order: SampleOrder,
+    /// Tables unpacked and not returned yet.
     ready: Vec<Part>,
-    /// Buffers to use again.
+    /// Buffers to reuse.
     spare: Vec<Vec<u8>>,
     ended: bool,
     cut: Option<u64>,
     damaged: Vec<(u64, u64)>,
     samples_whole: bool,
-}
-
-/// Consecutive records: one chunk, or some that stand outside of chunks.
-struct Group {
-    byte: u64,
-    records: Vec<Raw>,
-}
-
-struct Raw {
-    opcode: u8,
-    byte: u64,
-    body: Vec<u8>,
-}
-
-/// What a group held.
-struct Unpacked {
-    byte: u64,
-    end_byte: u64,
-    table: Table,
-    sequel: Sequel,
-    /// All records but samples.
-    others: Vec<(u8, Vec<u8>)>,
-    /// Where it is damaged: first byte and length.
-    damaged: Vec<(u64, u64)>,
-}
-
-impl Group {
-    fn unpack(&self, samples: &mut SampleDecoder, chunks: &mut ChunkOpener) -> Unpacked {
-        let mut others = Vec::new();
-        let mut damaged = Vec::new();
-        let mut end_byte = self.byte;
-        for Raw { opcode, byte, body } in &self.records {
-            let before = others.len();
-            let length = body.len() as u64 + RECORD_HEAD;
-            end_byte = byte + length;
-            let mut take = |opcode: u8, body: &[u8]| {
-                if opcode != op::MESSAGE || !samples.message(body)? {
-                    others.push((opcode, body.to_vec()));
-                }
-                Some(())
-            };
-            let whole = if *opcode == op::CHUNK { chunks.open(body, take) } else { take(*opcode, body) };
-            if whole.is_none() {
-                if *opcode == op::CHUNK {
-                    samples.discard();
-                    others.truncate(before);
-                }
-                damaged.push((*byte, length));
-            }
-        }
-        let mut table = samples.table();
-        let sequel = samples.hand_over(&mut table);
-        Unpacked { byte: self.byte, end_byte, table, sequel, others, damaged }
-    }
 }
 
 impl LogScan {
@@ -119,7 +44,7 @@ impl LogScan {
         let mut scan = Self {
             records: Records::open(path)?,
             decoder: Decoder::default(),
-            sequel: Sequel::default(),
+            order: SampleOrder::default(),
             ready: Vec::new(),
             spare: Vec::new(),
             ended: false,
@@ -148,7 +73,7 @@ impl LogScan {
         Ok(std::mem::take(&mut self.ready))
     }
 
-    /// Takes one record while it is not known yet which are samples.
+    /// Decodes one record while the samples' topic is unknown.
     fn look_for_samples(&mut self) -> Result<()> {
         let Some(record) = self.next_record()? else { return Ok(()) };
         let (decoder, mut chunks) = (&mut self.decoder, ChunkOpener::new());
@@ -164,7 +89,7 @@ impl LogScan {
             }
             None => Ok(()),
             Some(layout) => {
-                // The same record may hold the first of them.
+                // The same chunk may hold the first samples.
                 let group = Group { byte: record.byte, records: vec![record] };
                 let mut unpacked = group.unpack(&mut layout.decoder_of_all(), &mut chunks);
                 unpacked.others.clear();
@@ -186,7 +111,7 @@ impl LogScan {
         unpacked.into_iter().try_for_each(|group| self.take(group))
     }
 
-    /// Some whole records as they are in the file.
+    /// The next whole records, in groups.
     fn batch(&mut self) -> Result<Vec<Group>> {
         let mut groups: Vec<Group> = Vec::new();
         let mut bytes = 0;
@@ -217,8 +142,8 @@ impl LogScan {
             }
         }
         self.damaged.extend(&group.damaged);
-        self.sequel.append(&group.sequel);
-        self.sequel.check_order().map_err(|problem| RecordingError::Byte {
+        self.order.append(&group.order);
+        self.order.check().map_err(|problem| RecordingError::Byte {
             path: self.records.path.clone(),
             byte: group.byte,
             problem,
@@ -230,7 +155,7 @@ impl LogScan {
         Ok(())
     }
 
-    /// The next record of those that matter; `None` at the end of the data, whole or cut.
+    /// The next record of a kind that is decoded; `None` at the end of the data, whole or cut.
     fn next_record(&mut self) -> Result<Option<Raw>> {
         let wanted = |opcode| {
             matches!(
@@ -247,7 +172,7 @@ impl LogScan {
         };
         while !self.ended {
             match self.records.next(wanted)? {
-                // What follows repeats what was read. Only its end tells whether the file is whole.
+                // The summary repeats what was read; only its end shows whether the file is whole.
                 Next::Record { opcode: op::DATA_END, .. } => self.skip_summary()?,
                 Next::Record { opcode, byte, body } if wanted(opcode) => {
                     let body = std::mem::replace(body, self.spare.pop().unwrap_or_default());
@@ -298,8 +223,9 @@ impl LogScan {
         }
     }
 
-    pub(crate) fn finish(self) -> EndOfRows {
-        let lost_samples = self.sequel.lost;
+    /// The layout, and what else is known at the end.
+    pub(crate) fn finish(self) -> (LogLayout, EndOfRows) {
+        let lost_samples = self.order.lost;
         let mut warnings = self.decoder.warnings;
         if lost_samples > 0 {
             warnings.push(Warning::LostSamples { samples: lost_samples });
@@ -312,22 +238,16 @@ impl LogScan {
             missing: if self.samples_whole {
                 "only the index at its end, all samples are there".into()
             } else {
-                missing(&contents, self.sequel.last_s())
+                missing(&contents, self.order.last_s())
             },
         });
         warnings.extend(cut.iter().map(|cut| Warning::CutOff { missing: cut.missing.clone() }));
-        EndOfRows {
-            layout: Layout::Log(self.decoder.layout.unwrap_or_default()),
-            unusable: Vec::new(),
-            warnings,
-            lost_samples,
-            cut,
-            contents: Some(contents),
-        }
+        let end = EndOfRows { unusable: Vec::new(), warnings, lost_samples, cut, contents: Some(contents) };
+        (self.decoder.layout.unwrap_or_default(), end)
     }
 }
 
-/// What a cut recording lacks, as far as can be known.
+/// What a cut recording lacks, in words.
 fn missing(contents: &LogContents, last_s: Option<f64>) -> String {
     let last_s = last_s.unwrap_or(0.0);
     let rest = match contents.planned_duration_s {
@@ -337,48 +257,4 @@ fn missing(contents: &LogContents, last_s: Option<f64>) -> String {
         _ => format!("all after {last_s} s (of a running recording, at most its last second)"),
     };
     format!("{rest}, and the index at its end")
-}
-
-/// A second reading: some channels' samples from a record on, nothing else.
-pub(crate) struct LogSamples {
-    records: Records,
-    chunks: ChunkOpener,
-    samples: SampleDecoder,
-}
-
-impl LogSamples {
-    pub(crate) fn resume(path: &Path, layout: &LogLayout, columns: &[usize], place: Place) -> Result<Self> {
-        let mut records = Records::open(path)?;
-        records.seek(place.byte)?;
-        Ok(Self { records, chunks: ChunkOpener::new(), samples: layout.decoder(columns) })
-    }
-
-    /// Appends the rows of whole records, at least `rows` of them; false once there are no more.
-    pub(crate) fn read(&mut self, table: &mut Table, rows: usize) -> Result<bool> {
-        let enough = table.rows() + rows;
-        while table.rows() < enough {
-            let wanted = |opcode| matches!(opcode, op::CHUNK | op::MESSAGE | op::DATA_END);
-            let Next::Record { opcode, byte, body } = self.records.next(wanted)? else { return Ok(false) };
-            let samples = &mut self.samples;
-            let mut take = |opcode, body: &[u8]| match opcode {
-                op::MESSAGE => samples.message(body).map(drop),
-                _ => Some(()),
-            };
-            let whole = match opcode {
-                op::CHUNK => self.chunks.open(body, take),
-                op::DATA_END => return Ok(false),
-                _ => take(opcode, body),
-            };
-            if whole.is_none() {
-                samples.discard();
-            }
-            let sequel = samples.hand_over(table);
-            sequel.check_order().map_err(|problem| RecordingError::Byte {
-                path: self.records.path.clone(),
-                byte,
-                problem,
-            })?;
-        }
-        Ok(true)
-    }
 }

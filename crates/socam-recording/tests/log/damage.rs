@@ -1,123 +1,12 @@
-//! MCAP logs: what is written comes back; a log cut anywhere opens as far as it is whole; a full disk is said.
+//! Logs that are cut, damaged, killed while they are written, or cannot be written at all.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use socam_recording::{
-    Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, RecordingSummary, SampleRow, Status,
-    Unit, Warning, read_attachments,
-};
+use socam_recording::{Recorder, SampleRow, Warning};
 
-fn header() -> RecordingHeader {
-    RecordingHeader {
-        start_unix_ns: 1_700_000_000_000_000_000,
-        metadata: BTreeMap::from([("note".into(), "first try".into())]),
-        attachments: vec![Attachment {
-            name: "model.toml".into(),
-            media_type: "application/toml".into(),
-            data: b"[model]".to_vec(),
-        }],
-        planned_duration_s: Some(10.0),
-        ..RecordingHeader::new(vec![
-            Channel::new("motor_speed", Unit::RadPerS),
-            Channel::new("torque_in", Unit::Nm),
-        ])
-    }
-}
-
-/// Values that no compressor flattens, the same on every run.
-fn value(index: u64) -> f64 {
-    let bits = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17);
-    bits as f64 / u64::MAX as f64
-}
-
-/// Records `rows` samples at 1 kHz, in real time only as far as `pace` asks.
-fn record(path: &Path, rows: u64, pace: Option<Duration>) -> RecordingSummary {
-    let mut recorder = Recorder::create(path, &header()).unwrap();
-    for index in 0..rows {
-        let values = [value(index), if index % 10 == 3 { f64::NAN } else { 0.0 }];
-        recorder.push_samples(&[SampleRow {
-            device_time_ns: index as i64 * 1_000_000,
-            sequence: index,
-            flags: 0,
-            raw_counts: &[-5, 1000],
-            values: &values,
-        }]);
-        if let Some(pace) = pace
-            && index % 250 == 0
-        {
-            std::thread::sleep(pace);
-        }
-    }
-    recorder.status(&Status {
-        device_time_ns: 1,
-        state: "running".into(),
-        overruns: 1,
-        lost: 0,
-        link_errors: 2,
-    });
-    recorder.event(&Event {
-        device_time_ns: rows as i64 * 1_000_000,
-        kind: "stop".into(),
-        text: "done".into(),
-    });
-    recorder.finish().unwrap()
-}
-
-fn open(path: &Path) -> socam_recording::Result<Dataset> {
-    Dataset::open(path.to_str().unwrap())
-}
-
-#[test]
-fn a_recording_comes_back_as_it_was() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("run.mcap");
-    let summary = record(&path, 5000, None);
-    assert_eq!((summary.written, summary.lost), (5000, 0));
-    assert_eq!(summary.bytes, path.metadata().unwrap().len());
-    let data = open(&path).unwrap();
-    assert_eq!(data.channels(), header().channels);
-    assert_eq!(data.warnings(), []);
-    let loaded = data.load(&["motor_speed", "torque_in"]).unwrap();
-    assert_eq!(loaded.time_s.len(), 5000);
-    for (row, time_s) in loaded.time_s.iter().enumerate() {
-        assert_eq!(*time_s, row as f64 / 1000.0);
-        assert_eq!(loaded.columns[0].get(row), Some(value(row as u64)));
-        let torque = if row % 10 == 3 { None } else { Some(0.0) };
-        assert_eq!(loaded.columns[1].get(row), torque);
-    }
-    let contents = data.contents().unwrap();
-    assert_eq!(contents.metadata["note"], "first try");
-    assert_eq!(contents.last_status.as_ref().unwrap().link_errors, 2);
-    assert_eq!(contents.events.last().unwrap().text, "done");
-    assert_eq!(read_attachments(&path).unwrap(), header().attachments);
-    let part = Dataset::open(&format!("{}@1..2", path.display())).unwrap();
-    assert_eq!((part.rows(), part.start_s()), (1000, 1.0));
-}
-
-#[test]
-fn lost_samples_are_counted_from_their_numbers() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("run.mcap");
-    let mut recorder = Recorder::create(&path, &header()).unwrap();
-    for sequence in [5_u64, 6, 10, 11, 11] {
-        recorder.push_samples(&[SampleRow {
-            device_time_ns: sequence as i64 * 1_000_000,
-            sequence,
-            flags: 0,
-            raw_counts: &[],
-            values: &[1.0, 2.0],
-        }]);
-    }
-    let summary = recorder.finish().unwrap();
-    assert_eq!((summary.missed, summary.refused, summary.lost), (3, 1, 4));
-    let data = open(&path).unwrap();
-    assert_eq!(data.lost_samples(), 3);
-    assert_eq!(data.segments().len(), 2);
-    assert!(data.warnings().contains(&Warning::LostSamples { samples: 3 }));
-}
+use crate::bench::{header, open, record, value};
 
 #[test]
 fn a_log_cut_at_any_byte_opens_to_its_last_whole_chunk() {
@@ -243,7 +132,7 @@ fn a_killed_recording_misses_at_most_a_second() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.mcap");
     let mut victim = std::process::Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "victim"])
+        .args(["--exact", "damage::victim"])
         .env("SOCAM_TEST_VICTIM", &path)
         .stdout(std::process::Stdio::null())
         .spawn()
@@ -291,48 +180,5 @@ proptest! {
                 block.unwrap();
             }
         }
-    }
-}
-
-fn table() -> impl Strategy<Value = (Vec<f64>, Vec<Vec<f64>>)> {
-    let number = prop_oneof![
-        5 => any::<f64>().prop_filter("finite", |v| v.is_finite()),
-        1 => Just(f64::NAN),
-    ];
-    let steps = prop::collection::vec(1e-12_f64..1e3, 1..80);
-    (steps, -100.0..100.0).prop_flat_map(move |(steps, start): (Vec<f64>, f64)| {
-        let mut time_s = vec![start];
-        time_s.extend(steps.iter().scan(start, |t, step| {
-            *t += step;
-            Some(*t)
-        }));
-        time_s.dedup();
-        let column = prop::collection::vec(number.clone(), time_s.len());
-        (Just(time_s), prop::collection::vec(column, 2))
-    })
-}
-
-proptest! {
-    #[test]
-    fn csv_and_mcap_give_back_every_value((time_s, mut columns) in table()) {
-        // A column without one value is no channel.
-        columns.iter_mut().for_each(|column| column[0] = 0.5);
-        let dir = tempfile::tempdir().unwrap();
-        let channels = vec![Channel::new("a b,\"c", Unit::Nm), Channel::new("w", Unit::RadPerS)];
-        let data = Dataset::from_columns("x", channels.clone(), time_s, columns).unwrap();
-        let names = ["a b,\"c", "w"];
-        let expected = format!("{:?}", data.load(&names).unwrap());
-        let csv = dir.path().join("x.csv");
-        socam_recording::export_csv(&data, &csv).unwrap();
-        let from_csv = open(&csv).unwrap();
-        prop_assert_eq!(from_csv.channels(), &channels[..]);
-        prop_assert_eq!(format!("{:?}", from_csv.load(&names).unwrap()), expected.clone());
-        let mcap = dir.path().join("x.mcap");
-        socam_recording::import_mcap(&from_csv, 1_700_000_000_000_000_000, BTreeMap::new(), Vec::new(), &mcap).unwrap();
-        let from_mcap = open(&mcap).unwrap();
-        prop_assert_eq!(from_mcap.channels(), &channels[..]);
-        prop_assert_eq!(from_mcap.warnings(), &[]);
-        prop_assert_eq!(format!("{:?}", from_mcap.load(&names).unwrap()), expected);
-        prop_assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 }

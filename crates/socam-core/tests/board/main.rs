@@ -1,108 +1,12 @@
 //! The board against hardware that can misbehave in every way the ports allow.
 
+mod bench;
+
+use bench::{Bench, RING, attended, bench, constant, running, ticks};
 use proptest::prelude::*;
 use socam_core::{
-    Board, Command, Config, ConverterSilent, Fault, Flags, MAX_CHANNELS, Ports, Profile, Refusal, Request,
-    Ring, Sample, Shape, State,
+    Board, Command, Config, Fault, Flags, MAX_CHANNELS, Profile, Refusal, Request, Ring, Sample, State,
 };
-
-/// A bench of first order behind the converters, with faults to switch on.
-#[derive(Debug)]
-struct Bench {
-    now_us: u64,
-    speed_urad_s: f64,
-    ripple: i16,
-    converter_silent: bool,
-    output_silent: bool,
-    stop_pressed: bool,
-    /// Readings forced onto a channel.
-    forced: [Option<i16>; MAX_CHANNELS],
-    output: i16,
-    enabled: bool,
-}
-
-impl Ports for Bench {
-    fn now_us(&mut self) -> u64 {
-        self.now_us
-    }
-
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
-        let volts = if self.enabled { f64::from(self.output) * 10.0 / 32768.0 } else { 0.0 };
-        self.speed_urad_s += (volts * 75.6e6 - self.speed_urad_s) * 0.02;
-        // No sensor is so quiet that it repeats to the count for a second.
-        self.ripple = -1 - self.ripple;
-        let motor = (self.speed_urad_s / 4632.0) as i16;
-        let healthy = [motor, (f64::from(motor) * 0.3497) as i16, 100, 200, 0, 0, 0, 0];
-        for ((count, healthy), forced) in counts.iter_mut().zip(healthy).zip(self.forced) {
-            *count = forced.unwrap_or(healthy + self.ripple);
-        }
-        if self.converter_silent { Err(ConverterSilent) } else { Ok(()) }
-    }
-
-    fn write(&mut self, count: i16) -> Result<(), ConverterSilent> {
-        if self.output_silent {
-            return Err(ConverterSilent);
-        }
-        self.output = count;
-        Ok(())
-    }
-
-    fn enable(&mut self, on: bool) {
-        self.enabled = on;
-    }
-
-    fn emergency_stop(&mut self) -> bool {
-        self.stop_pressed
-    }
-}
-
-const RING: usize = 4096;
-
-fn bench() -> Bench {
-    Bench {
-        now_us: 0,
-        speed_urad_s: 0.0,
-        ripple: 0,
-        converter_silent: false,
-        output_silent: false,
-        stop_pressed: false,
-        forced: [None; MAX_CHANNELS],
-        output: 0x1234,
-        enabled: true,
-    }
-}
-
-fn constant(level_micro: i32, command: Command) -> Profile {
-    Profile {
-        command,
-        shape: Shape::Constant { level_micro },
-        ramp_us: 0,
-        limit_micro: 200_000_000,
-        slew_micro_s: if command == Command::Voltage { 20_000_000 } else { 1_000_000_000 },
-        duration_us: 3_000_000,
-    }
-}
-
-fn ticks(board: &mut Board<'_, Bench, RING>, count: u32) {
-    for _ in 0..count {
-        board.ports_mut().now_us += 1000;
-        board.tick();
-    }
-}
-
-/// Ticks with a heartbeat every 100 of them.
-fn attended(board: &mut Board<'_, Bench, RING>, count: u32) {
-    for _ in 0..count.div_ceil(100) {
-        board.handle(Request::Heartbeat).unwrap();
-        ticks(board, count.min(100));
-    }
-}
-
-fn running(board: &mut Board<'_, Bench, RING>, profile: Profile) {
-    for request in [Request::Stream(true), Request::Load(profile), Request::Arm, Request::Run] {
-        board.handle(request).unwrap();
-    }
-}
 
 #[test]
 fn a_run_goes_from_zero_to_zero_and_every_sample_arrives() {

@@ -1,0 +1,98 @@
+//! What a board does on a request of the host.
+
+use super::Board;
+use crate::config::Config;
+use crate::ports::Ports;
+use crate::profile::{Generator, Profile};
+use crate::safety::{State, Watch};
+use crate::velocity::SpeedLoop;
+use crate::{Fault, Refusal, Request};
+
+impl<P: Ports, const N: usize> Board<'_, P, N> {
+    /// Does what the host requests, or returns why not.
+    pub fn handle(&mut self, request: Request) -> Result<(), Refusal> {
+        self.heard_us = self.ports.now_us();
+        match request {
+            Request::Heartbeat => Ok(()),
+            Request::Stream(on) => {
+                self.streaming = on;
+                self.seq = 0;
+                Ok(())
+            }
+            Request::EmergencyStop => {
+                self.cut(Fault::EmergencyStop);
+                self.drive();
+                Ok(())
+            }
+            Request::Stop => {
+                match self.state {
+                    State::Armed => self.state = State::Idle,
+                    State::Running => self.stop(),
+                    State::Idle | State::Stopping | State::Fault => {}
+                }
+                Ok(())
+            }
+            Request::ClearFault => {
+                if self.state == State::Fault {
+                    self.state = State::Idle;
+                    self.fault = None;
+                }
+                Ok(())
+            }
+            Request::Configure(config) => self.configure(config),
+            Request::Load(profile) => self.load(profile),
+            Request::Arm => self.arm(),
+            Request::Run => self.run(),
+        }
+    }
+
+    fn expect(&self, needs: State) -> Result<(), Refusal> {
+        match self.fault {
+            Some(fault) => Err(Refusal::Faulted(fault)),
+            None if self.state == needs => Ok(()),
+            None => Err(Refusal::WrongState { state: self.state, needs }),
+        }
+    }
+
+    fn configure(&mut self, config: Config) -> Result<(), Refusal> {
+        self.expect(State::Idle)?;
+        config.check()?;
+        self.schedule.set_period(config.sample_period_us);
+        self.config = config;
+        self.loaded = None;
+        Ok(())
+    }
+
+    fn load(&mut self, profile: Profile) -> Result<(), Refusal> {
+        self.expect(State::Idle)?;
+        self.loaded = None;
+        Generator::new(&profile, self.config.sample_period_us)?;
+        self.loaded = Some(profile);
+        Ok(())
+    }
+
+    fn arm(&mut self) -> Result<(), Refusal> {
+        self.expect(State::Idle)?;
+        let profile = self.loaded.ok_or(Refusal::NoProfile)?;
+        self.generator = Some(Generator::new(&profile, self.config.sample_period_us)?);
+        self.ahead = None;
+        self.speed_loop = SpeedLoop::new(&self.config.speed, self.config.sample_period_us);
+        self.watch = Watch::new(&self.config);
+        self.limited = 0;
+        self.state = State::Armed;
+        Ok(())
+    }
+
+    fn run(&mut self) -> Result<(), Refusal> {
+        self.expect(State::Armed)?;
+        self.state = State::Running;
+        Ok(())
+    }
+
+    fn stop(&mut self) {
+        self.state = State::Stopping;
+        if let Some(generator) = &mut self.generator {
+            generator.stop();
+        }
+    }
+}

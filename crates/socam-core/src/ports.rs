@@ -1,0 +1,31 @@
+//! The hardware of a board, as a trait.
+
+/// A converter did not answer within its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ConverterSilent;
+
+/// The hardware that a board needs. Every call must return within a bounded time, far below one sampling period: a converter that
+/// does not answer is an error, never a wait.
+pub trait Ports {
+    /// Microseconds since power-on; never decreases.
+    fn now_us(&mut self) -> u64;
+
+    /// Reads one count per entry of `counts`, in channel order.
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent>;
+
+    /// Writes the command output, in signed counts around 0 V.
+    fn write(&mut self, count: i16) -> Result<(), ConverterSilent>;
+
+    /// Sets the drive's enable line.
+    fn enable(&mut self, on: bool);
+
+    /// Whether the emergency stop at the bench is pressed. Benches without one keep this default.
+    fn emergency_stop(&mut self) -> bool {
+        false
+    }
+
+    /// Whether the cable to the host is unplugged, where the board can detect it.
+    fn cable_pulled(&mut self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,121 @@
+//! A calibration: its values and their defaults.
+
+use socam_core::scaling::{Converter, MotorCalibration, RAD_S_PER_RPM, Sensor};
+
+use crate::{Channel, Unit};
+
+/// The name of the recorded command.
+pub(super) const COMMAND: &str = "command";
+
+/// A bench's calibration, all in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// The input converter.
+    pub input: Converter,
+    /// The output converter.
+    pub output: Converter,
+    /// Largest magnitude ever commanded, V.
+    pub clamp_v: f64,
+    /// Speed over command voltage.
+    pub motor: MotorCalibration,
+    /// Standard uncertainty of the motor's calibration, where measured.
+    pub motor_std: Option<MotorStd>,
+    /// Closed-loop speed control.
+    pub speed_control: SpeedGains,
+    /// What ends a run.
+    pub safety: Safety,
+    /// The input channels, in the converter's order.
+    pub channels: Vec<CalibratedChannel>,
+}
+
+/// Standard uncertainties of [`MotorCalibration`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorStd {
+    /// rpm per V.
+    pub rpm_per_volt: f64,
+    /// rpm.
+    pub offset_rpm: f64,
+}
+
+/// Gains of the closed speed loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedGains {
+    /// Name of the channel that measures the motor's speed.
+    pub tachometer: String,
+    /// V per rad/s.
+    pub proportional: f64,
+    /// V per rad.
+    pub integral_per_s: f64,
+}
+
+/// What ends a run, apart from the channels' own limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Safety {
+    /// Longest time without a message of the host, s.
+    pub host_timeout_s: f64,
+    /// Consecutive samples beyond a limit that end a run.
+    pub confirm_samples: u8,
+    /// Command from which the bench should move, V.
+    pub moving_v: f64,
+    /// Longest time of a missing signal while the bench should move, s.
+    pub missing_s: f64,
+}
+
+/// One input channel. Values are in the SI unit of `channel`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibratedChannel {
+    /// Name and SI unit.
+    pub channel: Channel,
+    /// Volts over SI.
+    pub sensor: Sensor,
+    /// Largest allowed magnitude.
+    pub limit: Option<f64>,
+    /// Longest time of one repeated count while the bench moves, s.
+    pub stuck_s: Option<f64>,
+    /// Magnitude below which the signal counts as missing.
+    pub missing_below: Option<f64>,
+    /// Standard uncertainty of the sensitivity, relative, where measured.
+    pub gain_std: Option<f64>,
+    /// Standard uncertainty of the sensor's zero, where measured.
+    pub offset_std: Option<f64>,
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        let channel = |name: &str, unit, sensor, limit, missing_below| CalibratedChannel {
+            channel: Channel::new(name, unit),
+            sensor,
+            limit: Some(limit),
+            stuck_s: Some(1.0),
+            missing_below,
+            gain_std: None,
+            offset_std: None,
+        };
+        let krpm = 1000.0 * RAD_S_PER_RPM;
+        Self {
+            input: Converter::DEFAULT,
+            output: Converter::DEFAULT,
+            clamp_v: 4.99,
+            motor: MotorCalibration::LOADED,
+            motor_std: None,
+            speed_control: SpeedGains {
+                tachometer: "motor_speed".to_owned(),
+                proportional: 0.005,
+                integral_per_s: 0.1,
+            },
+            safety: Safety { host_timeout_s: 0.5, confirm_samples: 1, moving_v: 0.5, missing_s: 0.5 },
+            channels: vec![
+                channel("motor_speed", Unit::RadPerS, Sensor::MOTOR_SPEED, 1.425 * krpm, Some(0.01 * krpm)),
+                channel(
+                    "output_speed",
+                    Unit::RadPerS,
+                    Sensor::OUTPUT_SPEED,
+                    0.195_937_5 * krpm,
+                    Some(0.001_25 * krpm),
+                ),
+                channel("torque_in", Unit::Nm, Sensor::TORQUE_IN, 4.8, None),
+                channel("torque_out", Unit::Nm, Sensor::TORQUE_OUT, 38.0, None),
+            ],
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Reads a calibration from TOML.
+
+use socam_core::MAX_CHANNELS;
+use socam_core::scaling::{Converter, MotorCalibration, RAD_S_PER_RPM, Sensor};
+
+use super::data::{COMMAND, CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
+use crate::settings::{Fields, SettingsError};
+use crate::{Channel, Unit};
+
+const SCHEMA: &str = "socam.calibration/1";
+
+/// Units that a file may use, with the SI unit and its factor.
+const UNITS: [(&str, (Unit, f64)); 13] = [
+    ("rad/s", (Unit::RadPerS, 1.0)),
+    ("rpm", (Unit::RadPerS, RAD_S_PER_RPM)),
+    ("krpm", (Unit::RadPerS, 1000.0 * RAD_S_PER_RPM)),
+    ("N m", (Unit::Nm, 1.0)),
+    ("N mm", (Unit::Nm, 1e-3)),
+    ("rad", (Unit::Rad, 1.0)),
+    ("m/s", (Unit::MPerS, 1.0)),
+    ("m", (Unit::M, 1.0)),
+    ("N", (Unit::N, 1.0)),
+    ("V", (Unit::V, 1.0)),
+    ("A", (Unit::A, 1.0)),
+    ("K", (Unit::K, 1.0)),
+    ("1", (Unit::One, 1.0)),
+];
+
+impl Calibration {
+    /// Reads a calibration from its TOML text.
+    pub fn parse(text: &str) -> Result<Self, SettingsError> {
+        let default = Self::default();
+        let mut fields = Fields::parse(text)?;
+        fields.schema(SCHEMA);
+        let input = fields.table("input", read_converter);
+        let (output, clamp_v) = fields.table("output", |table| {
+            let clamp_v = table.maybe_number("clamp_V", 1e-3..=1000.0).unwrap_or(default.clamp_v);
+            (read_converter(table), clamp_v)
+        });
+        let (motor, motor_std) = fields.table("motor", |table| {
+            let line = MotorCalibration {
+                rpm_per_volt: table
+                    .maybe_number("rpm_per_V", 1e-3..=1e6)
+                    .unwrap_or(default.motor.rpm_per_volt),
+                offset_rpm: table.maybe_number("offset_rpm", -1e4..=1e4).unwrap_or(default.motor.offset_rpm),
+            };
+            let gain_std = table.maybe_number("rpm_per_V_std", 0.0..=1e6);
+            let offset_std = table.maybe_number("offset_rpm_std", 0.0..=1e6);
+            let known = gain_std.zip(offset_std);
+            (line, known.map(|(rpm_per_volt, offset_rpm)| MotorStd { rpm_per_volt, offset_rpm }))
+        });
+        let gains = default.speed_control;
+        let speed_control = fields.table("speed_control", |table| SpeedGains {
+            tachometer: table.maybe_text("tachometer").unwrap_or(gains.tachometer),
+            proportional: table
+                .maybe_number("proportional_V_per_rad_s", 0.0..=16.0)
+                .unwrap_or(gains.proportional),
+            integral_per_s: table
+                .maybe_number("integral_V_per_rad", 0.0..=16.0)
+                .unwrap_or(gains.integral_per_s),
+        });
+        let safety = fields.table("safety", |table| Safety {
+            host_timeout_s: table
+                .maybe_number("host_timeout_s", 0.01..=10.0)
+                .unwrap_or(default.safety.host_timeout_s),
+            confirm_samples: table
+                .maybe_whole("confirm_samples", 1..=255)
+                .map_or(default.safety.confirm_samples, |n| n as u8),
+            moving_v: table.maybe_number("moving_V", 0.0..=1000.0).unwrap_or(default.safety.moving_v),
+            missing_s: table.maybe_number("missing_s", 1e-3..=1000.0).unwrap_or(default.safety.missing_s),
+        });
+        let mut names = Vec::new();
+        let channels = fields.tables("channel", |table| {
+            let channel = read_channel(table);
+            let name = channel.channel.name.clone();
+            if name == COMMAND || names.contains(&name) {
+                table
+                    .complain(format!("a channel named `{name}` exists already; give each one its own name"));
+            }
+            names.push(name);
+            channel
+        });
+        if channels.len() > MAX_CHANNELS {
+            fields.complain(format!("{} channels; a board has at most {MAX_CHANNELS}", channels.len()));
+        }
+        fields.finish()?;
+        Ok(Self { input, output, clamp_v, motor, motor_std, speed_control, safety, channels })
+    }
+}
+
+fn read_converter(table: &mut Fields<'_>) -> Converter {
+    let default = Converter::DEFAULT;
+    Converter {
+        bits: table.maybe_whole("bits", 8..=16).map_or(default.bits, |bits| bits as u8),
+        full_scale_v: table.maybe_number("full_scale_V", 0.1..=1000.0).unwrap_or(default.full_scale_v),
+    }
+}
+
+fn read_channel(table: &mut Fields<'_>) -> CalibratedChannel {
+    let name = table.text("name");
+    if !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
+        table.complain(format!("`name` is \"{name}\"; expected letters, digits and underscores"));
+    }
+    let (unit, si) = table.choice("unit", &UNITS);
+    let volts_per_unit = table.number("volts_per_unit", -1e6..=1e6);
+    if volts_per_unit.abs() < 1e-9 {
+        table.complain("`volts_per_unit` is 0; expected the sensor's sensitivity".to_owned());
+    }
+    CalibratedChannel {
+        channel: Channel::new(name, unit),
+        sensor: Sensor {
+            volts_per_unit: volts_per_unit / si,
+            offset_v: table.maybe_number("offset_V", -1000.0..=1000.0).unwrap_or(0.0),
+        },
+        limit: table.maybe_number("limit", 1e-6 / si..=2000.0 / si).map(|limit| limit * si),
+        stuck_s: table.maybe_number("stuck_s", 1e-3..=1000.0),
+        missing_below: table.maybe_number("missing_below", 0.0..=2000.0 / si).map(|below| below * si),
+        gain_std: table.maybe_number("volts_per_unit_std", 0.0..=1e6).map(|std| std / volts_per_unit.abs()),
+        offset_std: table
+            .maybe_number("offset_V_std", 0.0..=1000.0)
+            .map(|std| std / volts_per_unit.abs() * si),
+    }
+}

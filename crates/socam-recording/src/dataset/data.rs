@@ -1,0 +1,124 @@
+//! The dataset: what is known of a recording once it is open.
+
+use std::sync::Arc;
+
+use super::source::Source;
+use crate::Channel;
+use crate::format::Format;
+use crate::log::contents::LogContents;
+use crate::segments::Segment;
+use crate::statistics::Statistics;
+use crate::warning::{Cut, Warning};
+
+/// A recording over time, or the selected part of one.
+///
+/// Opening it reads the file once, checks every row, and finds segments and statistics. [`Dataset::blocks`] then iterates over the
+/// samples any number of times, [`Dataset::blocks_in`] over a part of them, also from several threads at once. Samples are kept in
+/// memory up to a limit for all recordings together, else decoded in a temporary file while there is room for one, else read
+/// again from the recording's own file on each pass. The three differ only in time.
+///
+/// All values are SI. Times are those of the recording (a selection does not shift them) and increase strictly.
+#[derive(Debug, Clone)]
+pub struct Dataset {
+    pub(super) name: String,
+    pub(super) format: Format,
+    pub(super) channels: Vec<Channel>,
+    pub(super) statistics: Vec<Statistics>,
+    pub(super) segments: Vec<Segment>,
+    pub(super) sample_time_s: f64,
+    pub(super) rows: u64,
+    /// Rows per sample.
+    pub(super) parts: u32,
+    pub(super) lost_samples: u64,
+    pub(super) cut: Option<Cut>,
+    pub(super) contents: Option<Arc<LogContents>>,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) source: Source,
+}
+
+impl Dataset {
+    /// The recording's name in results: the text by which it was opened.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The format it was read from.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Its channels; every block has its columns in this order.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Statistics of each channel, in the order of [`Dataset::channels`].
+    #[must_use]
+    pub fn statistics(&self) -> &[Statistics] {
+        &self.statistics
+    }
+
+    /// Segments without a gap, in order; a gap lies between each and the next.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Median step of time, s; 0 for a single row.
+    #[must_use]
+    pub fn sample_time_s(&self) -> f64 {
+        self.sample_time_s
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Rows per recorded sample: more than one where irregular samples were resampled to a finer grid
+    /// ([`Dataset::on_regular_grid`]).
+    #[must_use]
+    pub fn rows_per_sample(&self) -> u32 {
+        self.parts
+    }
+
+    /// Time of the first row, s.
+    #[must_use]
+    pub fn start_s(&self) -> f64 {
+        self.segments.first().map_or(0.0, |segment| segment.start_s)
+    }
+
+    /// Time of the last row, s.
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        self.segments.last().map_or(0.0, |segment| segment.end_s)
+    }
+
+    /// Number of samples lost while recording, by jumps of their sequence numbers (MCAP only; of the whole file).
+    #[must_use]
+    pub fn lost_samples(&self) -> u64 {
+        self.lost_samples
+    }
+
+    /// Where the file was cut off, if it was.
+    #[must_use]
+    pub fn cut(&self) -> Option<&Cut> {
+        self.cut.as_ref()
+    }
+
+    /// What an MCAP log holds besides samples; `None` for other formats.
+    #[must_use]
+    pub fn contents(&self) -> Option<&LogContents> {
+        self.contents.as_deref()
+    }
+
+    /// Warnings from opening: what was not read, and what is missing.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+}

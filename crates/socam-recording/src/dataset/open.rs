@@ -1,0 +1,135 @@
+//! Opens datasets: from files of every format, and from columns in memory.
+
+use std::sync::Arc;
+
+use super::data::Dataset;
+use super::keep::{Keeping, Memory};
+use super::source::Source;
+use super::tally::Tally;
+use crate::calibration_file::Calibration;
+use crate::error::{RecordingError, Result};
+use crate::format::{self, Format};
+use crate::selection::Selection;
+use crate::statistics::Running;
+use crate::table::Table;
+use crate::{Channel, legacy};
+
+impl Dataset {
+    /// Opens `RUN` or `RUN@FROM..TO` of any format (detected by its content, not its extension).
+    ///
+    /// # Errors
+    /// When the file cannot be read or does not hold a usable recording; each error is one sentence with the place.
+    pub fn open(text: &str) -> Result<Self> {
+        Self::open_selection(&Selection::parse(text)?)
+    }
+
+    /// Opens the selected part of a recording.
+    ///
+    /// # Errors
+    /// As [`Dataset::open`].
+    pub fn open_selection(selection: &Selection) -> Result<Self> {
+        Self::open_wired(selection, &legacy::Wiring::default())
+    }
+
+    /// Opens the selected part of a legacy log and converts its volts to SI by a calibration, whose first channel is input 0.
+    ///
+    /// # Errors
+    /// As [`Dataset::open`]; also when it is no legacy log (only those are in volts), or the calibration has more channels
+    /// than the log has inputs.
+    pub fn open_calibrated(selection: &Selection, calibration: &Calibration) -> Result<Self> {
+        let path = &selection.path;
+        if format::detect(path)? != Format::LegacyM {
+            return Err(RecordingError::NothingToCalibrate { path: path.clone() });
+        }
+        let channels = calibration.channels.len();
+        if channels > legacy::INPUTS {
+            let inputs = legacy::INPUTS;
+            return Err(RecordingError::TooManyInputs { path: path.clone(), channels, inputs });
+        }
+        Self::open_wired(selection, &calibration.into())
+    }
+
+    fn open_wired(selection: &Selection, wiring: &legacy::Wiring) -> Result<Self> {
+        let path = &selection.path;
+        match format::detect(path)? {
+            Format::SteadyStates => Err(RecordingError::SteadyStates { path: path.clone() }),
+            Format::LegacyM => {
+                let log = legacy::LegacyLog::read(path)?;
+                let (channels, table) = log.into_table(wiring);
+                let mut dataset = Self::from_table(selection.name(), channels, table, selection)?;
+                dataset.format = Format::LegacyM;
+                Ok(dataset)
+            }
+            format => Self::scan(selection, format, Keeping::with_columns),
+        }
+    }
+
+    /// A dataset from columns in memory (NaN for a missing value), for simulations and tests.
+    ///
+    /// # Errors
+    /// When lengths differ, times do not increase strictly or are not finite, a value is infinite, or there is no row.
+    pub fn from_columns(
+        name: impl Into<String>,
+        channels: Vec<Channel>,
+        time_s: Vec<f64>,
+        columns: Vec<Vec<f64>>,
+    ) -> Result<Self> {
+        let name = name.into();
+        let problem = |problem: String| Err(RecordingError::Table { name: name.clone(), problem });
+        if channels.len() != columns.len() {
+            return problem(format!("{} columns for {} channels", columns.len(), channels.len()));
+        }
+        if let Some(row) = (1..time_s.len()).find(|&row| time_s[row] <= time_s[row - 1]) {
+            return problem(format!("time does not increase at row {row}"));
+        }
+        if time_s.is_empty() || !time_s.iter().all(|t| t.is_finite()) {
+            return problem("it needs finite times, at least one".into());
+        }
+        for (channel, column) in channels.iter().zip(&columns) {
+            if column.len() != time_s.len() {
+                return problem(format!(
+                    "channel `{}` has {} values for {} times",
+                    channel.name,
+                    column.len(),
+                    time_s.len()
+                ));
+            }
+            if column.iter().any(|value| value.is_infinite()) {
+                return problem(format!("channel `{}` holds an infinity", channel.name));
+            }
+        }
+        let selection = Selection::whole(&name);
+        Self::from_table(name, channels, Table { time_s, columns }, &selection)
+    }
+
+    /// A dataset of the selected part of a table in memory.
+    fn from_table(
+        name: String,
+        channels: Vec<Channel>,
+        mut table: Table,
+        selection: &Selection,
+    ) -> Result<Self> {
+        table.retain_span(selection.span);
+        let mut tally = Tally::new(channels.len());
+        tally.append(&table);
+        let (segments, sample_time_s) = tally.finder.finish();
+        if segments.is_empty() {
+            return Err(RecordingError::NoSamples { path: selection.path.clone() });
+        }
+        Ok(Self {
+            name,
+            format: Format::Memory,
+            channels,
+            statistics: tally.running.into_iter().map(Running::finish).collect(),
+            segments,
+            sample_time_s,
+            rows: table.rows() as u64,
+            parts: 1,
+            lost_samples: 0,
+            cut: None,
+            contents: None,
+            warnings: Vec::new(),
+            source: Source::Memory(Arc::new(Memory::existing(table))),
+        })
+    }
+}

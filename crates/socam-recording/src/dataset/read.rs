@@ -1,0 +1,71 @@
+//! Reads a dataset's samples: in blocks, or all at once.
+
+use std::ops::Range;
+
+use super::block::{Column, Loaded};
+use super::blocks::Blocks;
+use super::data::Dataset;
+use crate::Channel;
+use crate::error::{RecordingError, Result};
+
+impl Dataset {
+    /// Index of a channel, by its name (`motor_speed`) or, where two share it, by its column's name (`motor_speed_rad_s`).
+    ///
+    /// # Errors
+    /// When there is none of this name, or several.
+    pub fn channel_index(&self, name: &str) -> Result<usize> {
+        let by_column = self.channels.iter().position(|channel| channel.column_name() == name);
+        let mut by_name = (0..self.channels.len()).filter(|&i| self.channels[i].name == name);
+        match (by_column, by_name.next(), by_name.next()) {
+            (Some(index), _, _) | (None, Some(index), None) => Ok(index),
+            _ => Err(RecordingError::NoSuchChannel {
+                recording: self.name.clone(),
+                channel: name.into(),
+                available: self.channels.iter().map(Channel::column_name).collect::<Vec<_>>().join(", "),
+            }),
+        }
+    }
+
+    /// A new pass over all rows, in blocks of at most a few thousand rows; may be called any number of times.
+    ///
+    /// # Errors
+    /// When the file can no longer be opened; each block can fail in the same way.
+    pub fn blocks(&self) -> Result<Blocks<'_>> {
+        let all: Vec<usize> = (0..self.channels.len()).collect();
+        self.blocks_in(0..self.rows, &all)
+    }
+
+    /// A pass over some rows and some channels (by index, in this order). Rows before them are not read, and every pass has its own
+    /// handle of the file.
+    ///
+    /// # Errors
+    /// As [`Dataset::blocks`].
+    ///
+    /// # Panics
+    /// When there is no such channel.
+    pub fn blocks_in(&self, rows: Range<u64>, channels: &[usize]) -> Result<Blocks<'_>> {
+        if let Some(channel) = channels.iter().find(|channel| **channel >= self.channels.len()) {
+            panic!("channel {channel} of {}", self.channels.len());
+        }
+        Blocks::new(&self.source, &self.name, &self.segments, rows, channels.to_vec())
+    }
+
+    /// All rows of the named channels, in memory. Suits short recordings; a method that works on one block at a time
+    /// should use [`Dataset::blocks`].
+    ///
+    /// # Errors
+    /// When a channel does not exist or the file cannot be read again.
+    pub fn load(&self, channels: &[&str]) -> Result<Loaded> {
+        let indices = channels.iter().map(|name| self.channel_index(name)).collect::<Result<Vec<_>>>()?;
+        let mut time_s = Vec::new();
+        let mut columns = vec![Vec::new(); indices.len()];
+        for block in self.blocks_in(0..self.rows, &indices)? {
+            let block = block?;
+            time_s.extend_from_slice(&block.time_s);
+            for (column, values) in columns.iter_mut().zip(&block.columns) {
+                column.extend_from_slice(values.values());
+            }
+        }
+        Ok(Loaded { time_s, columns: columns.into_iter().map(Column::new).collect() })
+    }
+}

@@ -1,0 +1,40 @@
+//! Attachments of a log: files that travel with a recording.
+
+use std::path::Path;
+
+use mcap::records::{Record, op};
+
+use super::records::{Next, Records};
+use crate::error::Result;
+
+/// A file that travels with a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name, such as `model.toml`.
+    pub name: String,
+    /// Its media type, such as `application/toml`.
+    pub media_type: String,
+    /// Its content.
+    pub data: Vec<u8>,
+}
+
+/// Attachments of a log, with their content, in the file's order.
+///
+/// # Errors
+/// When the file cannot be read or is no MCAP log. Attachments after a cut are not there.
+pub fn read_attachments(path: &Path) -> Result<Vec<Attachment>> {
+    let mut records = Records::open(path)?;
+    let mut attachments = Vec::new();
+    while let Next::Record { opcode, body, .. } = records.next(|opcode| opcode == op::ATTACHMENT)? {
+        if opcode == op::ATTACHMENT
+            && let Ok(Record::Attachment { header, data, .. }) = mcap::parse_record(opcode, body)
+        {
+            attachments.push(Attachment {
+                name: header.name,
+                media_type: header.media_type,
+                data: data.into_owned(),
+            });
+        }
+    }
+    Ok(attachments)
+}

@@ -1,0 +1,35 @@
+//! What a log holds besides samples.
+
+use std::collections::BTreeMap;
+
+use super::sample::{Event, Status};
+
+/// What a log holds besides samples.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+pub struct LogContents {
+    /// The program that wrote it.
+    pub library: String,
+    /// Time of the day at device time 0, ns since 1970 (UTC); `None` when the log does not say.
+    pub start_unix_ns: Option<u64>,
+    /// Planned duration when the recording was started, s.
+    pub planned_duration_s: Option<f64>,
+    /// Board, firmware, host versions, operator's notes, by name.
+    pub metadata: BTreeMap<String, String>,
+    /// Name, media type and length of each attachment; [`read_attachments`](crate::read_attachments) reads them.
+    pub attachments: Vec<AttachmentInfo>,
+    /// Events in order (the first ten thousand).
+    pub events: Vec<Event>,
+    /// The last status, if there was one.
+    pub last_status: Option<Status>,
+}
+
+/// An attachment's name and size.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct AttachmentInfo {
+    /// Its name.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// Its length, bytes.
+    pub bytes: u64,
+}

@@ -1,0 +1,19 @@
+//! Names that every log of this program carries: profile, topics, metadata records.
+
+/// Profile named in the header of every log.
+pub const PROFILE: &str = "socam";
+
+/// Topic of samples, one message each.
+pub const SAMPLE_TOPIC: &str = "/socam/sample";
+
+/// Topic of the board's state and counters.
+pub const STATUS_TOPIC: &str = "/socam/status";
+
+/// Topic of profile phases, stops and faults.
+pub const EVENT_TOPIC: &str = "/socam/event";
+
+/// Name of the metadata record with versions and notes.
+pub const METADATA_NAME: &str = "socam";
+
+/// Name of the metadata record written when a recording is finished in order.
+pub const SUMMARY_NAME: &str = "socam.summary";
