@@ -26,5 +26,5 @@ pub mod spectra;
 pub mod theme;
 
 pub use dashboard::{Dashboard, Simulate};
-pub use headless::{Sight, picture};
+pub use headless::{Viewport, picture};
 pub use layout::{Layout, View};

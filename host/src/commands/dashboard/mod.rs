@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use socam_dashboard::theme::Look;
-use socam_dashboard::{Dashboard, Layout, Sight, View, picture};
+use socam_dashboard::{Dashboard, Layout, Viewport, View, picture};
 use socam_recording::Calibration;
 
 use self::rehearsal::Rehearsal;
@@ -139,12 +139,12 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(rehearsal) = &mut rehearsal {
         rehearsal.go_on_until(&mut dashboard, Rehearsal::is_in_sight)?;
     }
-    let sight = Sight { size, scale: args.scale };
-    let mut image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+    let viewport = Viewport { size, scale: args.scale };
+    let mut image = picture(&mut dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     // Opening a file may have chosen another view.
     if let Some(view) = args.view.filter(|view| *view != dashboard.layout.view) {
         dashboard.layout.view = view;
-        image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+        image = picture(&mut dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     }
     for problem in dashboard.problems() {
         output::warn(problem);
