@@ -6,6 +6,7 @@
 //!
 //! SI inside, unit in the name.
 
+mod about;
 mod dashboard;
 pub mod diagnosis;
 pub mod document;
