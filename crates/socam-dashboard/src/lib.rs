@@ -23,6 +23,7 @@ pub mod parameters;
 pub mod recording;
 pub mod review;
 pub mod samples;
+mod save;
 pub mod spectra;
 pub mod theme;
 

@@ -1,7 +1,5 @@
 //! An opened recording: what is said of it, and its samples.
 
-mod write;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,7 +9,6 @@ use crate::about::about;
 pub use crate::about::{About, Happening, short};
 use crate::job::Handle;
 use crate::samples::Samples;
-pub use write::write;
 
 /// A recording that is open.
 #[derive(Debug, Clone)]

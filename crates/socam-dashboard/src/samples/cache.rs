@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::index::MAGIC;
+use super::groups::MAGIC;
 
 /// Indexes that are kept; the least recently used go first.
 const KEPT: usize = 8;

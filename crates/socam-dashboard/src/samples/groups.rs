@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io;
 use std::ops::Range;
 
+/// The last bytes of every index file; they change with its format.
+pub(super) const MAGIC: [u8; 8] = *b"socamix1";
 /// Rows that stand together in the file: their times, then each column's values.
 pub(super) const GROUP: usize = 1 << 16;
 

@@ -9,13 +9,10 @@ use serde::{Deserialize, Serialize};
 use socam_recording::Segment;
 
 pub use super::cache::{path_of, prune};
-use super::groups::{GROUP, Groups};
+use super::groups::{GROUP, Groups, MAGIC};
 use super::pyramid::{self, BASE, Extremes, Pyramid};
 use super::stored::{Samples, Store};
 use crate::about::About;
-
-/// At the end of every index; another number, another form.
-pub(super) const MAGIC: [u8; 8] = *b"socamix1";
 
 /// What stands in the file besides numbers.
 #[derive(Serialize, Deserialize)]

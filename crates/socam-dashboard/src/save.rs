@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::{Recording, sentence};
+use crate::recording::Recording;
 
 /// Writes a recording as `.csv` in SI, or as the `.m` of the thesis' program, as the name says.
 ///
 /// # Errors
 /// When the name ends in something else, the recording cannot be read again, or the stream cannot be written; one sentence.
-pub fn write(recording: &Recording, name: &Path, out: &mut impl std::io::Write) -> Result<(), String> {
+pub(crate) fn write(recording: &Recording, name: &Path, out: &mut impl std::io::Write) -> Result<(), String> {
     let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
         "csv" => socam_recording::write_csv(&recording.dataset()?, out, name).map_err(sentence),
@@ -74,4 +74,8 @@ fn legacy(recording: &Recording) -> Result<String, String> {
     }
     text.push_str("];\n");
     Ok(text)
+}
+
+fn sentence(error: impl std::fmt::Display) -> String {
+    error.to_string()
 }
