@@ -132,20 +132,11 @@ impl Line {
                 nonlinearity(&curve, &inside.iter().map(|row| scaled(pairs[*row][0])).collect::<Vec<_>>())
             })
             .map(|bent| Nonlinearity { at: middle + half * bent.at, ..bent });
-        let gain = line.coefficients[1] / half;
-        let statistical = line.std(1) / half;
-        let shared = gain_accuracy * gain.abs();
-        let std = statistical.hypot(shared);
-        // Welch and Satterthwaite: what is shared is as good as known.
-        let degrees = line.degrees * (std / statistical.max(f64::MIN_POSITIVE)).powi(4);
-        let to_zero = [1.0, -middle / half];
-        let offset = line.coefficients[0] + to_zero[1] * line.coefficients[1];
-        let offset_std = line.std_of(&to_zero);
-        let covariance = (line.covariance[(0, 1)] + to_zero[1] * line.covariance[(1, 1)]) / half;
+        let (gain, offset, correlation) = gain_and_offset(&line, middle, half, gain_accuracy);
         Ok(Self {
-            gain: Estimate::new(gain, std, degrees),
-            offset: Estimate::new(offset, offset_std, line.degrees),
-            correlation: covariance / (std * offset_std).max(f64::MIN_POSITIVE),
+            gain,
+            offset,
+            correlation,
             residual_std: line.residual_std,
             points: pairs.len(),
             outliers,
@@ -160,6 +151,30 @@ impl Line {
     pub fn at(&self, x: f64) -> f64 {
         self.offset.value + self.gain.value * x
     }
+}
+
+/// Gain, offset and the correlation of their errors, from a line over (x - `middle`) / `half`.
+fn gain_and_offset(
+    line: &Regression,
+    middle: f64,
+    half: f64,
+    gain_accuracy: f64,
+) -> (Estimate, Estimate, f64) {
+    let gain = line.coefficients[1] / half;
+    let statistical = line.std(1) / half;
+    let shared = gain_accuracy * gain.abs();
+    let std = statistical.hypot(shared);
+    // Welch and Satterthwaite: what is shared is as good as known.
+    let degrees = line.degrees * (std / statistical.max(f64::MIN_POSITIVE)).powi(4);
+    let to_zero = [1.0, -middle / half];
+    let offset = line.coefficients[0] + to_zero[1] * line.coefficients[1];
+    let offset_std = line.std_of(&to_zero);
+    let covariance = (line.covariance[(0, 1)] + to_zero[1] * line.covariance[(1, 1)]) / half;
+    (
+        Estimate::new(gain, std, degrees),
+        Estimate::new(offset, offset_std, line.degrees),
+        covariance / (std * offset_std).max(f64::MIN_POSITIVE),
+    )
 }
 
 /// Of a cubic over -1..1, what it has beside the line that lies closest to it at the pairs, where that is most.

@@ -86,6 +86,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             wall += begin.elapsed();
         }
     }
+    report(spent, wall, frames);
+    Ok(())
+}
+
+/// Prints the mean times of the steps of a frame.
+fn report(spent: [Duration; 3], wall: Duration, frames: usize) {
     let ms = |time: Duration| 1e3 * time.as_secs_f64() / frames as f64;
     let [layout, triangles, fill] = spent.map(ms);
     let whole = layout + triangles + fill;
@@ -97,5 +103,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "  panels and lines {layout:.2} ms, triangles {triangles:.2} ms, filling them {fill:.2} ms of the processor"
     );
     println!("  together {whole:.2} ms a frame, {:.0} frames/s; on the wall {:.2} ms", 1e3 / whole, ms(wall));
-    Ok(())
 }

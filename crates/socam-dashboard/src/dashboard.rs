@@ -1,15 +1,18 @@
 //! The whole window: what is open, which view is shown, and what went wrong.
 
+mod frame;
+mod opening;
+
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Frame, Key, Layout as Direction, Margin, RichText, Stroke, Ui};
+use egui::{Frame, Key, Margin, Ui};
 use socam_model::Model;
 
 use crate::diagnosis::DiagnosisView;
 use crate::document::Document;
 use crate::draw::chart::Seen;
-use crate::files::{Answer, Dialog, Purpose};
-use crate::job::{CANCELLED, Job};
+use crate::files::Dialog;
+use crate::job::Job;
 use crate::layout::{Layout, View};
 use crate::live::{self, Live};
 use crate::outside;
@@ -18,9 +21,6 @@ use crate::recording::Recording;
 use crate::review::{Entry, Review};
 use crate::spectra::Spectra;
 use crate::theme;
-
-/// Width of menus, tabs, the state of the bench and the emergency stop, points.
-const ONE_ROW: f32 = 1060.0;
 
 /// Something that went wrong or is worth knowing; it stays until it is put away.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -125,17 +125,6 @@ impl Dashboard {
     /// What went wrong and has not been put away.
     pub fn problems(&self) -> impl Iterator<Item = &str> {
         self.notices.iter().filter(|notice| notice.grave).map(|notice| notice.text.as_str())
-    }
-
-    /// Draws the shown recordings beside what the model makes of their inputs.
-    pub(crate) fn simulate(&mut self, ctx: &egui::Context) {
-        let Some(simulate) = self.simulate else { return };
-        for entry in self.entries.iter().filter(|entry| entry.shown && entry.recording.path.is_some()) {
-            let (model, run) = (self.model.clone(), entry.recording.about.name.clone());
-            let title = format!("Simulating {}", crate::recording::short(&run));
-            let work = move |_: &crate::job::Handle| simulate(&model, &run).map(Document::Recording);
-            self.opening.push(Job::start(&title, ctx, work));
-        }
     }
 
     /// Fonts and colours: once per window.
@@ -296,160 +285,11 @@ impl Dashboard {
         }
     }
 
-    /// Menus and tabs at the left, the emergency stop at the right; in two rows where there is no room for one.
-    fn bar(&mut self, ui: &mut Ui) {
-        let is_one_row = ui.available_width() >= ONE_ROW;
-        ui.horizontal(|ui| {
-            self.menus(ui);
-            if is_one_row {
-                ui.separator();
-                self.tabs(ui);
-            }
-            if !live::REACHABLE {
-                return;
-            }
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);
-                let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
-                if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
-                    self.live.emergency_stop();
-                }
-                if is_one_row {
-                    self.live.lamp(ui);
-                }
-            });
-        });
-        if !is_one_row {
-            ui.horizontal_wrapped(|ui| {
-                self.tabs(ui);
-                if live::REACHABLE {
-                    ui.separator();
-                    self.live.lamp(ui);
-                }
-            });
-        }
-    }
-
-    fn tabs(&mut self, ui: &mut Ui) {
-        for view in View::reachable() {
-            if ui.selectable_label(self.layout.view == view, view.name()).clicked() {
-                self.layout.view = view;
-            }
-        }
-    }
-
     fn keys(&mut self, ctx: &egui::Context) {
         // Before anything else takes the key: nothing is more urgent.
         if self.live.is_connected() && ctx.input(|input| input.key_pressed(Key::Escape)) {
             self.live.emergency_stop();
         }
         self.shortcuts(ctx);
-    }
-
-    /// Begins to open what was dropped into the window or named before.
-    #[cfg(not(target_arch = "wasm32"))]
-    fn begin_to_open(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        self.waiting.extend(dropped.iter().map(|file| file.path().display().to_string()));
-        for path in std::mem::take(&mut self.waiting) {
-            if let Some(folder) = Path::new(&path).parent().filter(|folder| folder.is_dir()) {
-                self.layout.folder = folder.into();
-            }
-            let title = format!("Opening {path}");
-            self.opening.push(Job::start(&title, ctx, move |handle| crate::document::open(&path, handle)));
-        }
-    }
-
-    /// Shows what has been opened.
-    fn take_opened(&mut self) {
-        // In order: what was named first gets the first colour.
-        while let Some(result) = self.opening.first().and_then(Job::poll) {
-            self.opening.remove(0);
-            match result.and_then(|result| result) {
-                Ok(document) => self.show(document),
-                Err(sentence) if sentence == CANCELLED => {}
-                Err(sentence) => self.warn(sentence),
-            }
-        }
-    }
-
-    /// What went wrong, and what is under way, below the menus.
-    fn messages(&mut self, ui: &mut Ui) {
-        if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() {
-            return;
-        }
-        egui::Panel::top("messages").show(ui, |ui| {
-            self.opening.retain(|job| !job.ui(ui));
-            self.saving.retain(|job| !job.ui(ui));
-            let mut put_away = None;
-            for (index, notice) in self.notices.iter().enumerate() {
-                let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
-                Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 4)).show(
-                    ui,
-                    |ui| {
-                        ui.horizontal(|ui| {
-                            if ui.button("Dismiss").clicked() {
-                                put_away = Some(index);
-                            }
-                            ui.add(egui::Label::new(&notice.text).wrap());
-                            ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
-                        });
-                    },
-                );
-            }
-            if let Some(index) = put_away {
-                self.notices.remove(index);
-            }
-        });
-    }
-
-    fn dialogs(&mut self, ctx: &egui::Context) {
-        let Some(dialog) = &mut self.dialog else { return };
-        let Some(answer) = dialog.ui(ctx) else { return };
-        let purpose = dialog.purpose;
-        self.layout.folder = dialog.folder().into();
-        self.dialog = None;
-        if let Answer::Files(files) = answer {
-            self.answered(ctx, purpose, files);
-        }
-    }
-
-    /// Files have been chosen for something.
-    pub(crate) fn answered(&mut self, ctx: &egui::Context, purpose: Purpose, files: Vec<PathBuf>) {
-        match purpose {
-            Purpose::Open => self.open(files.iter().map(|path| path.display().to_string())),
-            Purpose::Export => self.exporting = files.into_iter().next(),
-            Purpose::SaveSignal => {
-                let text = self.live.signal.text();
-                files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
-            }
-            Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
-        }
-    }
-
-    /// Writes the first recording that is shown; on a thread, since it may be long.
-    fn save_recording(&mut self, ctx: &egui::Context, path: &Path) {
-        let Some(recording) = self.entries.iter().find(|entry| entry.shown).map(|entry| &entry.recording)
-        else {
-            return self.warn("no recording is shown; open one first");
-        };
-        let (recording, path) = (recording.clone(), path.to_owned());
-        let title = format!("Saving {}", path.display());
-        self.saving.push(Job::start(&title, ctx, move |handle| {
-            outside::save(&recording, &path, handle).map(|bytes| (path, bytes))
-        }));
-    }
-
-    /// What has been saved by now.
-    fn take_saved(&mut self) {
-        while let Some(result) = self.saving.first().and_then(Job::poll) {
-            self.saving.remove(0);
-            match result.and_then(|result| result) {
-                Ok((path, None)) => self.say(format!("{} is written", path.display())),
-                Ok((path, bytes)) => self.put(&path, Ok(bytes.unwrap_or_default())),
-                Err(sentence) if sentence == CANCELLED => {}
-                Err(sentence) => self.warn(sentence),
-            }
-        }
     }
 }

@@ -9,7 +9,7 @@ use crate::draw::raster::Raster;
 
 /// What to draw it on.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight {
+pub struct Viewport {
     /// Size in points.
     pub size: [f32; 2],
     /// Pixels per point.
@@ -23,7 +23,11 @@ const PASSES: usize = 5;
 ///
 /// # Errors
 /// When files are still being opened after `patience`; one sentence.
-pub fn picture(dashboard: &mut Dashboard, sight: Sight, patience: Duration) -> Result<ColorImage, String> {
+pub fn picture(
+    dashboard: &mut Dashboard,
+    viewport: Viewport,
+    patience: Duration,
+) -> Result<ColorImage, String> {
     let ctx = egui::Context::default();
     dashboard.set_up(&ctx);
     let mut raster = Raster::default();
@@ -37,19 +41,19 @@ pub fn picture(dashboard: &mut Dashboard, sight: Sight, patience: Duration) -> R
         if waits {
             std::thread::sleep(Duration::from_millis(5));
         }
-        let mut output = ctx.run_ui(input(sight, passes), |ui| dashboard.ui(ui));
+        let mut output = ctx.run_ui(input(viewport, passes), |ui| dashboard.ui(ui));
         raster.take(&mut output.textures_delta);
         passes = if waits || dashboard.is_busy() { 0 } else { passes + 1 };
         if passes >= PASSES {
-            let size = sight.size.map(|points| (points * sight.scale).round() as usize);
+            let size = viewport.size.map(|points| (points * viewport.scale).round() as usize);
             let ground = ctx.global_style().visuals.panel_fill;
             return Ok(raster.draw(&ctx, output.shapes, output.pixels_per_point, size, ground));
         }
     }
 }
 
-fn input(sight: Sight, pass: usize) -> RawInput {
-    let size = vec2(sight.size[0], sight.size[1]);
+fn input(viewport: Viewport, pass: usize) -> RawInput {
+    let size = vec2(viewport.size[0], viewport.size[1]);
     let mut input = RawInput {
         screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), size)),
         // A clock that stands nearly still: nothing blinks and nothing is animated.
@@ -57,8 +61,8 @@ fn input(sight: Sight, pass: usize) -> RawInput {
         focused: true,
         ..RawInput::default()
     };
-    if let Some(viewport) = input.viewports.get_mut(&input.viewport_id) {
-        viewport.native_pixels_per_point = Some(sight.scale);
+    if let Some(info) = input.viewports.get_mut(&input.viewport_id) {
+        info.native_pixels_per_point = Some(viewport.scale);
     }
     input
 }

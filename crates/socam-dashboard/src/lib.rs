@@ -6,6 +6,7 @@
 //!
 //! SI inside, unit in the name.
 
+mod about;
 mod dashboard;
 pub mod diagnosis;
 pub mod document;
@@ -22,9 +23,10 @@ pub mod parameters;
 pub mod recording;
 pub mod review;
 pub mod samples;
+mod save;
 pub mod spectra;
 pub mod theme;
 
 pub use dashboard::{Dashboard, Simulate};
-pub use headless::{Sight, picture};
+pub use headless::{Viewport, picture};
 pub use layout::{Layout, View};

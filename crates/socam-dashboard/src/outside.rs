@@ -6,7 +6,8 @@ use crate::Dashboard;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::job::CANCELLED;
 use crate::job::Handle;
-use crate::recording::{self, Recording};
+use crate::recording::Recording;
+use crate::save;
 
 /// Writes a file whole or not at all, and never over another.
 ///
@@ -46,7 +47,7 @@ pub(crate) fn save(recording: &Recording, path: &Path, handle: &Handle) -> Resul
         return Err(format!("{} exists already; choose another name", path.display()));
     }
     let mut file = socam_recording::OutputFile::create(path).map_err(|error| error.to_string())?;
-    let written = recording::write(recording, path, &mut Watched { out: &mut file, handle });
+    let written = save::write(recording, path, &mut Watched { out: &mut file, handle });
     if handle.is_cancelled() {
         return Err(CANCELLED.into());
     }
@@ -59,7 +60,7 @@ pub(crate) fn save(recording: &Recording, path: &Path, handle: &Handle) -> Resul
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn save(recording: &Recording, path: &Path, _: &Handle) -> Result<Option<Vec<u8>>, String> {
     let mut bytes = Vec::new();
-    recording::write(recording, path, &mut bytes)?;
+    save::write(recording, path, &mut bytes)?;
     Ok(Some(bytes))
 }
 

@@ -3,41 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-use socam_recording::{Channel, Dataset};
+use socam_recording::Dataset;
 
+use crate::about::about;
+pub use crate::about::{About, Happening, short};
 use crate::job::Handle;
 use crate::samples::Samples;
-
-/// What is said of a recording besides its samples.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct About {
-    /// The name that it was opened by.
-    pub name: String,
-    /// Its channels, in the order of its columns.
-    pub channels: Vec<Channel>,
-    /// What happened during it.
-    pub events: Vec<Happening>,
-    /// Operator's notes, versions and such, by name.
-    pub facts: Vec<(String, String)>,
-    /// What was left aside on opening.
-    pub warnings: Vec<String>,
-    /// Median step of time, s.
-    pub sample_time_s: f64,
-    /// Samples that never reached it.
-    pub lost_samples: u64,
-}
-
-/// Something that happened during a recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Happening {
-    /// When, s.
-    pub time_s: f64,
-    /// What kind: `phase`, `stop`, `fault`, `start`, `note`.
-    pub kind: String,
-    /// In words.
-    pub text: String,
-}
 
 /// A recording that is open.
 #[derive(Debug, Clone)]
@@ -173,108 +144,6 @@ pub fn indexed(data: &Dataset, target: &Path, handle: &Handle) -> Result<(About,
     Ok((about, samples))
 }
 
-fn about(data: &Dataset) -> About {
-    let contents = data.contents();
-    let events = contents.map_or(&[][..], |contents| &contents.events);
-    let happening = |event: &socam_recording::Event| Happening {
-        time_s: event.device_time_ns as f64 * 1e-9,
-        kind: event.kind.clone(),
-        text: event.text.clone(),
-    };
-    let (from_s, to_s) = (data.start_s(), data.end_s());
-    let events =
-        events.iter().map(happening).filter(|event| event.time_s >= from_s && event.time_s <= to_s + 1.0);
-    let facts = contents.map(|contents| contents.metadata.clone()).unwrap_or_default();
-    About {
-        name: data.name().to_owned(),
-        channels: data.channels().to_vec(),
-        events: events.collect(),
-        facts: facts.into_iter().collect(),
-        warnings: data.warnings().iter().map(ToString::to_string).collect(),
-        sample_time_s: data.sample_time_s(),
-        lost_samples: data.lost_samples(),
-    }
-}
-
-/// The last part of a path: what fits a legend.
-#[must_use]
-pub fn short(name: &str) -> &str {
-    let path = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    if path.is_empty() { name } else { path }
-}
-
 fn sentence(error: impl std::fmt::Display) -> String {
     error.to_string()
-}
-
-/// Writes a recording as `.csv` in SI, or as the `.m` of the thesis' program, as the name says.
-///
-/// # Errors
-/// When the name ends in something else, the recording cannot be read again, or the stream cannot be written; one sentence.
-pub fn write(recording: &Recording, name: &Path, out: &mut impl std::io::Write) -> Result<(), String> {
-    let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match extension.as_str() {
-        "csv" => socam_recording::write_csv(&recording.dataset()?, out, name).map_err(sentence),
-        "m" => {
-            let text = legacy(recording)?;
-            out.write_all(text.as_bytes())
-                .map_err(|error| format!("cannot write {}: {error}", name.display()))
-        }
-        _ => Err(format!("{}: a recording is saved as .csv or .m", name.display())),
-    }
-}
-
-/// Rows that the thesis' program could hold, and that its readers expect.
-const LEGACY_ROWS: usize = 10_000;
-
-/// The log as the thesis' program wrote it: settings, then five columns in volts, the command last. Speeds are turned back into
-/// volts of their tachometers, torques stay what they are only if they are in volts.
-fn legacy(recording: &Recording) -> Result<String, String> {
-    use socam_core::scaling::Sensor;
-    use std::fmt::Write;
-
-    let rows = recording.samples.rows();
-    if rows > LEGACY_ROWS || recording.samples.segments().len() != 1 {
-        return Err(format!(
-            "a .m log holds at most {LEGACY_ROWS} rows without a gap, and this recording has {rows}; open a part of it as RUN@FROM..TO, or save it as .csv"
-        ));
-    }
-    let column = |name: &str, sensor: Option<Sensor>| -> Result<Vec<f64>, String> {
-        let channel = recording.channel(name).ok_or_else(|| {
-            format!("a .m log needs the channel `{name}`, which this recording lacks; save it as .csv")
-        })?;
-        let values = recording.samples.values(channel, 0..rows);
-        Ok(match sensor {
-            Some(sensor) => {
-                values.iter().map(|value| value * sensor.volts_per_unit + sensor.offset_v).collect()
-            }
-            None => values,
-        })
-    };
-    let volts = |name: &str, sensor: Sensor| {
-        let index = recording.channel(name);
-        let in_volts =
-            index.is_some_and(|index| recording.about.channels[index].unit == socam_recording::Unit::V);
-        column(name, (!in_volts).then_some(sensor))
-    };
-    let columns = [
-        volts("motor_speed", Sensor::MOTOR_SPEED)?,
-        volts("output_speed", Sensor::OUTPUT_SPEED)?,
-        volts("torque_in", Sensor::TORQUE_IN)?,
-        volts("torque_out", Sensor::TORQUE_OUT)?,
-        column("command", None)?,
-    ];
-    let mut text = format!("samprate={};\ndata=[\n", recording.about.sample_time_s);
-    for row in 0..rows {
-        let values = columns.iter().map(|column| column[row]);
-        if let Some(missing) = values.clone().find(|value| !value.is_finite()) {
-            return Err(format!(
-                "row {row} has a missing value ({missing}), which a .m log cannot hold; save it as .csv"
-            ));
-        }
-        let texts: Vec<String> = values.map(|value| format!("{value:.6}")).collect();
-        let _ = writeln!(text, "{}", texts.join(" "));
-    }
-    text.push_str("];\n");
-    Ok(text)
 }

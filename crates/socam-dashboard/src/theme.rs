@@ -3,7 +3,7 @@
 //! Lines are told apart by the colours of Okabe and Ito, which people with any kind of colour blindness can tell apart, lightened on
 //! dark ground; nothing is said by colour alone.
 
-use crate::draw::chart::{MarkerShape, Style};
+use crate::draw::style::{MarkerShape, Style};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
 
 /// How the window looks.

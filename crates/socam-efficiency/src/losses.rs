@@ -1,11 +1,14 @@
 //! Losses of a section from its moments: what grows with speed, what grows with torque, and what does neither.
 
+mod terms;
+
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use socam_calibrate::Estimate;
 use socam_calibrate::regression::{self, Regression};
 
 use crate::{EfficiencyError, Section, moments::Moment};
+use terms::{Scaling, Term};
 
 /// Moments overlap by half, and what a model leaves out lasts longer than one.
 const LAG: usize = 3;
@@ -67,82 +70,6 @@ struct Fitted {
     terms: Vec<Term>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Term {
-    Share,
-    Viscous,
-    Constant,
-    Inertia,
-    Twist,
-    GainIn,
-    GainOut,
-    Zero,
-}
-
-/// What a loss in proportion to torque, of share `f`, makes of the other losses, and how that changes with it. Sensors share in the
-/// torque before and after what loses ([`Moment::size`]) but for what is lost itself: of the part `w` of the inertia that lies before
-/// it, forward (1 - w f) of the torque, and backward (1 + w f).
-#[derive(Debug, Clone, Copy)]
-struct Stretch {
-    /// Factor of the torque's size, and its slope with `f`.
-    along: [f64; 2],
-    /// Factor of what is lost before the loss in proportion, and its slope with `f`.
-    beside: [f64; 2],
-}
-
-impl Stretch {
-    fn of(moment: &Moment, f: f64, w: f64) -> Self {
-        if moment.is_driven {
-            let rest = 1.0 / (1.0 - w * f);
-            Self { along: [rest, w * rest * rest], beside: [rest, w * rest * rest] }
-        } else {
-            let rest = 1.0 / (1.0 + w * f);
-            let beside = (1.0 + f) / (1.0 - f) * rest;
-            let slope = beside * (1.0 / (1.0 + f) + 1.0 / (1.0 - f) - w * rest);
-            Self { along: [rest, -w * rest * rest], beside: [beside, slope] }
-        }
-    }
-}
-
-impl Term {
-    /// What one unit of the coefficient adds to the torque that is lost.
-    fn column(self, moment: &Moment, stretch: Stretch) -> f64 {
-        match self {
-            Self::Share => moment.size * moment.direction * stretch.along[0],
-            Self::Viscous => moment.speed * stretch.beside[0],
-            Self::Constant => moment.direction * stretch.beside[0],
-            Self::Inertia => moment.acceleration,
-            Self::Twist => -moment.torque_in_curvature,
-            Self::GainIn => moment.torque_in,
-            Self::GainOut => -moment.torque_out,
-            Self::Zero => 1.0,
-        }
-    }
-
-    /// How its column changes with the share.
-    fn bend(self, moment: &Moment, stretch: Stretch) -> f64 {
-        match self {
-            Self::Share => moment.size * moment.direction * stretch.along[1],
-            Self::Viscous => moment.speed * stretch.beside[1],
-            Self::Constant => moment.direction * stretch.beside[1],
-            _ => 0.0,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Share => "torque_share",
-            Self::Viscous => "viscous",
-            Self::Constant => "constant",
-            Self::Inertia => "inertia",
-            Self::Twist => "twist",
-            Self::GainIn => "gain of the torque sensor on the input side",
-            Self::GainOut => "gain of the torque sensor on the output side",
-            Self::Zero => "zero of the torque sensors",
-        }
-    }
-}
-
 impl Losses {
     /// From moments. A sensor's gain that nobody measured counts as exact; a zero that nobody measured is estimated where motion in
     /// both directions tells it from a constant loss, and counts as exact where it does not.
@@ -160,54 +87,11 @@ impl Losses {
         if moments.len() < 12 {
             return Err(too_few());
         }
-        let zero_std = sensors.torque_in.offset.zip(sensors.torque_out.offset);
-        let zero_std = zero_std.map(|(a, b)| a.hypot(b / section.ratio));
-        let both_ways =
-            moments.iter().any(|m| m.direction > 0.0) && moments.iter().any(|m| m.direction < 0.0);
-        let inertia = section.inertia.max(1e-9);
-        let mut wanted: Vec<(Term, Option<(f64, f64)>)> = vec![
-            (Term::Inertia, Some((inertia, 0.3 * inertia))),
-            (Term::Twist, None),
-            (Term::Viscous, None),
-            (Term::Constant, None),
-            (Term::Share, None),
-        ];
-        let known = |term, std: Option<f64>| std.filter(|std| *std > 0.0).map(|std| (term, Some((0.0, std))));
-        wanted.extend(known(Term::GainIn, sensors.torque_in.gain));
-        wanted.extend(known(Term::GainOut, sensors.torque_out.gain));
-        match zero_std {
-            Some(std) => wanted.extend(known(Term::Zero, Some(std))),
-            None if both_ways => wanted.push((Term::Zero, None)),
-            None => {}
-        }
+        let wanted = candidates(moments, section, sensors);
         let kept = independent(moments, &wanted);
         let terms: Vec<Term> = kept.iter().map(|(term, _)| *term).collect();
-        let measured =
-            DVector::from_iterator(moments.len(), moments.iter().map(|m| m.torque_in - m.torque_out));
         let known: Vec<_> = kept.iter().map(|(_, known)| *known).collect();
-        let at = terms.iter().position(|term| *term == Term::Share);
-        let mut regression: Option<Regression> = None;
-        for _ in 0..STEPS {
-            let values = regression.as_ref().map_or(vec![0.0; terms.len()], |r| r.coefficients.clone());
-            let share = at.map_or(0.0, |at| values[at].clamp(0.0, 0.9));
-            let mut design = DMatrix::zeros(moments.len(), terms.len());
-            let mut wanted = measured.clone();
-            for (row, moment) in moments.iter().enumerate() {
-                let stretch = Stretch::of(moment, share, section.share_before);
-                let mut bend = 0.0;
-                for (column, (term, value)) in terms.iter().zip(&values).enumerate() {
-                    design[(row, column)] = term.column(moment, stretch);
-                    bend += value * term.bend(moment, stretch);
-                }
-                // The share also stretches the other losses: without that slope its uncertainty would not reach theirs.
-                if let Some(at) = at {
-                    design[(row, at)] += bend;
-                    wanted[row] += bend * share;
-                }
-            }
-            regression = Some(regression::with_knowledge(&design, &wanted, &known, LAG).ok_or_else(too_few)?);
-        }
-        let regression = regression.ok_or_else(too_few)?;
+        let regression = regress(moments, &terms, &known, section.share_before).ok_or_else(too_few)?;
         let fitted = Fitted { regression, terms };
         let estimate = |term| fitted.estimate(term);
         Ok(Self {
@@ -263,14 +147,74 @@ impl Fitted {
     }
 }
 
+/// A term, and what is known of its coefficient: value and standard deviation.
+type Candidate = (Term, Option<(f64, f64)>);
+
+/// The terms that the losses of a section may consist of.
+fn candidates(moments: &[Moment], section: &Section, sensors: &Sensors) -> Vec<Candidate> {
+    let zero_std = sensors.torque_in.offset.zip(sensors.torque_out.offset);
+    let zero_std = zero_std.map(|(a, b)| a.hypot(b / section.ratio));
+    let both_ways = moments.iter().any(|m| m.direction > 0.0) && moments.iter().any(|m| m.direction < 0.0);
+    let inertia = section.inertia.max(1e-9);
+    let mut wanted: Vec<Candidate> = vec![
+        (Term::Inertia, Some((inertia, 0.3 * inertia))),
+        (Term::Twist, None),
+        (Term::Viscous, None),
+        (Term::Constant, None),
+        (Term::Share, None),
+    ];
+    let known = |term, std: Option<f64>| std.filter(|std| *std > 0.0).map(|std| (term, Some((0.0, std))));
+    wanted.extend(known(Term::GainIn, sensors.torque_in.gain));
+    wanted.extend(known(Term::GainOut, sensors.torque_out.gain));
+    match zero_std {
+        Some(std) => wanted.extend(known(Term::Zero, Some(std))),
+        None if both_ways => wanted.push((Term::Zero, None)),
+        None => {}
+    }
+    wanted
+}
+
+/// Fits the terms by Gauss-Newton steps.
+fn regress(
+    moments: &[Moment],
+    terms: &[Term],
+    known: &[Option<(f64, f64)>],
+    share_before: f64,
+) -> Option<Regression> {
+    let measured = DVector::from_iterator(moments.len(), moments.iter().map(|m| m.torque_in - m.torque_out));
+    let at = terms.iter().position(|term| *term == Term::Share);
+    let mut regression: Option<Regression> = None;
+    for _ in 0..STEPS {
+        let values = regression.as_ref().map_or(vec![0.0; terms.len()], |r| r.coefficients.clone());
+        let share = at.map_or(0.0, |at| values[at].clamp(0.0, 0.9));
+        let mut design = DMatrix::zeros(moments.len(), terms.len());
+        let mut wanted = measured.clone();
+        for (row, moment) in moments.iter().enumerate() {
+            let scaling = Scaling::of(moment, share, share_before);
+            let mut slope = 0.0;
+            for (column, (term, value)) in terms.iter().zip(&values).enumerate() {
+                design[(row, column)] = term.column(moment, scaling);
+                slope += value * term.slope(moment, scaling);
+            }
+            // The share also stretches the other losses: without that slope its uncertainty would not reach theirs.
+            if let Some(at) = at {
+                design[(row, at)] += slope;
+                wanted[row] += slope * share;
+            }
+        }
+        regression = Some(regression::with_knowledge(&design, &wanted, known, LAG)?);
+    }
+    regression
+}
+
 /// Terms that are not repetitions of those before them, unless something is known of them.
-fn independent(moments: &[Moment], wanted: &[(Term, Option<(f64, f64)>)]) -> Vec<(Term, Option<(f64, f64)>)> {
+fn independent(moments: &[Moment], wanted: &[Candidate]) -> Vec<Candidate> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     let mut kept = Vec::new();
     for (term, known) in wanted {
         let column = DVector::from_iterator(
             moments.len(),
-            moments.iter().map(|moment| term.column(moment, Stretch::of(moment, 0.0, 0.0))),
+            moments.iter().map(|moment| term.column(moment, Scaling::of(moment, 0.0, 0.0))),
         );
         let size = column.norm();
         let mut own = column;

@@ -38,32 +38,14 @@ impl Section {
         let refuse = |why: &str| EfficiencyError::Model { model: model.name.clone(), why: why.into() };
         let driven = model.inputs().next().ok_or_else(|| refuse("nothing drives it"))?;
         let order = Order::from(model, &driven.at).ok_or_else(|| refuse("its drive is at no node"))?;
-        let mut torques: Vec<(usize, usize, &Channel)> = model
-            .channels
-            .iter()
-            .filter(|channel| channel.role == Role::Output && channel.quantity == Quantity::Torque)
-            .filter_map(|channel| {
-                let spring = model.springs.iter().position(|spring| spring.name == channel.at)?;
-                let from = order.distance[model.springs[spring].from]?;
-                Some((from, spring, channel))
-            })
-            .collect();
-        torques.sort_by_key(|(distance, ..)| *distance);
-        let gear = model.gears.first().and_then(|gear| order.distance[gear.from]);
-        let first = match gear {
-            Some(gear) => torques.iter().rposition(|(distance, ..)| *distance < gear),
-            None => Some(0),
-        };
-        let pair = first.and_then(|first| Some((torques.get(first)?, torques.get(first + 1)?)));
-        let Some(((_, spring_in, torque_in), (_, spring_out, torque_out))) = pair else {
-            return Err(refuse("losses need a torque sensor on either side of what loses"));
-        };
-        let (inner_in, inner_out) = (model.springs[*spring_in].to, model.springs[*spring_out].from);
+        let [(spring_in, torque_in), (spring_out, torque_out)] = torque_sensors(model, &order)
+            .ok_or_else(|| refuse("losses need a torque sensor on either side of what loses"))?;
+        let (inner_in, inner_out) = (model.springs[spring_in].to, model.springs[spring_out].from);
         let inner_in = inner_in.ok_or_else(|| refuse("its torque sensor is held by the ground"))?;
         let name = |node: usize| model.nodes[node].name.as_str();
         let ratio = model.rigid_ratio(name(inner_in), name(inner_out));
         let ratio = ratio.ok_or_else(|| refuse("nothing ties its torque sensors together"))?;
-        let closed = [*spring_in, *spring_out];
+        let closed = [spring_in, spring_out];
         let values = model.values();
         let felt = |node: usize| {
             let inertia = model.nodes[node].inertia.map_or(0.0, |index| values[index]);
@@ -87,8 +69,8 @@ impl Section {
         let ratio_out = speed_out.and_then(|channel| model.rigid_ratio(&speed_in.at, &channel.at));
         let slips = model.effects.iter().any(|used| used.effect.steady == Steady::Slips);
         Ok(Self {
-            torque_in: (*torque_in).clone(),
-            torque_out: (*torque_out).clone(),
+            torque_in: torque_in.clone(),
+            torque_out: torque_out.clone(),
             speed_in: speed_in.clone(),
             speed_out: speed_out.filter(|_| ratio_out.is_some()).map(|channel| (*channel).clone()),
             ratio,
@@ -99,6 +81,29 @@ impl Section {
             is_positive: !slips,
         })
     }
+}
+
+/// The two torque sensors and their springs: the first two from the drive on, or those on either side of the first gear.
+fn torque_sensors<'m>(model: &'m Model, order: &Order) -> Option<[(usize, &'m Channel); 2]> {
+    let mut torques: Vec<(usize, usize, &Channel)> = model
+        .channels
+        .iter()
+        .filter(|channel| channel.role == Role::Output && channel.quantity == Quantity::Torque)
+        .filter_map(|channel| {
+            let spring = model.springs.iter().position(|spring| spring.name == channel.at)?;
+            let from = order.distance[model.springs[spring].from]?;
+            Some((from, spring, channel))
+        })
+        .collect();
+    torques.sort_by_key(|(distance, ..)| *distance);
+    let gear = model.gears.first().and_then(|gear| order.distance[gear.from]);
+    let first = match gear {
+        Some(gear) => torques.iter().rposition(|(distance, ..)| *distance < gear),
+        None => Some(0),
+    };
+    let pair = first.and_then(|first| Some((torques.get(first)?, torques.get(first + 1)?)));
+    let ((_, spring_in, torque_in), (_, spring_out, torque_out)) = pair?;
+    Some([(*spring_in, *torque_in), (*spring_out, *torque_out)])
 }
 
 /// Nodes by how many parts lie between them and the drive.

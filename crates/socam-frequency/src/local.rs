@@ -65,32 +65,19 @@ impl Stretch {
     }
 }
 
+/// Bins of a stretch.
+type Bins<'a> = (&'a Stretch, std::ops::Range<usize>);
+
 /// The response at one frequency; `None` where nothing drives the bench there.
 pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
-    let seen: Vec<(&Stretch, std::ops::Range<usize>)> =
-        stretches.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
+    let seen: Vec<Bins<'_>> = stretches.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
     let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
     if rows == 0 {
         return None;
     }
-    let columns = PARABOLA * (1 + seen.len());
     let reach_hz = seen.iter().map(|(s, _)| s.step_hz).fold(0.0, f64::max) * REACH as f64;
-    let mut design = DMatrix::from_element(rows, columns, C::default());
-    let mut wanted = DMatrix::from_element(rows, 2, C::default());
-    let mut row = 0;
-    for (own, (stretch, bins)) in seen.iter().enumerate() {
-        for bin in bins.clone() {
-            let x = (bin as f64 * stretch.step_hz - frequency_hz) / reach_hz;
-            let drive = stretch.reference.as_ref().unwrap_or(&stretch.input)[bin] * stretch.scale;
-            for (power, factor) in [1.0, x, x * x].into_iter().enumerate() {
-                design[(row, power)] = drive * factor;
-                design[(row, PARABOLA * (1 + own) + power)] = C::new(factor, 0.0);
-            }
-            wanted[(row, 0)] = stretch.output[bin] * stretch.scale;
-            wanted[(row, 1)] = stretch.input[bin] * stretch.scale;
-            row += 1;
-        }
-    }
+    let (design, wanted) = equations(&seen, frequency_hz, reach_hz);
+    let columns = design.ncols();
     let strongest = seen.iter().map(|(s, _)| s.strongest * s.scale * s.scale).fold(0.0, f64::max);
     let drive_power = (0..rows).map(|i| design[(i, 0)].norm_sqr()).sum::<f64>() / rows as f64;
     if drive_power <= ROUNDING * strongest {
@@ -116,14 +103,11 @@ pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
     } else {
         output_noise
     };
-    let share = |gain: C, noise: f64| {
-        let signal = gain.norm_sqr() * drive_power;
-        if signal > 0.0 { signal / (signal + noise) } else { 0.0 }
-    };
     let coherence = if indirect {
-        share(solved.unknowns[(0, 0)], output_noise) * share(through, input_noise)
+        coherent(solved.unknowns[(0, 0)], drive_power, output_noise)
+            * coherent(through, drive_power, input_noise)
     } else {
-        share(response, output_noise)
+        coherent(response, drive_power, output_noise)
     };
     let variance = noise * solved.first_variance / through.norm_sqr();
     (response.re.is_finite() && response.im.is_finite() && variance.is_finite()).then_some(Line {
@@ -134,4 +118,33 @@ pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
         width_hz: 2.0 * reach_hz,
         coherence,
     })
+}
+
+/// Linear equations for the parabolas of the response and of each stretch's transient about a frequency; right sides: output, input.
+fn equations(seen: &[Bins<'_>], frequency_hz: f64, reach_hz: f64) -> (DMatrix<C>, DMatrix<C>) {
+    let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
+    let columns = PARABOLA * (1 + seen.len());
+    let mut design = DMatrix::from_element(rows, columns, C::default());
+    let mut wanted = DMatrix::from_element(rows, 2, C::default());
+    let mut row = 0;
+    for (own, (stretch, bins)) in seen.iter().enumerate() {
+        for bin in bins.clone() {
+            let x = (bin as f64 * stretch.step_hz - frequency_hz) / reach_hz;
+            let drive = stretch.reference.as_ref().unwrap_or(&stretch.input)[bin] * stretch.scale;
+            for (power, factor) in [1.0, x, x * x].into_iter().enumerate() {
+                design[(row, power)] = drive * factor;
+                design[(row, PARABOLA * (1 + own) + power)] = C::new(factor, 0.0);
+            }
+            wanted[(row, 0)] = stretch.output[bin] * stretch.scale;
+            wanted[(row, 1)] = stretch.input[bin] * stretch.scale;
+            row += 1;
+        }
+    }
+    (design, wanted)
+}
+
+/// Share of signal in the power of signal and noise.
+fn coherent(gain: C, drive_power: f64, noise: f64) -> f64 {
+    let signal = gain.norm_sqr() * drive_power;
+    if signal > 0.0 { signal / (signal + noise) } else { 0.0 }
 }

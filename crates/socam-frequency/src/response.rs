@@ -1,17 +1,16 @@
 //! The frequency response from sampled input and output, with confidence, and how much of the output is not linear.
 
-use std::ops::Range;
+mod distortion;
 
-use nalgebra::Complex;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::ops::Range;
 
 pub use crate::lines::{Line, apart};
 use crate::{FrequencyError, local, periodic::Periodic, periods};
+use distortion::distortion;
+pub use distortion::{Distortion, Driven, OutputLine, Parity};
 
 /// Lines over frequency where the recordings do not repeat.
 const LINES: usize = 200;
-/// Noise alone seems distorted so seldom.
-const FALSE_ALARM: f64 = 1e-3;
 
 /// Signals of one uninterrupted stretch of a recording.
 #[derive(Debug, Clone, Copy)]
@@ -58,58 +57,6 @@ pub struct Response {
     pub lines: Vec<Line>,
     /// What the lines that nothing drives say; only of periodic signals that leave lines out.
     pub distortion: Option<Distortion>,
-}
-
-/// Power where nothing drives the bench.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Distortion {
-    /// Even multiples of the base frequency.
-    pub even: Option<Parity>,
-    /// Odd ones.
-    pub odd: Option<Parity>,
-    /// All lines of the output.
-    pub lines: Vec<OutputLine>,
-}
-
-/// Lines of one parity that nothing drives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parity {
-    /// How many.
-    pub lines: usize,
-    /// Root mean square of distortion per line over that of the output's driven lines, noise taken off, dB.
-    pub level_db: Option<f64>,
-    /// The same of noise.
-    pub noise_db: f64,
-    /// Mean power over what noise alone leaves.
-    pub over_noise: f64,
-    /// Probability that noise alone reaches that.
-    pub p_value: f64,
-    /// Whether it is too much for noise.
-    pub significant: bool,
-}
-
-/// What a line of the output is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Driven {
-    /// The input drives it.
-    Excited,
-    /// It is an even multiple that nothing drives.
-    Even,
-    /// An odd one.
-    Odd,
-}
-
-/// A line of the output's spectrum.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OutputLine {
-    /// Hz.
-    pub frequency_hz: f64,
-    /// What it is.
-    pub driven: Driven,
-    /// Amplitude; where nothing drives it, of what the input's remainder does not explain.
-    pub amplitude: f64,
-    /// Standard deviation that noise gives it.
-    pub noise: f64,
 }
 
 /// Estimates the response of `output` to `input` over all stretches together.
@@ -211,80 +158,6 @@ fn flowing(signals: &[Signals<'_>], options: &Options) -> Response {
     let grid = (0..LINES).map(|i| (from + (to - from) * i as f64 / (LINES - 1) as f64).exp());
     let lines = grid.filter_map(|frequency_hz| local::line(&stretches, frequency_hz)).collect();
     Response { method: Method::Local, lines, distortion: None }
-}
-
-/// Response between two lines, along straight lines of its real and imaginary part; beyond the ends, that of the end.
-fn between(lines: &[Line], frequency_hz: f64) -> Complex<f64> {
-    let after = lines.partition_point(|line| line.frequency_hz < frequency_hz);
-    let (Some(low), Some(high)) = (lines.get(after.saturating_sub(1)), lines.get(after.min(lines.len() - 1)))
-    else {
-        return Complex::default();
-    };
-    let span = high.frequency_hz - low.frequency_hz;
-    let share = if span > 0.0 { ((frequency_hz - low.frequency_hz) / span).clamp(0.0, 1.0) } else { 0.0 };
-    low.response * (1.0 - share) + high.response * share
-}
-
-fn distortion(records: &[Periodic], lines: &[Line], to_hz: f64) -> Option<Distortion> {
-    if lines.is_empty() {
-        return None;
-    }
-    let mut output = Vec::new();
-    let mut freedom = 0.0_f64;
-    for record in records {
-        for harmonic in record.harmonics.iter().filter(|h| h.frequency_hz <= to_hz) {
-            let even = harmonic.order.is_multiple_of(2);
-            let (driven, value) = if harmonic.excited {
-                (Driven::Excited, harmonic.output)
-            } else {
-                let rest = record.error(harmonic, between(lines, harmonic.frequency_hz));
-                (if even { Driven::Even } else { Driven::Odd }, rest)
-            };
-            freedom = harmonic.freedom;
-            let scale = 2.0 / record.samples() as f64;
-            output.push(OutputLine {
-                frequency_hz: harmonic.frequency_hz,
-                driven,
-                amplitude: scale * value.value.norm(),
-                noise: scale * value.variance.sqrt(),
-            });
-        }
-    }
-    let power = |driven: Driven| {
-        let own: Vec<&OutputLine> = output.iter().filter(|line| line.driven == driven).collect();
-        let sum = |of: &dyn Fn(&OutputLine) -> f64| own.iter().map(|line| of(line)).sum::<f64>();
-        (
-            own.len(),
-            sum(&|l| l.amplitude.powi(2)),
-            sum(&|l| l.noise.powi(2)),
-            sum(&|l| (l.amplitude / l.noise).powi(2)),
-        )
-    };
-    let (count, driven_power, ..) = power(Driven::Excited);
-    let reference = driven_power / count.max(1) as f64;
-    let decibel = |power: f64| 10.0 * (power / reference).log10();
-    let parity = |driven: Driven| {
-        let (lines, total, noise, ratios) = power(driven);
-        if lines == 0 || noise <= 0.0 {
-            return None;
-        }
-        let over_noise = ratios / lines as f64;
-        // Neighbouring lines share most of the bins that their noise is estimated from.
-        let shared = (freedom * lines as f64 / 4.0).max(freedom);
-        let p_value = FisherSnedecor::new(2.0 * lines as f64, 2.0 * shared).map_or(1.0, |f| f.sf(over_noise));
-        let own = total - noise;
-        let significant = p_value < FALSE_ALARM;
-        Some(Parity {
-            lines,
-            level_db: (own > 0.0 && significant).then(|| decibel(own / lines as f64)),
-            noise_db: decibel(noise / lines as f64),
-            over_noise,
-            p_value,
-            significant,
-        })
-    };
-    let (even, odd) = (parity(Driven::Even), parity(Driven::Odd));
-    (even.is_some() || odd.is_some()).then_some(Distortion { even, odd, lines: output })
 }
 
 #[cfg(test)]

@@ -90,14 +90,8 @@ pub(crate) fn examine(thesis: &Thesis, report: &mut Report) {
     );
 }
 
-/// Point 10: what the tachometers conceal.
-fn tachometers(
-    thesis: &Thesis,
-    report: &mut Report,
-    system: &[Steady<'_>; 3],
-    couplings: &[&[Steady<'_>; 3]; 2],
-) {
-    let ratio = thesis.hardware.ratio.value;
+/// Losses of the couplings: a line for each row, and the shares of speed and of torque that are lost.
+fn coupling_losses(couplings: &[&[Steady<'_>; 3]; 2]) -> (Vec<String>, Vec<f64>, Vec<f64>) {
     let mut lines = Vec::new();
     let mut speed_losses = Vec::new();
     let mut torque_losses = Vec::new();
@@ -117,6 +111,18 @@ fn tachometers(
             ));
         }
     }
+    (lines, speed_losses, torque_losses)
+}
+
+/// Point 10: what the tachometers conceal.
+fn tachometers(
+    thesis: &Thesis,
+    report: &mut Report,
+    system: &[Steady<'_>; 3],
+    couplings: &[&[Steady<'_>; 3]; 2],
+) {
+    let ratio = thesis.hardware.ratio.value;
+    let (mut lines, speed_losses, torque_losses) = coupling_losses(couplings);
     for row in system {
         let [input, output, ..] = row.values();
         lines.push(format!(

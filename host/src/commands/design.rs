@@ -1,20 +1,24 @@
 //! `design`: the next experiment, as a profile that `record` runs.
 
+mod rival;
+mod text;
+
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::Context;
 use indicatif::ProgressBar;
 use serde::Serialize;
-use socam_design::{Design, Limits, Rig, Tried, Width};
+use socam_design::{Limits, Rig, Width};
 use socam_model::Model;
 use socam_recording::{Calibration, Course, ProfileFile};
 use socam_sim::{Setup, Truth, calibration_for};
 
 use super::Outcome;
+use crate::model_file;
 use crate::output::{self, WrongArguments};
-use crate::{model_file, table};
+use rival::Rival;
+use text::text;
 
 /// Largest command of the profiles that suit the default bench, V.
 const USUAL_V: f64 = 1.8;
@@ -136,80 +140,14 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A rival and what both are called.
-struct Rival {
-    model: Model,
-    names: [String; 2],
-}
-
 fn models(args: &Args, base: Model) -> anyhow::Result<(Model, Option<Rival>)> {
     if let Some(name) = &args.rival {
         let model = model_file::load(name)?;
         return Ok((base, Some(Rival { model, names: [args.model.clone(), name.clone()] })));
     }
     let Some(path) = &args.diagnosis else { return Ok((base, None)) };
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
-    let diagnosis: serde_json::Value =
-        serde_json::from_str(&text).with_context(|| format!("`{}` is no diagnosis", path.display()))?;
-    let Some(findings) = diagnosis["findings"].as_array() else {
-        let message = format!(
-            "`{}` is no diagnosis; expected what `diagnose --json` or --report wrote",
-            path.display()
-        );
-        return Err(WrongArguments(message).into());
-    };
-    let doubted =
-        findings.iter().find(|finding| finding["rivals"].as_array().is_some_and(|rivals| !rivals.is_empty()));
-    let Some(finding) = doubted else {
-        let message =
-            format!("`{}` has no finding with a rival: there is nothing to tell apart", path.display());
-        return Err(WrongArguments(message).into());
-    };
-    let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
-    let (effect, place) = (word(&finding["effect"]), word(&finding["location"]));
-    let parameters = finding["parameters"].as_array().map_or(&[][..], Vec::as_slice);
-    let values: Vec<(String, f64)> =
-        parameters.iter().filter_map(|p| Some((word(&p["name"]), p["value"].as_f64()?))).collect();
-    let values: Vec<(&str, f64)> = values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-    let other = &finding["rivals"][0];
-    let (other_effect, other_place) = (word(&other["effect"]), word(&other["location"]));
-    let found = base.with_effect(&effect, &place, &values)?;
-    let rival = rival(&base, &other_effect, &other_place, &values)?;
-    let names = [format!("{effect} at {place}"), format!("{other_effect} at {other_place}")];
-    Ok((found, Some(Rival { model: rival, names })))
-}
-
-/// A rival from where its fit may begin: the same torque or share, and usual sizes of what only it has.
-fn rival(base: &Model, effect: &str, place: &str, known: &[(&str, f64)]) -> anyhow::Result<Model> {
-    let catalogue =
-        socam_model::effects::find(effect).with_context(|| format!("there is no effect {effect}"))?;
-    let rotates = base.motion == socam_model::Motion::Rotation;
-    let given = |name: &str| known.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
-    let values: Vec<(&str, f64)> = catalogue
-        .parameters
-        .iter()
-        .filter(|parameter| parameter.default.is_none())
-        .map(|parameter| {
-            let usual = match parameter.kind.unit(rotates) {
-                "N m" | "N" => 0.1,
-                "rad/s" | "m/s" => 1.0,
-                "rad" | "m" => 0.01,
-                "N m/rad" => 1e4,
-                "N/m" => 1e6,
-                "N m s/rad" | "N s/m" => 0.1,
-                "N m s2/rad2" | "kg m2" => 1e-3,
-                "Hz" => 1.0,
-                "s" => 1e-3,
-                "1" if parameter.name == "gain" => 1.0,
-                "1" if parameter.name == "order" => 1.0,
-                "1" => 0.03,
-                _ => 0.01,
-            };
-            let (low, high) = parameter.bounds;
-            (parameter.name, given(parameter.name).unwrap_or(usual).clamp(low, high))
-        })
-        .collect();
-    Ok(base.with_effect(effect, place, &values)?)
+    let (found, rival) = rival::of_diagnosis(&base, path)?;
+    Ok((found, Some(rival)))
 }
 
 fn rig(args: &Args, model: &Model) -> anyhow::Result<Rig> {
@@ -283,70 +221,4 @@ fn rounded(mut profile: ProfileFile) -> ProfileFile {
     }
     round(&mut profile.duration_s, 1e3);
     profile
-}
-
-fn course(profile: &ProfileFile) -> String {
-    let n = table::number;
-    match profile.course {
-        Course::Multisine { offset, amplitude, from_hz, to_hz, .. } => {
-            format!(
-                "multisine of {} V about {} V, {} to {} Hz",
-                n(amplitude),
-                n(offset),
-                n(from_hz),
-                n(to_hz)
-            )
-        }
-        Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
-            format!("chirp of {} V about {} V, {} to {} Hz", n(amplitude), n(offset), n(from_hz), n(to_hz))
-        }
-        Course::Prbs { offset, amplitude, bit_s, .. } => {
-            format!("random steps of {} V about {} V, {} s or longer", n(amplitude), n(offset), n(bit_s))
-        }
-        Course::Staircase { first, step, dwell_s, .. } => {
-            format!("reversals from {} V to {} V every {} s", n(first), n(first + step), n(dwell_s))
-        }
-        _ => "another course".into(),
-    }
-}
-
-fn text(
-    design: &Design,
-    rivals: Option<&[String; 2]>,
-    reference: Option<&[Width]>,
-    written: Option<&Path>,
-    profile: &str,
-) -> String {
-    let said = |tried: &Tried| match tried.distance {
-        Some(distance) => format!("{} noise units apart", table::number(distance)),
-        None => format!("widest interval +-{} %", table::number(100.0 * tried.score)),
-    };
-    let mut text = String::new();
-    if let Some([a, b]) = rivals {
-        text.push_str(&format!("To tell {a} from {b}\n"));
-    }
-    text.push_str(&format!("Record a {}: {}\n", course(&design.best.profile), said(&design.best)));
-    if let Some(reference) = reference {
-        let head = ["", "proposed", "five steps"].map(String::from).to_vec();
-        let cell = |width: Option<f64>| {
-            width.map_or_else(|| "not determined".into(), |w| format!("+-{:.3} %", 100.0 * w))
-        };
-        let rows = design.best.widths.iter().map(|width| {
-            let other =
-                reference.iter().find(|other| other.name == width.name).and_then(|other| other.relative);
-            vec![width.name.clone(), cell(width.relative), cell(other)]
-        });
-        let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
-        text.push_str(&format!("\n95 % intervals to expect\n{}", table::align(&rows, &[false, true, true])));
-    }
-    text.push_str(&format!("\nOf {} profiles, the best of each kind\n", design.tried));
-    let rows: Vec<_> = design.others.iter().map(|tried| vec![course(&tried.profile), said(tried)]).collect();
-    text.push_str(&table::align(&rows, &[false, false]));
-    match written {
-        Some(path) => {
-            text.push_str(&format!("\nsocam-host record --profile {} records it.\n", path.display()))
-        }
-        None => text.push_str(&format!("\n{profile}")),
-    }
-    text
 }

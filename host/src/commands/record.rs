@@ -1,10 +1,11 @@
 //! `record`: a profile on a bench, into a recording.
 
+mod result;
+
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
 use socam_recording::{Attachment, Calibration, ProfileFile};
 
 use super::Outcome;
@@ -14,6 +15,7 @@ use crate::device::{self, Device, Pace, Session, front_end};
 use crate::interrupt::Interrupt;
 use crate::model_file;
 use crate::output::{self, WrongArguments};
+pub(crate) use result::{outcome, tell};
 
 /// Run a profile on the bench and record it
 ///
@@ -234,95 +236,5 @@ fn profiles() -> anyhow::Result<String> {
     Ok(text)
 }
 
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    recording: String,
-    samples: u64,
-    lost: u64,
-    missed: u64,
-    overflowed: u64,
-    refused: u64,
-    bytes: u64,
-    duration_s: f64,
-    rate_hz: f64,
-    end: &'static str,
-    reason: Option<&'a str>,
-}
-
-/// Says what was recorded.
-pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: bool) -> anyhow::Result<()> {
-    let summary = &report.summary;
-    let (end, reason) = match &report.end {
-        End::Finished => ("finished", None),
-        End::Stopped => ("stopped", None),
-        End::Fault(reason) => ("fault", Some(reason.as_str())),
-        End::Broken(reason) => ("link broken", Some(reason.as_str())),
-    };
-    if json {
-        return output::print_json(&Document {
-            schema: "socam.run/1",
-            recording: path.display().to_string(),
-            samples: summary.written,
-            lost: summary.lost,
-            missed: summary.missed,
-            overflowed: summary.overflowed,
-            refused: summary.refused,
-            bytes: summary.bytes,
-            duration_s: report.duration_s,
-            rate_hz,
-            end,
-            reason,
-        });
-    }
-    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
-    output::print(&format!(
-        "{}: {} samples over {:.3} s at {rate_hz} Hz, {lost}{}\n",
-        path.display(),
-        summary.written,
-        report.duration_s,
-        if report.end == End::Stopped { ", stopped by the operator" } else { "" },
-    ))
-}
-
-/// What a run's end means for the exit code.
-pub(crate) fn outcome(path: &std::path::Path, report: &Report) -> anyhow::Result<Outcome> {
-    match &report.end {
-        End::Fault(reason) => {
-            anyhow::bail!(
-                "the board ended the run: {reason} (what was recorded until then is in {})",
-                path.display()
-            )
-        }
-        End::Broken(reason) => {
-            anyhow::bail!("{reason} (what was recorded until then is in {})", path.display())
-        }
-        End::Finished | End::Stopped if report.summary.lost > 0 => Ok(Outcome::LostSamples),
-        End::Finished | End::Stopped => Ok(Outcome::Done),
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_read() {
-        for (text, expected) in
-            [("10s", 10.0), ("10", 10.0), ("1.5min", 90.0), ("500ms", 0.5), ("1e-1s", 0.1), ("1e1", 10.0)]
-        {
-            assert!((seconds(text).unwrap() - expected).abs() < 1e-12, "{text}");
-        }
-        for text in ["-1s", "0s", "ten", "5 years", "", "nan", "inf"] {
-            assert!(seconds(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn rates_are_whole_microseconds() {
-        assert_eq!(period_us(10_000.0).unwrap(), 100);
-        for rate in [0.0, -1.0, 3000.0, 30_000.0, f64::NAN] {
-            assert!(period_us(rate).is_err(), "{rate}");
-        }
-    }
-}
+mod tests;

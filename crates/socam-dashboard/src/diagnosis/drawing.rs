@@ -1,25 +1,24 @@
 //! The bench as its model has it, with the places of findings framed and numbered, and those of rivals dashed.
 
+mod grid;
 mod symbols;
 
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role as Widget, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
-    pos2, vec2,
+    Align2, Color32, FontId, Rect, Role as Widget, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
+    vec2,
 };
 use socam_answer::Diagnosis;
 use socam_model::layout::{Element, ElementKind, Layout};
 use socam_model::{Model, Role};
 
 use crate::theme;
+use grid::{Grid, LINE, Place, Row, lines, row};
 
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
 const WIDEST: f32 = 104.0;
 /// A cell narrower than this cannot be read; the chain is wrapped before.
 const NARROWEST: f32 = 64.0;
-const LINE: f32 = 13.0;
-const SYMBOL: f32 = 52.0;
-const GROUNDED: f32 = 34.0;
 
 /// What is pointed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,119 +96,6 @@ fn describe(element: &Element, marks: &[Mark], diagnosis: &Diagnosis) -> String 
         }
     }
     text
-}
-
-/// Heights of the rows.
-struct Grid {
-    cell: f32,
-    tops: Vec<f32>,
-    labels: Vec<f32>,
-}
-
-/// Where an element is drawn.
-struct Place {
-    all: Rect,
-    /// Where the shaft runs through it.
-    middle: Pos2,
-    text_top: f32,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Row {
-    Sensor,
-    Chain,
-    Grounded,
-}
-
-fn row(kind: ElementKind) -> Row {
-    match kind {
-        ElementKind::Sensor { .. } => Row::Sensor,
-        ElementKind::Bearing { .. } | ElementKind::GroundSpring { .. } => Row::Grounded,
-        _ => Row::Chain,
-    }
-}
-
-impl Grid {
-    fn new(layout: &Layout, cell: f32) -> Self {
-        let (mut tops, mut labels) = (vec![10.0], Vec::new());
-        for index in 0..layout.rows {
-            let there = || layout.elements.iter().filter(|element| element.row == index);
-            let text = there().map(|element| LINE * lines(element, cell).len() as f32).fold(0.0, f32::max);
-            let symbol = there().map(|element| match row(element.kind) {
-                Row::Sensor => 6.0,
-                Row::Chain => SYMBOL,
-                Row::Grounded => GROUNDED,
-            });
-            let top = tops.last().copied().unwrap_or_default();
-            tops.push(top + text + symbol.fold(0.0, f32::max) + 12.0);
-            labels.push(text);
-        }
-        Self { cell, tops, labels }
-    }
-
-    fn height(&self) -> f32 {
-        self.tops.last().copied().unwrap_or_default() + 2.0
-    }
-
-    fn place(&self, element: &Element, corner: Pos2) -> Place {
-        let x = corner.x + self.cell * (element.column as f32 + 0.5);
-        let top = corner.y + self.tops[element.row];
-        let own = LINE * lines(element, self.cell).len() as f32;
-        let half = 0.5 * self.cell - 3.0;
-        let labels = self.labels[element.row];
-        let rect = |from: f32, to: f32| Rect::from_min_max(pos2(x - half, from), pos2(x + half, to));
-        match row(element.kind) {
-            Row::Sensor => {
-                let bottom = corner.y + self.tops[element.row + 1] - 12.0;
-                let all = rect(bottom - own - 6.0, bottom);
-                Place { all, middle: all.center(), text_top: all.top() + 3.0 }
-            }
-            Row::Chain => {
-                let symbols = top + labels;
-                let text_top = symbols - own;
-                Place {
-                    all: rect(text_top - 2.0, symbols + SYMBOL),
-                    middle: pos2(x, symbols + 0.5 * SYMBOL),
-                    text_top,
-                }
-            }
-            Row::Grounded => {
-                let all = rect(top, top + GROUNDED + own + 2.0);
-                Place { all, middle: pos2(x, top), text_top: top + GROUNDED }
-            }
-        }
-    }
-}
-
-/// The name, and the effects that the model has there, in lines that fit a cell.
-fn lines(element: &Element, cell: f32) -> Vec<String> {
-    let fits = ((cell - 8.0) / 6.3) as usize;
-    let mut lines = wrap(&element.name, fits);
-    for effect in &element.effects {
-        lines.extend(wrap(&format!("+ {effect}"), fits));
-    }
-    lines
-}
-
-/// Breaks a name behind underscores and the like, and within a word only where that alone is too long.
-fn wrap(name: &str, fits: usize) -> Vec<String> {
-    let fits = fits.max(4);
-    let mut lines = vec![String::new()];
-    for word in name.split_inclusive(['_', ' ', '-', '.']) {
-        let mut rest: Vec<char> = word.chars().collect();
-        while !rest.is_empty() {
-            let used = lines.last().map_or(0, |line| line.chars().count());
-            if used > 0 && used + rest.len() > fits {
-                lines.push(String::new());
-                continue;
-            }
-            let part = rest.len().min(fits);
-            if let Some(line) = lines.last_mut() {
-                line.extend(rest.drain(..part));
-            }
-        }
-    }
-    lines
 }
 
 fn draw(ui: &Ui, element: &Element, place: &Place, ink: Stroke) {

@@ -1,54 +1,16 @@
 //! What remains between model and recordings, before and after: over speed, angle, torque, frequency and time.
 
+mod fit;
+
 use egui::{Color32, ComboBox, RichText, Ui, vec2};
 use socam_answer::document::Over as CurveOver;
 use socam_answer::evidence::{Binned, ChannelEvidence};
 use socam_answer::{Diagnosis, Evidence};
 
-use super::Sides;
+use super::choice::{Choice, Over, Sides};
 use crate::draw::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
-use crate::parameters::{heads, number};
 use crate::review::thinned;
 use crate::theme;
-
-/// Over what residuals are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[expect(missing_docs, reason = "each is named by its tab")]
-pub enum Over {
-    Shape,
-    #[default]
-    Speed,
-    Angle,
-    Torque,
-    Frequency,
-    Time,
-    Fit,
-}
-
-impl Over {
-    pub(super) const ALL: [Self; 7] =
-        [Self::Speed, Self::Angle, Self::Torque, Self::Frequency, Self::Time, Self::Shape, Self::Fit];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Shape => "measured shape",
-            Self::Speed => "over speed",
-            Self::Angle => "over angle",
-            Self::Torque => "over torque",
-            Self::Frequency => "over frequency",
-            Self::Time => "over time",
-            Self::Fit => "fit",
-        }
-    }
-}
-
-/// What is chosen.
-pub(super) struct Choice<'a> {
-    pub(super) sides: Sides,
-    pub(super) over: Over,
-    pub(super) channel: &'a mut usize,
-    pub(super) recording: &'a mut usize,
-}
 
 pub(super) fn ui(
     ui: &mut Ui,
@@ -58,7 +20,7 @@ pub(super) fn ui(
     seen: &mut Vec<Seen>,
 ) {
     match (choice.over, evidence) {
-        (Over::Fit, _) => fit(ui, diagnosis, choice.sides),
+        (Over::Fit, _) => fit::fit(ui, diagnosis, choice.sides),
         (Over::Shape, _) => shapes(ui, diagnosis, seen),
         (_, None) => {
             ui.label(RichText::new(
@@ -277,58 +239,4 @@ fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
             chart.show(ui, seen);
         }
     });
-}
-
-fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
-    ui.label(
-        RichText::new(
-            "Root mean square residual in units of the noise floor: 1 is all that a perfect model could do",
-        )
-        .small()
-        .color(theme::weak(ui)),
-    );
-    egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]).show(ui, |ui| {
-        heads(ui, &["channel", "data", "", "before", "after", "noise floor", "unit"]);
-        for (name, fit) in &diagnosis.fit.channels {
-            let rows = [
-                ("fitted", fit.rms_before, fit.rms_after),
-                ("held out", fit.holdout_rms_before, fit.holdout_rms_after),
-            ];
-            for (data, before, after) in rows {
-                ui.strong(if data == "fitted" { name.as_str() } else { "" });
-                ui.label(data);
-                bars(ui, [before, after], fit.noise_std, sides);
-                for value in [before, after, fit.noise_std] {
-                    ui.label(RichText::new(value.map_or("-".into(), number)).monospace());
-                }
-                ui.label(&fit.unit);
-                ui.end_row();
-            }
-        }
-    });
-}
-
-/// Both residuals on a logarithmic scale from half the noise to thirty times it.
-fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Sides) {
-    let (rect, response) = ui.allocate_exact_size(vec2(300.0, 20.0), egui::Sense::hover());
-    let Some(noise) = noise_std.filter(|noise| *noise > 0.0) else { return };
-    let painter = ui.painter_at(rect);
-    let at = |ratio: f64| {
-        rect.left() + rect.width() * ((ratio / 0.5).log10() / 60_f64.log10()).clamp(0.0, 1.0) as f32
-    };
-    painter.vline(at(1.0), rect.y_range(), egui::Stroke::new(1.0, theme::weak(ui)));
-    let on = [sides != Sides::After, sides != Sides::Before];
-    for (index, colour) in colours(ui).into_iter().enumerate() {
-        let Some(value) = values[index].filter(|_| on[index]) else { continue };
-        let top = rect.top() + 2.0 + 9.0 * index as f32;
-        let bar =
-            egui::Rect::from_min_max(egui::pos2(rect.left(), top), egui::pos2(at(value / noise), top + 7.0));
-        painter.rect_filled(bar, 2.0, colour);
-    }
-    let ratio = |value: Option<f64>| value.map_or("-".into(), |value| number(value / noise));
-    response.on_hover_text(format!(
-        "before {} x noise, after {} x noise",
-        ratio(values[0]),
-        ratio(values[1])
-    ));
 }

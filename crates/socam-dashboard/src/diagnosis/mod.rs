@@ -1,5 +1,6 @@
 //! The diagnosis: the bench as a drawing with what is missing lit, the evidence, the rivals, and what to record next.
 
+mod choice;
 mod drawing;
 mod evidence;
 mod findings;
@@ -16,19 +17,7 @@ use socam_recording::ProfileFile;
 use crate::draw::chart::{self, Seen};
 use crate::recording::Recording;
 use crate::{layout, theme};
-pub use evidence::Over;
-
-/// Which residuals are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sides {
-    /// Of the model as it was.
-    Before,
-    /// With the findings added.
-    After,
-    /// Both.
-    #[default]
-    Both,
-}
+pub use choice::{Over, Sides};
 
 /// What the view remembers.
 #[derive(Debug, Default)]
@@ -157,7 +146,7 @@ impl DiagnosisView {
                 ui.selectable_value(&mut self.sides, sides, name);
             }
         });
-        let view = evidence::Choice {
+        let view = choice::Choice {
             sides: self.sides,
             over: self.over,
             channel: &mut self.channel,

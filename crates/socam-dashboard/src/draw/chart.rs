@@ -1,64 +1,20 @@
 //! One chart: lines over an axis that others may share, with what is special about the axis marked.
 
 mod axes;
+mod empty;
 mod marks;
+mod wheel;
 
-use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2b, WidgetInfo, vec2};
-pub use egui_plot::MarkerShape;
+use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2b, WidgetInfo};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, uniform_grid_spacer};
 
+pub use super::curve::{Curve, Flag, Scale};
+pub use super::style::{MarkerShape, Style};
 use crate::theme;
 use axes::{at_an_end, decade, decades, moved, number, padded, scaled, small, steps, unscaled};
 pub use axes::{range_of, with_room};
-
-/// A line of a chart.
-#[derive(Debug, Clone)]
-pub struct Curve {
-    /// What it is: in exports and where it is pointed at.
-    pub name: String,
-    /// Its colour.
-    pub colour: Color32,
-    /// Parts that are not joined, each of points.
-    pub parts: Vec<Vec<[f64; 2]>>,
-    /// How it is drawn.
-    pub style: Style,
-}
-
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
-    /// A line.
-    Solid,
-    /// A dashed line.
-    Dashed,
-    /// A line with a marker at each point.
-    Dotted,
-    /// Markers only.
-    Markers(MarkerShape),
-    /// A line with a marker every now and then: for lines whose colour is another's already.
-    Marked(MarkerShape),
-}
-
-/// Something at a place of the horizontal axis.
-#[derive(Debug, Clone)]
-pub struct Flag {
-    /// Where.
-    pub x: f64,
-    /// In a few words; may be empty.
-    pub text: String,
-    /// Its colour.
-    pub colour: Color32,
-}
-
-/// What the scale of an axis is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scale {
-    /// Even.
-    #[default]
-    Linear,
-    /// By decades: values of curves are turned into their decimal logarithms, those that have none are left out.
-    Log,
-}
+pub use empty::empty_state;
+use wheel::turned;
 
 /// One chart.
 #[derive(Debug, Clone)]
@@ -123,7 +79,6 @@ pub struct Seen {
 
 /// Room for the numbers beside the vertical axis: the same for all, so that stacked charts align.
 const AXIS_WIDTH: f32 = 58.0;
-const ZOOM_PER_POINT: f32 = 0.0035;
 /// Between lines of the grid, points.
 const LINES_APART: f32 = 14.0;
 /// From this height on numbers beside the vertical axis may stand farther apart.
@@ -223,29 +178,8 @@ impl Chart {
     /// Axes, grid and lines.
     fn plot(&self, ui: &mut Ui, x: [f64; 2], y: [f64; 2]) -> PlotResponse<()> {
         let scales = self.scales.map(|scale| scale == Scale::Log);
-        let text = |log: bool, mark: GridMark| if log { decade(mark) } else { number(mark) };
-        // Of numbers, points.
-        let apart = [56.0, if self.size.y < TALL { 17.5 } else { 32.0 }];
-        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
-        // Beyond the greatest number ends the picture, or stand those beside the next chart.
-        let width = self.size.x - AXIS_WIDTH;
-        let below = move |mark: GridMark, range: &_| {
-            if at_an_end(mark.value, range, width, [0.0, 14.0]) {
-                String::new()
-            } else {
-                text(scales[0], mark)
-            }
-        };
-        let mut x_axis = AxisHints::new_x().formatter(below).label_spacing(spacing[0]);
-        if !self.x_label.is_empty() {
-            x_axis = x_axis.label(small(&self.x_label));
-        }
-        let length = self.size.y - if self.x_label.is_empty() { 0.0 } else { X_AXIS };
-        // Below the lowest number stand those of the other axis, or of the next chart.
-        let beside = move |mark: GridMark, range: &_| {
-            if at_an_end(mark.value, range, length, [7.0; 2]) { String::new() } else { text(scales[1], mark) }
-        };
-        let y_axis = AxisHints::new_y().formatter(beside).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
+        let apart = self.numbers_apart();
+        let [x_axis, y_axis] = self.axes(scales, apart);
         let spacer = |side: usize| {
             let numbers = apart[side] / LINES_APART;
             let even = uniform_grid_spacer(move |input| steps(input, numbers));
@@ -287,34 +221,35 @@ impl Chart {
             }
         })
     }
-}
 
-/// The horizontal range after the wheel was turned above it: zoomed about the pointer, or moved sideways.
-fn turned(ui: &Ui, frame: Rect, range: std::ops::RangeInclusive<f64>, pointer: Option<f64>) -> [f64; 2] {
-    let bounds = [*range.start(), *range.end()];
-    let (delta, modifiers) = ui.input(|input| (input.smooth_scroll_delta(), input.modifiers));
-    let Some(centre) = pointer.filter(|_| delta != egui::Vec2::ZERO) else { return bounds };
-    if modifiers.shift || delta.x.abs() > delta.y.abs() {
-        let moved = f64::from(delta.x + delta.y) * (bounds[1] - bounds[0]) / f64::from(frame.width());
-        bounds.map(|bound| bound - moved)
-    } else {
-        let factor = f64::from((-delta.y * ZOOM_PER_POINT).exp());
-        bounds.map(|bound| centre + (bound - centre) * factor)
+    /// Least distances between the numbers of the two axes, points.
+    fn numbers_apart(&self) -> [f32; 2] {
+        [56.0, if self.size.y < TALL { 17.5 } else { 32.0 }]
     }
-}
 
-/// Where a text stands that says that there is nothing yet, and what to do.
-pub fn empty_state(ui: &mut Ui, title: &str, advice: &str) {
-    let height = ui.available_height();
-    ui.add_space((0.32 * height).max(8.0));
-    ui.vertical_centered(|ui| {
-        let width = ui.available_width().min(480.0);
-        ui.allocate_ui(vec2(width, 0.0), |ui| {
-            ui.vertical_centered(|ui| {
-                ui.heading(title);
-                ui.add_space(4.0);
-                ui.label(egui::RichText::new(advice).color(theme::weak(ui)));
-            });
-        });
-    });
+    /// The horizontal and the vertical axis with their numbers.
+    fn axes(&self, scales: [bool; 2], apart: [f32; 2]) -> [AxisHints<'static>; 2] {
+        let text = |log: bool, mark: GridMark| if log { decade(mark) } else { number(mark) };
+        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
+        // The last number is left out near the right end: it would be cut off, or touch the numbers of the next chart.
+        let width = self.size.x - AXIS_WIDTH;
+        let below = move |mark: GridMark, range: &_| {
+            if at_an_end(mark.value, range, width, [0.0, 14.0]) {
+                String::new()
+            } else {
+                text(scales[0], mark)
+            }
+        };
+        let mut x_axis = AxisHints::new_x().formatter(below).label_spacing(spacing[0]);
+        if !self.x_label.is_empty() {
+            x_axis = x_axis.label(small(&self.x_label));
+        }
+        let length = self.size.y - if self.x_label.is_empty() { 0.0 } else { X_AXIS };
+        // The lowest and highest numbers are left out near the ends, where those of the other axis or of the next chart are.
+        let beside = move |mark: GridMark, range: &_| {
+            if at_an_end(mark.value, range, length, [7.0; 2]) { String::new() } else { text(scales[1], mark) }
+        };
+        let y_axis = AxisHints::new_y().formatter(beside).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
+        [x_axis, y_axis]
+    }
 }

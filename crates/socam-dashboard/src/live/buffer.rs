@@ -2,7 +2,7 @@
 
 use socam_recording::Channel;
 
-use super::Batch;
+use super::link::Batch;
 
 /// Seconds that are kept.
 const KEPT_S: f64 = 61.0;

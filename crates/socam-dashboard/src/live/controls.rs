@@ -183,7 +183,6 @@ fn preview(live: &mut Live, ui: &mut Ui) {
 
 fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
     let state = live.state();
-    let rests = matches!(state, Some(State::Idle)) && live.recording.is_none();
     ui.add_enabled_ui(!matches!(state, Some(State::Armed | State::Running | State::Stopping)), |ui| {
         ui.horizontal(|ui| {
             let label = ui.label("Name");
@@ -210,6 +209,27 @@ fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
         }
     });
     ui.add_space(4.0);
+    buttons(live, ui);
+    let mut wanted = None;
+    if let Some(path) = &live.recording {
+        let counts = live.health.as_ref().and_then(|health| health.recorded);
+        let text =
+            counts.map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
+        ui.label(RichText::new(format!("recording {}{text}", path.display())).color(theme::good(ui)));
+    }
+    if let Some((path, text, well)) = &live.ended {
+        ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));
+        if ui.button("Look at the recording").clicked() {
+            wanted = Some(path.display().to_string());
+        }
+    }
+    wanted
+}
+
+/// The buttons Arm, Run and Stop.
+fn buttons(live: &mut Live, ui: &mut Ui) {
+    let state = live.state();
+    let rests = matches!(state, Some(State::Idle)) && live.recording.is_none();
     ui.horizontal(|ui| {
         let big = |text: &str| Button::new(RichText::new(text).size(15.0)).min_size(vec2(82.0, 30.0));
         if ui
@@ -231,20 +251,6 @@ fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
             live.stop();
         }
     });
-    let mut wanted = None;
-    if let Some(path) = &live.recording {
-        let counts = live.health.as_ref().and_then(|health| health.recorded);
-        let text =
-            counts.map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
-        ui.label(RichText::new(format!("recording {}{text}", path.display())).color(theme::good(ui)));
-    }
-    if let Some((path, text, well)) = &live.ended {
-        ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));
-        if ui.button("Look at the recording").clicked() {
-            wanted = Some(path.display().to_string());
-        }
-    }
-    wanted
 }
 
 impl Live {

@@ -2,8 +2,9 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
+use super::Review;
+use super::entry::{Entry, channels, swatch};
 use super::list::neat;
-use super::{Entry, Review, channels, swatch};
 use crate::recording::short;
 use crate::theme;
 

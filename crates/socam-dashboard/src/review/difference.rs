@@ -3,7 +3,7 @@
 use egui::Ui;
 use socam_recording::Channel;
 
-use super::Entry;
+use super::entry::Entry;
 use crate::draw::chart::Curve;
 use crate::recording::Recording;
 use crate::samples::Samples;

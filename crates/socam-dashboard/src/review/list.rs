@@ -2,7 +2,8 @@
 
 use egui::{Button, DragValue, RichText, ScrollArea, Ui};
 
-use super::{Entry, Review, channels, swatch};
+use super::Review;
+use super::entry::{Entry, channels, swatch};
 use crate::recording::short;
 use crate::{layout, theme};
 

@@ -1,30 +1,23 @@
 //! Recordings over time: a chart per channel, all with the same time axis, and two cursors.
 
+mod content;
 mod cursors;
 mod difference;
+mod entry;
 mod list;
 
 use std::collections::BTreeSet;
 
-use egui::{Key, RichText, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Key, RichText, ScrollArea, Ui, vec2};
 use socam_recording::Channel;
 
-use crate::draw::chart::{self, Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
-use crate::recording::{Recording, short};
-use crate::samples::envelope;
+use crate::draw::chart::{self, Chart, Flag, Seen, range_of, with_room};
+use crate::recording::short;
 use crate::theme;
 pub(crate) use difference::thinned;
-
-/// A recording in the list, and how it is shown.
-#[derive(Debug, Clone)]
-pub struct Entry {
-    /// The recording.
-    pub recording: Recording,
-    /// Whether it is drawn.
-    pub shown: bool,
-    /// How much later it is drawn than its own time says, s.
-    pub shift_s: f64,
-}
+pub use entry::Entry;
+use entry::channels;
+pub(crate) use entry::swatch;
 
 /// What the view over time remembers.
 #[derive(Debug, Default)]
@@ -203,7 +196,7 @@ impl Review {
             for (index, channel) in channels.iter().enumerate() {
                 let is_last = index + 1 == channels.len();
                 let size = vec2(ui.available_width(), if is_last { height + axis } else { height });
-                let x_moved = self.one(ui, entries, channel, (x, size, is_last), seen);
+                let x_moved = self.channel_chart(ui, entries, channel, (x, size, is_last), seen);
                 moved = moved.or(x_moved);
             }
         });
@@ -212,8 +205,8 @@ impl Review {
         }
     }
 
-    /// One channel's chart. Returns the time axis where the user moved it.
-    fn one(
+    /// Draws the chart of one channel. Returns the time axis where the user moved it.
+    fn channel_chart(
         &mut self,
         ui: &mut Ui,
         entries: &[Entry],
@@ -222,43 +215,8 @@ impl Review {
         seen: &mut Vec<Seen>,
     ) -> Option<[f64; 2]> {
         let column = channel.column_name();
-        let unit = channel.unit.symbol();
-        let mut title = format!("{}, {unit}", channel.name);
-        let mut drawing = Chart::new(("review", &column), "", size);
-        drawing.when_empty = "no value here";
-        drawing.x = x;
-        if is_last {
-            drawing.x_label = "time, s".into();
-        }
-        match self.reference.filter(|reference| *reference < entries.len()) {
-            Some(reference) => {
-                title = format!(
-                    "{} minus {}, {unit}",
-                    channel.name,
-                    short(&entries[reference].recording.about.name)
-                );
-                drawing.curves = difference::curves(ui, entries, reference, channel, x, size.x as usize);
-                if drawing.curves.is_empty() {
-                    drawing.when_empty = difference::WHY_NONE;
-                }
-            }
-            None => drawing.curves = curves(ui, entries, channel, x, size.x as usize),
-        }
-        drawing.title = title;
-        let values =
-            drawing.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
-        let own = self.y.iter().find(|(name, _)| *name == column).map(|(_, y)| *y);
-        drawing.y = own.unwrap_or_else(|| drawing.fitted(range_of(values)));
-        gaps(ui, entries, x, size.x, &mut drawing);
-        drawing.flags = marks(ui, entries, x);
-        drawing.flag_words = is_last;
-        if let Some(cursors) = self.cursors {
-            let colour = ui.visuals().strong_text_color();
-            let flag = |(x, text): (f64, &str)| Flag { x, text: text.into(), colour };
-            drawing.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
-            drawing.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
-        }
-        let shown = drawing.show(ui, seen);
+        let chart = self.contents(ui, entries, channel, (x, size, is_last));
+        let shown = chart.show(ui, seen);
         if shown.response.double_clicked() {
             self.fit();
             return None;
@@ -275,103 +233,46 @@ impl Review {
         }
         shown.x_moved.then_some(shown.x)
     }
-}
 
-/// The channels of all recordings that are drawn, each once, in the order in which they first come.
-fn channels(entries: &[Entry]) -> Vec<Channel> {
-    let mut channels: Vec<Channel> = Vec::new();
-    for channel in
-        entries.iter().filter(|entry| entry.shown).flat_map(|entry| &entry.recording.about.channels)
-    {
-        if !channels.contains(channel) {
-            channels.push(channel.clone());
+    /// The chart of one channel: curves, or differences to the reference, with gaps, events and cursors.
+    fn contents(
+        &self,
+        ui: &Ui,
+        entries: &[Entry],
+        channel: &Channel,
+        (x, size, is_last): ([f64; 2], egui::Vec2, bool),
+    ) -> Chart {
+        let column = channel.column_name();
+        let unit = channel.unit.symbol();
+        let mut chart = Chart::new(("review", &column), format!("{}, {unit}", channel.name), size);
+        chart.when_empty = "no value here";
+        chart.x = x;
+        if is_last {
+            chart.x_label = "time, s".into();
         }
-    }
-    channels
-}
-
-fn curves(ui: &Ui, entries: &[Entry], channel: &Channel, x: [f64; 2], pixels: usize) -> Vec<Curve> {
-    let mut curves = Vec::new();
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
-        let Some(index) = entry.recording.about.channels.iter().position(|own| own == channel) else {
-            continue;
-        };
-        let shift = entry.shift_s;
-        let mut line = envelope(&entry.recording.samples, index, x[0] - shift, x[1] - shift, pixels);
-        line.parts.iter_mut().flatten().for_each(|point| point[0] += shift);
-        let style = match theme::style(number) {
-            Style::Solid if line.sparse => Style::Dotted,
-            style => style,
-        };
-        let name = entry.recording.about.name.clone();
-        curves.push(Curve { name, colour: theme::line(ui, number), parts: line.parts, style });
-    }
-    curves
-}
-
-/// Shades what no sample covers between two segments of a recording, as wide as it is.
-fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing: &mut Chart) {
-    let per_pixel = (x[1] - x[0]) / f64::from(width.max(1.0));
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
-        let colour = theme::line(ui, number).gamma_multiply(0.16);
-        let mut last = f64::NEG_INFINITY;
-        for pair in entry.recording.samples.segments().windows(2) {
-            let gap = [pair[0].end_s + entry.shift_s, pair[1].start_s + entry.shift_s];
-            let visible = gap[1] > x[0] && gap[0] < x[1];
-            // Of gaps closer than a pixel one mark is enough.
-            if visible && gap[1] - last > per_pixel {
-                drawing.shaded.push((gap, colour));
-                last = gap[1];
+        match self.reference.filter(|reference| *reference < entries.len()) {
+            Some(reference) => {
+                let name = short(&entries[reference].recording.about.name);
+                chart.title = format!("{} minus {name}, {unit}", channel.name);
+                chart.curves = difference::curves(ui, entries, reference, channel, x, size.x as usize);
+                if chart.curves.is_empty() {
+                    chart.when_empty = difference::WHY_NONE;
+                }
             }
+            None => chart.curves = content::curves(ui, entries, channel, x, size.x as usize),
         }
-    }
-}
-
-fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
-    let mut flags = Vec::new();
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
-        for event in &entry.recording.about.events {
-            let at = event.time_s + entry.shift_s;
-            // That it began is no news.
-            if (x[0]..=x[1]).contains(&at) && event.kind != "start" {
-                let is_grave = event.kind == "fault" || event.kind == "stop";
-                let colour =
-                    if is_grave { theme::alarm(ui) } else { theme::line(ui, number).gamma_multiply(0.75) };
-                let text = if event.kind == "phase" {
-                    event.text.clone()
-                } else {
-                    format!("{}: {}", event.kind, event.text)
-                };
-                flags.push(Flag { x: at, text, colour });
-            }
+        let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+        let set_by_user = self.y.iter().find(|(name, _)| *name == column).map(|(_, y)| *y);
+        chart.y = set_by_user.unwrap_or_else(|| chart.fitted(range_of(values)));
+        content::gaps(ui, entries, x, size.x, &mut chart);
+        chart.flags = content::marks(ui, entries, x);
+        chart.flag_words = is_last;
+        if let Some(cursors) = self.cursors {
+            let colour = ui.visuals().strong_text_color();
+            let flag = |(x, text): (f64, &str)| Flag { x, text: text.into(), colour };
+            chart.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
+            chart.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
         }
+        chart
     }
-    flags.sort_by(|a, b| a.x.total_cmp(&b.x).then_with(|| a.text.cmp(&b.text)));
-    // Of runs of one profile, what happens to all at once is said once.
-    let together = 1e-3 * (x[1] - x[0]);
-    flags.dedup_by(|later, earlier| later.text == earlier.text && later.x - earlier.x < together);
-    flags
-}
-
-/// A small square of a line's colour, with its marker where it has one.
-pub(crate) fn swatch(ui: &mut Ui, number: usize, name: &str) {
-    let (rect, response) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
-    let painter = ui.painter();
-    let colour = theme::line(ui, number);
-    painter.rect(rect, 2.0, colour, Stroke::NONE, egui::StrokeKind::Inside);
-    let ink = ui.visuals().extreme_bg_color;
-    let corners = |corners: &[(f32, f32)]| {
-        let corners = corners.iter().map(|(x, y)| rect.center() + vec2(*x, *y)).collect();
-        painter.add(egui::Shape::convex_polygon(corners, ink, Stroke::NONE));
-    };
-    match theme::marker(number) {
-        None => {}
-        Some(MarkerShape::Diamond) => corners(&[(0.0, -4.5), (4.5, 0.0), (0.0, 4.5), (-4.5, 0.0)]),
-        Some(MarkerShape::Square) => corners(&[(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)]),
-        Some(MarkerShape::Up) => corners(&[(0.0, -4.0), (4.0, 3.0), (-4.0, 3.0)]),
-        Some(MarkerShape::Down) => corners(&[(0.0, 4.0), (-4.0, -3.0), (4.0, -3.0)]),
-        Some(_) => drop(painter.circle_filled(rect.center(), 3.0, ink)),
-    }
-    let name = name.to_owned();
-    response.widget_info(move || WidgetInfo::labeled(Role::Image, true, format!("colour of {name}")));
 }

@@ -1,6 +1,7 @@
 //! A stretch of a channel as a line of about as many points as the picture has pixels.
 
-use super::{BASE, Samples};
+use super::pyramid::BASE;
+use super::stored::Samples;
 
 /// A line in the channel's unit over seconds, in parts that are not to be joined: a gap or missing values lie between.
 #[derive(Debug, Clone, Default, PartialEq)]

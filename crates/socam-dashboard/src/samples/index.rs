@@ -3,29 +3,16 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use socam_recording::Segment;
 
+pub use super::cache::{path_of, prune};
+use super::groups::{GROUP, Groups, MAGIC};
 use super::pyramid::{self, BASE, Extremes, Pyramid};
-use super::{Samples, Store};
-use crate::recording::About;
-
-/// Rows that stand together in the file: their times, then each column's values.
-const GROUP: usize = 1 << 16;
-/// At the end of every index; another number, another form.
-const MAGIC: [u8; 8] = *b"socamix1";
-/// Indexes that are kept; the least recently used go first.
-const KEPT: usize = 8;
-
-/// The groups of rows in an index file.
-#[derive(Debug)]
-pub(super) struct Groups {
-    file: File,
-    columns: usize,
-}
+use super::stored::{Samples, Store};
+use crate::about::About;
 
 /// What stands in the file besides numbers.
 #[derive(Serialize, Deserialize)]
@@ -35,64 +22,6 @@ struct Tail {
     middles: Vec<f64>,
     /// First row, rows, start, end, sample time and jitter.
     segments: Vec<(u64, u64, f64, f64, f64, f64)>,
-}
-
-const fn group_bytes(columns: usize) -> u64 {
-    (GROUP * (8 + 4 * columns)) as u64
-}
-
-impl Groups {
-    /// NaN where the file cannot be read any more: there is no time then, and nothing is drawn.
-    pub(super) fn times(&self, rows: Range<usize>) -> Vec<f64> {
-        let mut times = Vec::with_capacity(rows.len());
-        self.read(0, 8, rows.clone(), |bytes| {
-            times.extend(bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)));
-        });
-        times.resize(rows.len(), f64::NAN);
-        times
-    }
-
-    pub(super) fn values(&self, column: usize, rows: Range<usize>) -> Vec<f32> {
-        let mut values = Vec::with_capacity(rows.len());
-        self.read(GROUP * (8 + 4 * column), 4, rows.clone(), |bytes| {
-            values.extend(bytes.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)));
-        });
-        values.resize(rows.len(), f32::NAN);
-        values
-    }
-
-    /// The parts of a column, which begins `at` bytes after its group.
-    fn read(&self, at: usize, size: usize, rows: Range<usize>, mut take: impl FnMut(&[u8])) {
-        let mut bytes = Vec::new();
-        let mut next = rows.start;
-        while next < rows.end {
-            let (group, first) = (next / GROUP, next % GROUP);
-            let count = (rows.end - next).min(GROUP - first);
-            bytes.resize(size * count, 0);
-            let offset = group as u64 * group_bytes(self.columns) + (at + size * first) as u64;
-            if read_at(&self.file, &mut bytes, offset).is_err() {
-                return;
-            }
-            take(&bytes);
-            next += count;
-        }
-    }
-}
-
-#[cfg(unix)]
-fn read_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
-}
-
-#[cfg(windows)]
-fn read_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
-    while !bytes.is_empty() {
-        match std::os::windows::fs::FileExt::seek_read(file, bytes, offset)? {
-            0 => return Err(io::ErrorKind::UnexpectedEof.into()),
-            count => (bytes, offset) = (&mut bytes[count..], offset + count as u64),
-        }
-    }
-    Ok(())
 }
 
 /// An index while it is built. Dropped before [`Writer::finish`], it leaves nothing behind.
@@ -250,40 +179,6 @@ pub fn open(path: &Path) -> io::Result<(About, Samples)> {
     Ok((tail.about, samples))
 }
 
-/// Where the index of a recording is kept: it changes with the file's place, length and time.
-#[must_use]
-pub fn path_of(recording: &Path) -> Option<PathBuf> {
-    use std::hash::{DefaultHasher, Hash, Hasher};
-    let metadata = recording.metadata().ok()?;
-    let mut hasher = DefaultHasher::new();
-    (recording.canonicalize().ok()?, metadata.len(), metadata.modified().ok()?, MAGIC).hash(&mut hasher);
-    Some(folder()?.join(format!("{:016x}.index", hasher.finish())))
-}
-
-fn folder() -> Option<PathBuf> {
-    let given = |name: &str| std::env::var_os(name).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-    let cache = given("XDG_CACHE_HOME")
-        .or_else(|| given("LOCALAPPDATA"))
-        .or_else(|| Some(given("HOME")?.join(".cache")))?;
-    Some(cache.join("socam"))
-}
-
-/// Removes all but the newest few indexes.
-pub fn prune() {
-    let Some(entries) = folder().and_then(|folder| std::fs::read_dir(folder).ok()) else { return };
-    let mut indexes: Vec<_> = entries
-        .filter_map(|entry| {
-            let entry = entry.ok()?;
-            let is_index = entry.path().extension().is_some_and(|extension| extension == "index");
-            is_index.then_some((entry.metadata().ok()?.modified().ok()?, entry.path()))
-        })
-        .collect();
-    indexes.sort();
-    for (_, path) in indexes.iter().rev().skip(KEPT) {
-        let _ = std::fs::remove_file(path);
-    }
-}
-
 fn plain(segment: &Segment) -> (u64, u64, f64, f64, f64, f64) {
     let Segment { first_row, rows, start_s, end_s, sample_time_s, jitter_s } = *segment;
     (first_row, rows, start_s, end_s, sample_time_s, jitter_s)
@@ -307,41 +202,4 @@ fn write_f32(out: &mut impl Write, values: &[f32]) -> io::Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use socam_recording::{Channel, Dataset, Unit};
-
-    #[test]
-    fn an_index_opens_again_and_draws_what_memory_draws() {
-        let rows = 3 * GROUP + 1234;
-        let time_s: Vec<f64> =
-            (0..rows).map(|row| row as f64 * 1e-4 + if row > GROUP { 1.0 } else { 0.0 }).collect();
-        let column: Vec<f64> =
-            (0..rows).map(|row| if row % 1000 == 7 { f64::NAN } else { (row as f64).sin() }).collect();
-        let channels = vec![Channel::new("x", Unit::V)];
-        let data =
-            Dataset::from_columns("r", channels.clone(), time_s.clone(), vec![column.clone()]).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("deep/r.index");
-        let about = About { name: "r".into(), channels, ..About::default() };
-        let memory =
-            Samples::in_memory(time_s.clone(), std::slice::from_ref(&column), data.segments().to_vec());
-        let mut writer = Writer::create(&path, memory.middles.clone()).unwrap();
-        for from in (0..rows).step_by(10_007) {
-            let to = (from + 10_007).min(rows);
-            writer.push(&time_s[from..to], &[&column[from..to]]).unwrap();
-        }
-        let built = writer.finish(&about, data.segments()).unwrap();
-        let (again, opened) = open(&path).unwrap();
-        assert_eq!(again, about);
-        for samples in [&built, &opened] {
-            assert_eq!(samples.rows(), rows);
-            for (from_s, to_s) in [(0.0, 30.0), (6.0, 9.0), (2.0, 2.1), (20.6, 20.7)] {
-                let line = super::super::envelope(samples, 0, from_s, to_s, 800);
-                assert_eq!(line, super::super::envelope(&memory, 0, from_s, to_s, 800), "{from_s}..{to_s}");
-            }
-        }
-        std::fs::write(&path, b"something else, which is no index at all").unwrap();
-        assert!(open(&path).is_err());
-    }
-}
+mod tests;

@@ -1,193 +1,21 @@
-//! The samples of a recording as a picture needs them: any stretch at any width, in time that does not depend on its length.
+//! The samples of a recording, for drawing: the time to draw a range of them depends on the width of the picture, not on their number.
 //!
-//! Values are kept as 32-bit differences from the middle of their channel's range, so that what is drawn is exact to one part in
-//! sixteen million of that range. Short recordings stay in memory, long ones in an index file ([`index`]) that is built once.
+//! Values are stored as 32-bit differences from the middle of their channel's range: the resolution is 1/16 000 000 of that range.
+//! Short recordings stay in memory, long ones in an index file ([`index`]) that is built once.
 
+#[cfg(not(target_arch = "wasm32"))]
+mod cache;
 mod envelope;
+#[cfg(not(target_arch = "wasm32"))]
+mod groups;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod index;
 mod pyramid;
-
-use std::ops::Range;
+mod stored;
 
 pub use envelope::{Envelope, envelope};
-use pyramid::Pyramid;
 pub use pyramid::{BASE, Extremes};
-use socam_recording::Segment;
-
-/// Where the samples themselves are.
-#[derive(Debug)]
-enum Store {
-    Memory {
-        time_s: Vec<f64>,
-        columns: Vec<Vec<f32>>,
-    },
-    #[cfg(not(target_arch = "wasm32"))]
-    File(index::Groups),
-}
-
-/// The samples of a recording.
-#[derive(Debug)]
-pub struct Samples {
-    rows: usize,
-    store: Store,
-    /// Middle of each channel's range: what is added to what is stored.
-    middles: Vec<f64>,
-    pyramids: Vec<Pyramid>,
-    /// Time of each block's first row, s.
-    knots: Vec<f64>,
-    segments: Vec<Segment>,
-}
-
-impl Samples {
-    /// Samples in memory: `columns` hold a value per time, NaN where it is missing.
-    #[must_use]
-    pub fn in_memory(time_s: Vec<f64>, columns: &[Vec<f64>], segments: Vec<Segment>) -> Self {
-        let middles: Vec<f64> = columns.iter().map(|column| middle(column)).collect();
-        let narrow = |(column, middle): (&Vec<f64>, &f64)| {
-            column.iter().map(|value| (value - middle) as f32).collect::<Vec<_>>()
-        };
-        let columns: Vec<Vec<f32>> = columns.iter().zip(&middles).map(narrow).collect();
-        let pyramids =
-            columns.iter().map(|column| Pyramid::new(column.chunks(BASE).map(pyramid::of).collect()));
-        let knots = time_s.iter().step_by(BASE).copied().collect();
-        Self {
-            rows: time_s.len(),
-            pyramids: pyramids.collect(),
-            knots,
-            middles,
-            segments,
-            store: Store::Memory { time_s, columns },
-        }
-    }
-
-    /// Number of rows.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Number of channels.
-    #[must_use]
-    pub fn channels(&self) -> usize {
-        self.pyramids.len()
-    }
-
-    /// Uniform stretches; a gap lies between each and the next.
-    #[must_use]
-    pub fn segments(&self) -> &[Segment] {
-        &self.segments
-    }
-
-    /// Times of the first and the last row, s; `None` without rows.
-    #[must_use]
-    pub fn span_s(&self) -> Option<[f64; 2]> {
-        Some([self.segments.first()?.start_s, self.segments.last()?.end_s])
-    }
-
-    /// Memory that it takes, bytes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        let raw = match &self.store {
-            Store::Memory { time_s, columns } => time_s.len() * (8 + 4 * columns.len()),
-            #[cfg(not(target_arch = "wasm32"))]
-            Store::File(_) => 0,
-        };
-        raw + 8 * self.knots.len() + self.pyramids.iter().map(Pyramid::bytes).sum::<usize>()
-    }
-
-    /// Times of some rows, s. Rows that cannot be read any more have no time (NaN).
-    #[must_use]
-    pub fn times(&self, rows: Range<usize>) -> Vec<f64> {
-        let rows = self.inside(rows);
-        match &self.store {
-            Store::Memory { time_s, .. } => time_s[rows].to_vec(),
-            #[cfg(not(target_arch = "wasm32"))]
-            Store::File(groups) => groups.times(rows),
-        }
-    }
-
-    /// Values of some rows of a channel, in its unit; NaN where one is missing or cannot be read any more.
-    #[must_use]
-    pub fn values(&self, channel: usize, rows: Range<usize>) -> Vec<f64> {
-        let middle = self.middles[channel];
-        let mut values = Vec::new();
-        self.with_stored(channel, rows, |stored| {
-            values = stored.iter().map(|value| f64::from(*value) + middle).collect();
-        });
-        values
-    }
-
-    /// Least and greatest value of some rows of a channel; `None` where no value is there.
-    #[must_use]
-    pub fn extremes(&self, channel: usize, rows: Range<usize>) -> Option<[f64; 2]> {
-        let stored = self.stored_extremes(channel, rows);
-        let middle = self.middles[channel];
-        stored[0].is_finite().then(|| stored.map(|value| f64::from(value) + middle))
-    }
-
-    /// The first row at or after a time; the number of rows where there is none.
-    #[must_use]
-    pub fn row_at(&self, time_s: f64) -> usize {
-        let block = self.knots.partition_point(|knot| *knot < time_s).saturating_sub(1);
-        let first = block * BASE;
-        first + self.times(first..first + BASE).partition_point(|time| *time < time_s)
-    }
-
-    /// The value of a channel nearest to a time, and its own time; `None` in a gap, outside, and where it is missing.
-    #[must_use]
-    pub fn value_at(&self, channel: usize, time_s: f64) -> Option<[f64; 2]> {
-        let segment = self.segments.iter().find(|segment| {
-            let half_s = 0.5 * segment.sample_time_s;
-            (segment.start_s - half_s..=segment.end_s + half_s).contains(&time_s)
-        })?;
-        let after = self.row_at(time_s);
-        let rows = after.saturating_sub(1).max(segment.first_row as usize)
-            ..(after + 1).min(segment.end_row() as usize);
-        let times = self.times(rows.clone());
-        let values = self.values(channel, rows);
-        let distance = |time: f64| (time - time_s).abs();
-        let nearest = times.iter().zip(values).min_by(|a, b| distance(*a.0).total_cmp(&distance(*b.0)))?;
-        nearest.1.is_finite().then_some([*nearest.0, nearest.1])
-    }
-
-    fn inside(&self, rows: Range<usize>) -> Range<usize> {
-        rows.start.min(self.rows)..rows.end.min(self.rows)
-    }
-
-    fn with_stored(&self, channel: usize, rows: Range<usize>, take: impl FnOnce(&[f32])) {
-        let rows = self.inside(rows);
-        match &self.store {
-            Store::Memory { columns, .. } => take(&columns[channel][rows]),
-            #[cfg(not(target_arch = "wasm32"))]
-            Store::File(groups) => take(&groups.values(channel, rows)),
-        }
-    }
-
-    fn stored_extremes(&self, channel: usize, rows: Range<usize>) -> Extremes {
-        let rows = self.inside(rows);
-        let (from, to) = (rows.start.div_ceil(BASE), rows.end / BASE);
-        let mut result = pyramid::NOTHING;
-        if from >= to {
-            self.with_stored(channel, rows, |values| result = pyramid::of(values));
-            return result;
-        }
-        result = self.pyramids[channel].of_blocks(from, to);
-        for edge in [rows.start..from * BASE, to * BASE..rows.end] {
-            if !edge.is_empty() {
-                self.with_stored(channel, edge, |values| result = pyramid::join(result, pyramid::of(values)));
-            }
-        }
-        result
-    }
-}
-
-/// Middle of the range of the values that are there.
-fn middle(values: &[f64]) -> f64 {
-    let range = values.iter().fold([f64::NAN; 2], |[low, high], value| [low.min(*value), high.max(*value)]);
-    let middle = 0.5 * (range[0] + range[1]);
-    if middle.is_finite() { middle } else { 0.0 }
-}
+pub use stored::Samples;
 
 #[cfg(test)]
 mod tests;

@@ -1,21 +1,24 @@
 //! Recordings and the model over frequency: spectra, responses with coherence, poles.
 
 pub mod check;
+mod legend;
+mod model_response;
 mod poles;
 mod welch;
 
 use std::sync::Arc;
 
 use egui::{ComboBox, RichText, Ui, vec2};
-use nalgebra::Complex;
 use socam_model::Model;
 
 use crate::draw::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use crate::job::Job;
-use crate::recording::{Recording, short};
-use crate::review::{Entry, swatch};
+use crate::recording::Recording;
+use crate::review::Entry;
 use crate::samples::Samples;
 use crate::theme;
+use legend::legend;
+use model_response::model_response;
 
 /// What is drawn over frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -274,25 +277,6 @@ impl Spectra {
     }
 }
 
-/// Which colour is which recording.
-fn legend(ui: &mut Ui, shown: &[(usize, &Recording)]) {
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 16.0;
-        for (number, recording) in shown {
-            let full_name = &recording.about.name;
-            let name = short(full_name);
-            ui.allocate_ui(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), |ui| {
-                ui.spacing_mut().item_spacing.x = 5.0;
-                swatch(ui, *number, name);
-                ui.add(egui::Label::new(RichText::new(name).small()).truncate()).on_hover_text(full_name);
-            });
-        }
-    });
-}
-
-/// Most width of a recording in the legend.
-const LEGEND_ENTRY: f32 = 180.0;
-
 const AXIS: f32 = chart::X_AXIS;
 
 fn heights(ui: &Ui, count: usize) -> f32 {
@@ -307,32 +291,4 @@ fn finish(chart: &mut Chart, x: [f64; 2], is_last: bool) {
 
 fn curve(ui: &Ui, number: usize, name: &str, parts: Vec<Vec<[f64; 2]>>) -> Curve {
     Curve { name: name.to_owned(), colour: theme::line(ui, number), parts, style: theme::style(number) }
-}
-
-/// Magnitude, phase in degrees, and nothing for coherence, of the model at its file's values.
-fn model_response(
-    model: &Model,
-    output: &str,
-    input: Option<&str>,
-    [from, to]: [f64; 2],
-) -> [Vec<Vec<[f64; 2]>>; 2] {
-    let position = |mut channels: Box<dyn Iterator<Item = &socam_model::Channel> + '_>, column: &str| {
-        channels.position(|channel| channel.column == column)
-    };
-    let row = position(Box::new(model.outputs()), output);
-    let column = input.and_then(|input| position(Box::new(model.inputs()), input));
-    let (Some(row), Some(column), Ok(equations)) = (row, column, model.equations(&model.values())) else {
-        return [Vec::new(), Vec::new()];
-    };
-    let points = 400;
-    let at = |n: i32| from * (to / from).powf(f64::from(n) / f64::from(points));
-    let values: Vec<(f64, Complex<f64>)> = (0..=points)
-        .filter_map(|n| {
-            let s = Complex::new(0.0, std::f64::consts::TAU * at(n));
-            equations.transfer(row, column, s).map(|value| (at(n), value))
-        })
-        .collect();
-    let magnitude = values.iter().map(|(f, value)| [*f, value.norm()]).collect();
-    let phase: Vec<[f64; 2]> = values.iter().map(|(f, value)| [*f, value.arg().to_degrees()]).collect();
-    [vec![magnitude], welch::unjoined(&phase)]
 }

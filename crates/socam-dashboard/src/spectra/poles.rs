@@ -1,7 +1,8 @@
 //! The model's poles, and the zeros from an input to an output, on the plane and as a table.
 
 use egui::{ComboBox, Grid, RichText, ScrollArea, Ui, vec2};
-use socam_model::Model;
+use nalgebra::Complex;
+use socam_model::{Mode, Model};
 
 use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
 use crate::parameters::{heads, number};
@@ -22,9 +23,24 @@ pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut V
     };
     let outputs: Vec<&str> = model.outputs().map(|channel| channel.name.as_str()).collect();
     let inputs: Vec<&str> = model.inputs().map(|channel| channel.name.as_str()).collect();
+    choose(ui, between, &outputs, &inputs);
+    let there = between.output < outputs.len() && between.input < inputs.len();
+    let zeros = if there { equations.zeros(between.output, between.input) } else { Vec::new() };
+    ui.label(
+        RichText::new(format!("{} at its file's values; force laws are left out", model.name))
+            .color(theme::weak(ui)),
+    );
+    table(ui, &equations.modes(), &zeros);
+    let poles = equations.poles().iter().map(|pole| [pole.re, pole.im]).collect();
+    let zeros = zeros.iter().map(|zero| [zero.re, zero.im]).collect();
+    plane(ui, poles, zeros, seen);
+}
+
+/// The channels between which zeros are shown.
+fn choose(ui: &mut Ui, between: &mut Between, outputs: &[&str], inputs: &[&str]) {
     ui.horizontal(|ui| {
         for (chosen, name, names) in
-            [(&mut between.output, "zeros of", &outputs), (&mut between.input, "over", &inputs)]
+            [(&mut between.output, "zeros of", outputs), (&mut between.input, "over", inputs)]
         {
             *chosen = (*chosen).min(names.len().saturating_sub(1));
             let label = ui.label(name);
@@ -37,18 +53,15 @@ pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut V
             shown.response.labelled_by(label.id);
         }
     });
-    let there = between.output < outputs.len() && between.input < inputs.len();
-    let zeros = if there { equations.zeros(between.output, between.input) } else { Vec::new() };
-    let modes = equations.modes();
-    ui.label(
-        RichText::new(format!("{} at its file's values; force laws are left out", model.name))
-            .color(theme::weak(ui)),
-    );
+}
+
+/// Poles and zeros with their frequencies and damping ratios.
+fn table(ui: &mut Ui, modes: &[Mode], zeros: &[Complex<f64>]) {
     egui::Panel::right("modes").exact_size(400.0).show(ui, |ui| {
         ScrollArea::both().show(ui, |ui| {
             Grid::new("modes").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
                 heads(ui, &["pole, 1/s", "frequency, Hz", "damping ratio"]);
-                for mode in &modes {
+                for mode in modes {
                     let pole = mode.pole;
                     ui.label(RichText::new(complex(pole.re, pole.im)).monospace());
                     ui.label(RichText::new(number(mode.natural_frequency_hz)).monospace());
@@ -67,29 +80,31 @@ pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut V
             });
         });
     });
-    let points: Vec<[f64; 2]> = equations.poles().iter().map(|pole| [pole.re, pole.im]).collect();
-    let zeros: Vec<[f64; 2]> = zeros.iter().map(|zero| [zero.re, zero.im]).collect();
+}
+
+/// Poles and zeros on the complex plane.
+fn plane(ui: &mut Ui, poles: Vec<[f64; 2]>, zeros: Vec<[f64; 2]>, seen: &mut Vec<Seen>) {
     let mut chart = Chart::new(
         "poles",
         "poles (crosses) and zeros (circles): imaginary part, rad/s",
         vec2(ui.available_width(), ui.available_height()),
     );
     chart.x_label = "real part, 1/s".into();
-    // A pole that is far faster than everything that swings would press all others together.
-    let swings =
-        points.iter().filter(|point| point[1] != 0.0).map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
-    let near = |point: &&[f64; 2]| swings == 0.0 || point[0].hypot(point[1]) < 2.0 * swings;
-    let left = points.iter().chain(&zeros).filter(|point| !near(point)).count();
-    if left > 0 {
-        chart.title.push_str(&format!("; {left} farther out"));
+    // Poles and zeros beyond twice the largest oscillating pole are left out: they would compress the scale.
+    let largest =
+        poles.iter().filter(|point| point[1] != 0.0).map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+    let is_near = |point: &&[f64; 2]| largest == 0.0 || point[0].hypot(point[1]) < 2.0 * largest;
+    let omitted = poles.iter().chain(&zeros).filter(|point| !is_near(point)).count();
+    if omitted > 0 {
+        chart.title.push_str(&format!("; {omitted} farther out"));
     }
-    let seen_ones = || points.iter().chain(&zeros).filter(near);
-    let reals = seen_ones().map(|point| point[0]).chain([0.0]);
+    let drawn = || poles.iter().chain(&zeros).filter(is_near);
+    let reals = drawn().map(|point| point[0]).chain([0.0]);
     chart.x = range_of(reals).map_or([-1.0, 1.0], with_room);
-    chart.y = chart.fitted(range_of(seen_ones().map(|point| point[1]).chain([0.0])));
+    chart.y = chart.fitted(range_of(drawn().map(|point| point[1]).chain([0.0])));
     chart.flags = vec![Flag { x: 0.0, text: "limit of stability".into(), colour: theme::weak(ui) }];
     chart.when_empty = "the model has no states";
-    chart.curves = [("poles", 0, points, MarkerShape::Cross), ("zeros", 1, zeros, MarkerShape::Circle)]
+    chart.curves = [("poles", 0, poles, MarkerShape::Cross), ("zeros", 1, zeros, MarkerShape::Circle)]
         .map(|(name, number, points, shape)| Curve {
             name: name.into(),
             colour: theme::line(ui, number),

@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::document::{Document, parse};
 use socam_dashboard::{Dashboard, Layout, View};
 
-fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
+pub(crate) fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     let harness =
         Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02).with_context_setup(|ctx| {
             socam_dashboard::theme::apply(ctx, socam_dashboard::theme::Look::Dark);
@@ -18,7 +18,7 @@ fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     window
 }
 
-fn with(view: View, runs: u32) -> Harness<'static, Dashboard> {
+pub(crate) fn with(view: View, runs: u32) -> Harness<'static, Dashboard> {
     let mut dashboard = Dashboard::default();
     (0..runs).for_each(|number| dashboard.add_recording(sample::run(number, 4000)));
     dashboard.layout.view = view;
@@ -26,7 +26,7 @@ fn with(view: View, runs: u32) -> Harness<'static, Dashboard> {
 }
 
 /// Passes until something is true; what it waits for runs on other threads.
-fn until(
+pub(crate) fn until(
     window: &mut Harness<'static, Dashboard>,
     what: &str,
     is: impl Fn(&Harness<'static, Dashboard>) -> bool,
@@ -39,21 +39,11 @@ fn until(
     }
 }
 
-fn click(window: &mut Harness<'static, Dashboard>, label: &str) {
+pub(crate) fn click(window: &mut Harness<'static, Dashboard>, label: &str) {
     let is_no_text = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() != egui::Role::Label;
     let found = window.get_all_by_label(label).find(is_no_text);
     found.unwrap_or_else(|| panic!("nothing to click is called {label}")).click();
     window.run_steps(3);
-}
-
-/// Types a name into the dialog that is open, and saves.
-fn save_as(window: &mut Harness<'static, Dashboard>, name: &str) {
-    window.get_by_label("Name").focus();
-    window.run_steps(1);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    window.get_by_label("Name").type_text(name);
-    window.run_steps(2);
-    click(window, "Save");
 }
 
 #[test]
@@ -71,40 +61,6 @@ fn an_empty_window_says_what_to_do() {
         window.get_by_label(title);
     }
     window.get_by_label("EMERGENCY STOP");
-}
-
-#[test]
-fn files_open_by_dialog_and_what_is_foreign_says_so_in_place() {
-    let folder = tempfile::tempdir().unwrap();
-    let csv: String = (0..500).map(|row| format!("{},{}\n", f64::from(row) * 1e-3, row % 7)).collect();
-    std::fs::write(folder.path().join("good.csv"), format!("t_s,motor_speed_rad_s\n{csv}")).unwrap();
-    std::fs::write(folder.path().join("foreign.json"), "{\"hello\": 1}").unwrap();
-    std::fs::write(folder.path().join("broken.mcap"), "not a log at all").unwrap();
-    std::fs::write(folder.path().join("picture.toml"), b"\x89PNG\r\n\xff").unwrap();
-    let mut dashboard = Dashboard::default();
-    dashboard.layout.folder = folder.path().into();
-    let mut window = window(dashboard);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
-    window.run_steps(3);
-    for name in ["good.csv", "foreign.json", "broken.mcap", "picture.toml"] {
-        click(&mut window, name);
-    }
-    click(&mut window, "Open selected");
-    until(&mut window, "files", |window| !window.state().is_busy());
-    window.run_steps(2);
-    window.get_by_label("good.csv");
-    window.get_by_label("Chart motor_speed, rad/s");
-    let problems: Vec<String> = window.state().problems().map(str::to_owned).collect();
-    assert!(problems.len() == 3, "{problems:?}");
-    assert!(problems.iter().any(|text| text.contains("picture.toml is no text")), "{problems:?}");
-    assert!(
-        problems.iter().any(|text| text.contains("foreign.json") && text.contains("schema")),
-        "{problems:?}"
-    );
-    assert!(problems.iter().any(|text| text.contains("broken.mcap")), "{problems:?}");
-    window.get_all_by_label("Dismiss").next().unwrap().click();
-    window.run_steps(2);
-    assert_eq!(window.state().problems().count(), 2);
 }
 
 #[test]
@@ -224,65 +180,6 @@ fn spectra_and_poles_are_drawn() {
 }
 
 #[test]
-fn what_is_seen_is_exported() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut dashboard = Dashboard::default();
-    dashboard.add_recording(sample::run(0, 4000));
-    dashboard.layout.folder = folder.path().into();
-    let mut window = window(dashboard);
-    for name in ["view.png", "view.svg", "view.csv", "view.txt", "view.csv"] {
-        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
-        window.run_steps(3);
-        save_as(&mut window, name);
-    }
-    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
-    assert!(read("view.png").starts_with(b"\x89PNG") && read("view.png").len() > 20_000);
-    let svg = String::from_utf8(read("view.svg")).unwrap();
-    assert!(svg.contains(">motor_speed, rad/s</text>") && svg.ends_with("</svg>\n"));
-    let csv = String::from_utf8(read("view.csv")).unwrap();
-    assert!(
-        csv.lines().count() > 5000 && csv.contains("\"motor_speed, rad/s\",runs/multisine-0.mcap,,"),
-        "{}",
-        &csv[..300]
-    );
-    assert!(window.state().problems().any(|text| text.contains("view.txt")));
-    assert!(window.state().problems().any(|text| text.contains("view.csv exists already")));
-}
-
-#[test]
-fn a_recording_is_saved_and_opens_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut dashboard = Dashboard::default();
-    dashboard.add_recording(sample::run(0, 4000));
-    dashboard.layout.folder = folder.path().into();
-    let mut window = window(dashboard);
-    for name in ["copy.csv", "copy.m"] {
-        click(&mut window, "File");
-        click(&mut window, "Save recording as .csv or .m...");
-        save_as(&mut window, name);
-        until(&mut window, "a file", |window| !window.state().is_busy());
-        let data = socam_recording::Dataset::open(&folder.path().join(name).display().to_string()).unwrap();
-        assert_eq!((data.rows(), data.channels().len()), (4000, 5), "{name}");
-    }
-    assert_eq!(window.state().problems().count(), 0);
-}
-
-#[test]
-fn what_takes_long_can_be_cancelled() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("long.csv");
-    let rows: String = (0..400_000).map(|row| format!("{row},{}\n", row % 7)).collect();
-    std::fs::write(&path, format!("t_s,motor_speed_rad_s\n{rows}")).unwrap();
-    let mut window = window(Dashboard::default());
-    window.state_mut().open([path.display().to_string()]);
-    window.run_steps(1);
-    click(&mut window, "Cancel");
-    assert!(!window.state().is_busy());
-    window.get_by_label("No recording is open");
-    assert_eq!(window.state().problems().count(), 0);
-}
-
-#[test]
 fn help_explains_each_control() {
     let mut window = with(View::Live, 0);
     click(&mut window, "Help");
@@ -300,68 +197,6 @@ fn the_menus_choose_a_signal_and_undo() {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
     assert_eq!(window.state().live.signal.settings, before);
-}
-
-#[test]
-fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
-    let mut window = with(View::Time, 0);
-    let before = window.state().live.signal.settings.clone();
-    click(&mut window, "Input Signal");
-    click(&mut window, "Constant");
-    let constant = window.state().live.signal.text();
-    let copied = |window: &Harness<'static, Dashboard>| {
-        window.output().platform_output.commands.iter().find_map(|command| match command {
-            egui::OutputCommand::CopyText(text) => Some(text.clone()),
-            _ => None,
-        })
-    };
-    window.event(egui::Event::Cut);
-    window.run_steps(1);
-    assert_eq!(copied(&window), Some(constant.clone()));
-    assert_eq!(window.state().live.signal.settings, before);
-
-    // From another view, where a menu leads to the signal.
-    click(&mut window, "Time");
-    click(&mut window, "Edit");
-    click(&mut window, "Paste input signal");
-    window.event(egui::Event::Paste(constant.clone()));
-    window.run_steps(2);
-    assert_eq!(window.state().live.signal.text(), constant);
-    window.event(egui::Event::Copy);
-    window.run_steps(1);
-    assert_eq!(copied(&window), Some(constant.clone()));
-    window.event(egui::Event::Paste("a shopping list".into()));
-    window.run_steps(2);
-    assert!(window.state().problems().any(|text| text.contains("no input signal")));
-    assert_eq!(window.state().live.signal.text(), constant);
-}
-
-#[test]
-fn files_are_dropped_into_the_window() {
-    #[derive(Debug)]
-    struct Dropped(std::path::PathBuf);
-    impl egui::DroppedFile for Dropped {
-        fn path(&self) -> &std::path::Path {
-            &self.0
-        }
-        fn bytes(&self) -> Result<Vec<u8>, String> {
-            Err("it is opened by its path".into())
-        }
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let drop = |name: &str, text: &str| {
-        std::fs::write(folder.path().join(name), text).unwrap();
-        std::sync::Arc::new(Dropped(folder.path().join(name))) as egui::DroppedFileHandle
-    };
-    let mut window = window(Dashboard::default());
-    let csv = "t_s,motor_speed_rad_s\n0,1\n0.001,2\n0.002,4\n";
-    window.input_mut().dropped_files = vec![drop("dropped.csv", csv), drop("foreign.png", "\u{89}PNG")];
-    window.run_steps(1);
-    until(&mut window, "files", |window| !window.state().is_busy());
-    window.run_steps(2);
-    window.get_by_label("dropped.csv");
-    let problems: Vec<&str> = window.state().problems().collect();
-    assert!(problems.len() == 1 && problems[0].contains("foreign.png"), "{problems:?}");
 }
 
 #[test]

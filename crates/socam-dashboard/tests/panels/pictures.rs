@@ -8,17 +8,17 @@ use std::time::Duration;
 use egui::{Color32, ColorImage};
 use socam_dashboard::draw::raster;
 use socam_dashboard::theme::Look;
-use socam_dashboard::{Sight, picture};
+use socam_dashboard::{Viewport, picture};
 
 use crate::sample;
 
-const SMALL: Sight = Sight { size: [1280.0, 800.0], scale: 1.0 };
+const SMALL: Viewport = Viewport { size: [1280.0, 800.0], scale: 1.0 };
 /// A small window in which everything is a quarter larger.
-const NARROW: Sight = Sight { size: [800.0, 600.0], scale: 1.25 };
-const LARGE: Sight = Sight { size: [2560.0, 1440.0], scale: 1.0 };
+const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
+const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// How each state is drawn here; example `gallery` draws all of them in all looks.
-const DRAWN: [(&str, Look, Sight); 25] = [
+const DRAWN: [(&str, Look, Viewport); 25] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),
@@ -48,10 +48,10 @@ const DRAWN: [(&str, Look, Sight); 25] = [
 
 #[test]
 fn every_view_looks_as_it_did() {
-    let draw = |(name, look, sight): (&str, Look, Sight)| {
+    let draw = |(name, look, viewport): (&str, Look, Viewport)| {
         assert!(sample::STATES.contains(&name), "{name}");
         let mut dashboard = sample::state(name, look).unwrap();
-        let image = picture(&mut dashboard, sight, Duration::from_secs(60)).unwrap();
+        let image = picture(&mut dashboard, viewport, Duration::from_secs(60)).unwrap();
         compare(name, &image).err()
     };
     let problems: Vec<String> = DRAWN.into_iter().filter_map(draw).collect();

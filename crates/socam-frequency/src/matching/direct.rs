@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{Bench, UNKNOWNS};
+use super::{bench::Bench, unknowns::UNKNOWNS};
 use crate::{least_squares, rational::Point};
 
 const MOST_STEPS: usize = 300;

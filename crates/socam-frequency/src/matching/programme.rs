@@ -6,7 +6,7 @@ use clarabel::{
 };
 use nalgebra::{DMatrix, DVector};
 
-use super::UNKNOWNS;
+use super::unknowns::UNKNOWNS;
 
 const MOST_STEPS: usize = 2000;
 /// A step may take at most this share of an unknown away, so that all stay positive,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{Candidate, Scaled};
+use super::scaled::{Candidate, Scaled};
 use crate::least_squares;
 
 type C = Complex<f64>;

@@ -2,7 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{Candidate, Denominator, Orders, Scaled, real_rows};
+use super::denominator::Denominator;
+use super::descent;
+use super::scaled::{Candidate, Scaled, real_rows};
+use super::transfer::Orders;
 use crate::FrequencyError;
 
 type C = Complex<f64>;
@@ -38,7 +41,7 @@ pub(super) fn sanathanan_koerner(scaled: &Scaled<'_>, orders: Orders) -> Result<
             denominator: Denominator::Coefficients(solution.as_slice()[..denominator].to_vec()),
             numerator: solution.as_slice()[denominator..].to_vec(),
         };
-        let cost = super::descent::residuals(scaled, &candidate).norm_squared();
+        let cost = descent::residuals(scaled, &candidate).norm_squared();
         for (row, weight) in weights.iter_mut().enumerate() {
             *weight = 1.0 / candidate.denominator.value(scaled.s(row)).0.norm().max(1e-300);
         }

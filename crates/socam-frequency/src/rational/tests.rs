@@ -2,6 +2,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, Normal};
 
 use super::*;
+use crate::response::Line;
+use nalgebra::Complex;
 
 /// The thesis' transfer function, section 4.1.1.
 fn thesis() -> TransferFunction {

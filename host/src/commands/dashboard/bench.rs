@@ -1,28 +1,23 @@
 //! The board behind the live view: a thread that talks to it, records, and tells the window what it can take.
 
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError};
+use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use socam_core::{Refusal, Request};
-use socam_dashboard::live::{self, Batch, Bench, Connector, Health, News, Order, Presses};
-use socam_dashboard::recording::Recording;
-use socam_model::Model;
-use socam_recording::{Attachment, Calibration, Dataset};
-use socam_sim::{Replay, Start, Truth};
-use socam_wire::{BoardStatus, SampleBatch};
+use socam_dashboard::live::{self, Bench, Connector, News, Order};
+use socam_recording::{Attachment, Calibration};
 
+use super::show::{IDLE_PERIOD_US, Show};
+use super::watcher::{Watcher, ended, health};
 use crate::commands::record::{attachment, now_unix_ns};
-use crate::device::run::{self, Columns, End, Monitor, Plan, Report};
+use crate::device::run::{self, Plan};
 use crate::device::session::Heard;
 use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
 use crate::model_file;
 
-/// Sampling period while nothing runs.
-const IDLE_PERIOD_US: u32 = 1000;
 /// Its patience is half a second.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
@@ -242,118 +237,4 @@ impl Talk<'_> {
         }
         self.look()
     }
-}
-
-/// What became of a run: in words, whether all is well, and why the link is gone if it is.
-fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
-    let summary = &report.summary;
-    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
-    let kept =
-        format!("{}: {} samples over {:.2} s, {lost}", path.display(), summary.written, report.duration_s);
-    match &report.end {
-        End::Finished => (kept, summary.lost == 0, None),
-        End::Stopped => (format!("stopped by the operator; {kept}"), summary.lost == 0, None),
-        End::Fault(reason) => (format!("the board stopped: {reason}; {kept}"), false, None),
-        End::Broken(reason) => (format!("{reason}; {kept}"), false, Some(reason.clone())),
-    }
-}
-
-fn health(
-    status: &BoardStatus,
-    calibration: &Calibration,
-    link_errors: u64,
-    recorded: Option<[u64; 2]>,
-) -> Health {
-    let board = &status.board;
-    Health {
-        state: board.state,
-        fault: board.fault.map(|fault| run::fault_text(&fault, calibration)),
-        overruns: board.overruns.into(),
-        dropped: board.dropped.into(),
-        link_errors,
-        recorded,
-    }
-}
-
-/// Follows a run from the window.
-struct Watcher<'a> {
-    presses: &'a Presses,
-    orders: &'a Receiver<Order>,
-    news: &'a Sender<News>,
-    show: &'a mut Show,
-    leaves: bool,
-}
-
-impl Monitor for Watcher<'_> {
-    fn stops(&self) -> u32 {
-        let pressed = self.presses.load(std::sync::atomic::Ordering::SeqCst);
-        if self.leaves { pressed.max(1) } else { pressed }
-    }
-
-    fn samples(&mut self, batch: &SampleBatch) {
-        self.show.take(batch);
-    }
-
-    fn status(&mut self, status: &BoardStatus, link_errors: u64, recorded: [u64; 2]) {
-        let _ =
-            self.news.send(News::Status(health(status, &self.show.calibration, link_errors, Some(recorded))));
-    }
-
-    fn note(&mut self) -> Option<String> {
-        match self.orders.try_recv() {
-            Ok(Order::Note(text)) => Some(text),
-            Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
-                self.leaves = true;
-                None
-            }
-            _ => None,
-        }
-    }
-}
-
-/// Samples for the window, in time that goes on from run to run.
-struct Show {
-    calibration: Calibration,
-    columns: Columns,
-    period_us: u32,
-    last_tick: Option<u32>,
-    time_us: u64,
-    samples: SyncSender<Batch>,
-}
-
-impl Show {
-    fn new(calibration: Calibration, samples: SyncSender<Batch>) -> Self {
-        let columns = Columns::of(&calibration);
-        Self { calibration, columns, period_us: IDLE_PERIOD_US, last_tick: None, time_us: 0, samples }
-    }
-
-    fn take(&mut self, batch: &SampleBatch) {
-        let inputs = batch.channels();
-        let mut shown = Batch { time_s: Vec::with_capacity(batch.len()), values: Vec::new() };
-        for sample in batch.samples() {
-            let ticks = self.last_tick.map_or(1, |last| sample.tick.wrapping_sub(last));
-            self.last_tick = Some(sample.tick);
-            // Ticks that were counted at another rate, or not at all, tell nothing.
-            self.time_us += u64::from(if ticks == 0 || ticks > 1_000_000 { 1 } else { ticks })
-                * u64::from(self.period_us);
-            shown.time_s.push(self.time_us as f64 * 1e-6);
-            self.columns.read(&self.calibration, &sample, inputs, &mut shown.values);
-        }
-        // A window that does not keep up misses these; nothing waits for it.
-        let _ = self.samples.try_send(shown);
-    }
-}
-
-/// The model driven by a recording's inputs.
-pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
-    let replay = || -> anyhow::Result<Dataset> {
-        let data = Dataset::open(run)?;
-        let truth = Truth::new(model, &[], &[])?;
-        let replay = Replay { truth, disturbances: Vec::new(), start: Start::Fitted };
-        let done = replay.run(&data)?;
-        let name = format!("{} simulated by {}", data.name(), model.name);
-        Ok(Dataset::from_columns(name, done.columns, done.time_s, done.values)?)
-    };
-    let data = replay().map_err(|error| format!("{error:#}"))?;
-    Recording::of(&data, &socam_dashboard::job::Handle::default())
 }

@@ -2,14 +2,17 @@
 
 mod bench;
 mod rehearsal;
+mod show;
+mod simulated;
+mod watcher;
 mod window;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
 use socam_dashboard::theme::Look;
-use socam_dashboard::{Dashboard, Layout, Sight, View, picture};
+use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
 use socam_recording::Calibration;
 
 use self::rehearsal::Rehearsal;
@@ -85,6 +88,30 @@ const PATIENCE: Duration = Duration::from_secs(600);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
+    let layout = layout(&args)?;
+    let size = layout.window;
+    let mut dashboard = dashboard(&args, layout, calibration)?;
+    let length = args.rehearse.map(Duration::from_secs_f64);
+    let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
+    let Some(target) = args.screenshot else {
+        window::show(dashboard, rehearsal)?;
+        return Ok(Outcome::Done);
+    };
+    if target.extension().is_none_or(|extension| extension != "png") {
+        let message = format!("`{}`: a picture is written as .png", target.display());
+        return Err(WrongArguments(message).into());
+    }
+    if let Some(rehearsal) = &mut rehearsal {
+        rehearsal.go_on_until(&mut dashboard, Rehearsal::is_in_sight)?;
+    }
+    draw(&mut dashboard, Viewport { size, scale: args.scale }, args.view, &target)?;
+    // The bench stops, and its file is closed, before this program ends.
+    rehearsal.map_or(Ok(()), |mut rehearsal| rehearsal.go_on_until(&mut dashboard, |_| false))?;
+    Ok(Outcome::Done)
+}
+
+/// The layout of the last window, or the default one for a picture, changed as the options say.
+fn layout(args: &Args) -> anyhow::Result<Layout> {
     // A picture is the same on every machine, whatever window was open last.
     let mut layout = if args.screenshot.is_some() { Layout::default() } else { window::remembered() };
     if args.light || args.dark {
@@ -107,11 +134,15 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             return Err(WrongArguments(message).into());
         }
     }
-    let size = layout.window;
+    Ok(layout)
+}
+
+/// A dashboard that begins to open the files.
+fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> anyhow::Result<Dashboard> {
     let mut dashboard = Dashboard::new(layout);
     let model = crate::model_file::load(&args.bench.model)?;
     dashboard.use_model(model);
-    dashboard.simulate_by(bench::simulated);
+    dashboard.simulate_by(simulated::simulated);
     dashboard.live.record_into(args.record_into.clone());
     if let Some(rate_hz) = args.rate {
         dashboard.live.sample_at(rate_hz);
@@ -126,36 +157,29 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         dashboard.review.cursors = Some([a, b]);
     }
     dashboard.review.reference = args.difference.then_some(0);
-    let length = args.rehearse.map(Duration::from_secs_f64);
-    let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
-    let Some(target) = args.screenshot else {
-        window::show(dashboard, rehearsal)?;
-        return Ok(Outcome::Done);
-    };
-    if target.extension().is_none_or(|extension| extension != "png") {
-        let message = format!("`{}`: a picture is written as .png", target.display());
-        return Err(WrongArguments(message).into());
-    }
-    if let Some(rehearsal) = &mut rehearsal {
-        rehearsal.go_on_until(&mut dashboard, Rehearsal::is_in_sight)?;
-    }
-    let sight = Sight { size, scale: args.scale };
-    let mut image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+    Ok(dashboard)
+}
+
+/// Draws the dashboard into a file once everything is open.
+fn draw(
+    dashboard: &mut Dashboard,
+    viewport: Viewport,
+    view: Option<View>,
+    target: &Path,
+) -> anyhow::Result<()> {
+    let mut image = picture(dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     // Opening a file may have chosen another view.
-    if let Some(view) = args.view.filter(|view| *view != dashboard.layout.view) {
+    if let Some(view) = view.filter(|view| *view != dashboard.layout.view) {
         dashboard.layout.view = view;
-        image = picture(&mut dashboard, sight, PATIENCE).map_err(|e| anyhow!(e))?;
+        image = picture(dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     }
     for problem in dashboard.problems() {
         output::warn(problem);
     }
     let bytes = socam_dashboard::draw::raster::png(&image).map_err(|e| anyhow!(e))?;
-    let mut file = output::create(&target)?;
+    let mut file = output::create(target)?;
     std::io::Write::write_all(&mut file, &bytes)?;
-    file.commit()?;
-    // The bench stops, and its file is closed, before this program ends.
-    rehearsal.map_or(Ok(()), |mut rehearsal| rehearsal.go_on_until(&mut dashboard, |_| false))?;
-    Ok(Outcome::Done)
+    Ok(file.commit()?)
 }
 
 fn view(text: &str) -> Result<View, String> {

@@ -1,27 +1,26 @@
 //! `identify --method coefficient-match`: the thesis' method, and beside it what a direct fit makes of the same data.
 
+mod source;
+
 use std::fmt::Write as _;
-use std::path::Path;
 
 use serde_json::{Value, json};
 use socam_frequency::{
-    Complex,
     chebyshev::economise,
     matching::{self, Bench, BenchEquations, Direct, Equations, Matched, NAMES, UNKNOWNS},
-    rational::{self, Orders, Point, TransferFunction},
+    rational::{Point, TransferFunction},
 };
 use socam_model::Model;
 
-use super::{Args, etf, pictures};
-use crate::{
-    commands::Outcome,
-    output::{self, WrongArguments},
-    table,
+use super::{
+    args::Args,
+    page::{self, Section},
+    pictures,
 };
+use crate::{commands::Outcome, output, table};
+use source::{ORDERS, data, thesis_bench};
 
 const SCHEMA: &str = "socam.coefficient-match/1";
-/// The model's orders.
-const ORDERS: Orders = Orders { numerator: 3, denominator: 6 };
 /// A coefficient that the model misses by more than this share does not hold.
 const HOLDS: f64 = 0.01;
 /// An interval's half-width of at most half the value determines a parameter: this relative standard deviation.
@@ -74,7 +73,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         Answer { source, bench, points, transfer, economised_bound, names, matched: matched.into(), direct };
     let document = answer.json(model);
     if let Some(dir) = &args.frequency.report {
-        pictures::write_all(dir, &answer.files(model, &document)?)?;
+        page::write_all(dir, &answer.files(model, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -82,64 +81,6 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         output::print(&answer.text(model))?;
     }
     Ok(Outcome::Done)
-}
-
-/// The thesis' bench out of the model, and where to start.
-fn thesis_bench(model: &Model) -> anyhow::Result<(Bench, [f64; UNKNOWNS])> {
-    let refuse = || {
-        WrongArguments(format!(
-            "--method coefficient-match knows the bench of the thesis only, and the model {} is another; use --method output-error",
-            model.name
-        ))
-    };
-    let value =
-        |name: &str| model.parameter(name).map(|index| model.parameters[index].value).ok_or_else(refuse);
-    let bench = Bench { cam_shaft: value("J2")?, disk: value("J3")?, load: value("J4")?, ratio: value("N")? };
-    let mut at = [0.0; UNKNOWNS];
-    for (own, name) in at.iter_mut().zip(NAMES) {
-        *own = value(name)?;
-    }
-    let equations = model.equations(&model.values())?;
-    let output = model.outputs().position(|channel| channel.name == "output_speed").ok_or_else(refuse)?;
-    let transfer = bench.transfer(&at);
-    for s in [Complex::new(0.0, 10.0), Complex::new(-5.0, 300.0)] {
-        let exact = equations.transfer(output, 0, s).ok_or_else(refuse)?;
-        if (transfer.at(s) - exact).norm() > 1e-6 * exact.norm() {
-            return Err(refuse().into());
-        }
-    }
-    Ok((bench, at))
-}
-
-/// The transfer function to match, and points for the direct fit.
-fn data(args: &Args, model: &Model) -> anyhow::Result<(String, TransferFunction, Vec<Point>)> {
-    if let [only] = &args.runs[..] {
-        let named = if only == "thesis" { Some(thesis_etf()?) } else { etf::transfer_file(Path::new(only))? };
-        if let Some(transfer) = named {
-            let points = points_of(&transfer, args);
-            return Ok((only.clone(), transfer, points));
-        }
-    }
-    let measured = etf::measured(args, model)?;
-    let orders = args.frequency.orders.unwrap_or(ORDERS);
-    let fit = rational::fit(&measured.points, orders, args.frequency.stable)?;
-    Ok((args.runs.join(", "), fit.transfer, measured.points))
-}
-
-/// The transfer function that the thesis measured.
-fn thesis_etf() -> anyhow::Result<TransferFunction> {
-    let thesis = socam_thesis::thesis().map_err(anyhow::Error::msg)?;
-    let ascending = |printed: &[socam_thesis::Printed]| printed.iter().rev().map(|p| p.value).collect();
-    Ok(TransferFunction {
-        numerator: ascending(&thesis.transfer.numerator),
-        denominator: ascending(&thesis.transfer.denominator),
-    })
-}
-
-/// A transfer function's response as a measurement known to 1 %.
-fn points_of(transfer: &TransferFunction, args: &Args) -> Vec<Point> {
-    let [low, high] = args.band.map_or([0.5, 100.0], |band| [band.low_hz(), band.high_hz()]);
-    transfer.measured([low, high], 120, 0.01)
 }
 
 impl Answer {
@@ -305,7 +246,7 @@ impl Answer {
         );
         let section = |title: &str, sentences: Vec<String>, pictures, tables| {
             let sentences = sentences.iter().map(|text| sentence(text)).collect();
-            pictures::Section { title: title.into(), sentences, pictures, tables }
+            Section { title: title.into(), sentences, pictures, tables }
         };
         let found = section("Parameters", self.ends(), drawn, vec![self.table()]);
         let cannot = match self.cannot_hold() {
@@ -316,7 +257,7 @@ impl Answer {
         let title = format!("Coefficients of {} matched", model.name);
         files.push((
             "index.html".to_owned(),
-            pictures::page(&title, &format!("From {}.", self.source), &sections),
+            page::page(&title, &format!("From {}.", self.source), &sections),
         ));
         Ok(files)
     }

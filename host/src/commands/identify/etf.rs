@@ -7,20 +7,25 @@ use anyhow::Context;
 use serde_json::{Value, json};
 use socam_frequency::{
     Complex,
-    rational::{self, Fit, Orders, Point, TransferFunction},
+    rational::{self, Fit, Orders, Point},
     response::{self, Line},
 };
 use socam_model::{Model, Quantity};
 
-use super::{Args, beside::Beside, frf, pictures};
+use super::{
+    args::Args,
+    beside::Beside,
+    files::{SCHEMA, response_file},
+    frf,
+    page::{self, Section},
+    pictures,
+};
 use crate::{
     commands::Outcome,
     output::{self, WrongArguments},
     table,
 };
 
-/// Version of the document, which is also the form in which coefficient-match takes a transfer function.
-pub(super) const SCHEMA: &str = "socam.transfer-function/1";
 /// Highest order that is tried for advice: that of the thesis.
 const HIGHEST: usize = 6;
 /// Orders that are shown of those tried.
@@ -30,9 +35,6 @@ const SHOWN: usize = 6;
 const FAR: f64 = 10.0;
 /// 95 % of a normal distribution, in standard deviations.
 const NORMAL: f64 = 1.96;
-
-/// A deviation of none would weigh without bound; its square is still a number.
-const SMALLEST_STD: f64 = 1e-150;
 
 /// What a transfer function is fitted to.
 pub(super) struct Measured {
@@ -89,7 +91,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let fit = fits.first().context("no transfer function of order 1 to 6 fits these data")?;
     let document = json(args, model, &measured, fit, &fits);
     if let Some(dir) = &args.frequency.report {
-        pictures::write_all(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
+        page::write_all(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -127,83 +129,6 @@ fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f6
     let index = model.outputs().position(|channel| channel.name == output)?;
     let input = model.inputs().position(|channel| !channel.quantity.is_clock())?;
     equations.transfer(index, input, Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
-}
-
-/// Lines of a CSV with a column `frequency_hz`, rising; `None` where the file is none. Where it has no columns `freedom` and `width_hz`,
-/// deviations are taken as known and lines as independent.
-fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Line>>> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
-    let mut lines = text.lines();
-    let head: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
-    let column = |name: &str| head.iter().position(|column| *column == name);
-    let Some(frequency) = column("frequency_hz") else { return Ok(None) };
-    let needed = |name: &str| {
-        let missing = || {
-            format!(
-                "`{}`: a response needs the columns frequency_hz, re, im; {name} is missing",
-                path.display()
-            )
-        };
-        column(name).with_context(missing)
-    };
-    let (re, im, std, of) = (needed("re")?, needed("im")?, column("std"), column("output"));
-    let (coherent, free, wide) = (column("coherence"), column("freedom"), column("width_hz"));
-    let mut found = Vec::new();
-    for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-        if of.is_some_and(|of| cells.get(of).is_some_and(|name| *name != output)) {
-            continue;
-        }
-        let number = |column: usize| {
-            let parsed =
-                cells.get(column).and_then(|cell| cell.parse::<f64>().ok()).filter(|value| value.is_finite());
-            parsed.with_context(|| {
-                format!(
-                    "`{}`, line {}: expected a number in column {}",
-                    path.display(),
-                    index + 2,
-                    head[column]
-                )
-            })
-        };
-        let response = Complex::new(number(re)?, number(im)?);
-        // Without deviations all lines count alike, for their size.
-        let std = std.map_or(Ok(0.01 * response.norm()), number)?;
-        found.push(Line {
-            frequency_hz: number(frequency)?,
-            response,
-            variance: std.max(SMALLEST_STD).powi(2),
-            freedom: free.map_or(Ok(f64::INFINITY), number)?,
-            width_hz: wide.map_or(Ok(0.0), number)?,
-            coherence: coherent.map_or(Ok(1.0), number)?,
-        });
-    }
-    anyhow::ensure!(!found.is_empty(), "`{}` has no line of the output {output}", path.display());
-    found.sort_by(|a: &Line, b: &Line| a.frequency_hz.total_cmp(&b.frequency_hz));
-    Ok(Some(found))
-}
-
-/// Reads a transfer function that `--method etf` wrote, or one by hand; `None` where the file is none.
-pub(super) fn transfer_file(path: &Path) -> anyhow::Result<Option<TransferFunction>> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
-    if !text.trim_start().starts_with('{') {
-        return Ok(None);
-    }
-    let wrong = || {
-        format!(
-            "`{}`: a transfer function is {{\"schema\": \"{SCHEMA}\", \"numerator\": [..], \"denominator\": [..]}}, coefficients ascending",
-            path.display()
-        )
-    };
-    let document: Value = serde_json::from_str(&text).with_context(wrong)?;
-    anyhow::ensure!(document["schema"] == SCHEMA, wrong());
-    let coefficients = |name: &str| -> Option<Vec<f64>> {
-        let values: Vec<f64> = document[name].as_array()?.iter().map(Value::as_f64).collect::<Option<_>>()?;
-        values.last().is_some_and(|last| *last != 0.0).then_some(values)
-    };
-    let (numerator, denominator) =
-        coefficients("numerator").zip(coefficients("denominator")).with_context(wrong)?;
-    Ok(Some(TransferFunction { numerator, denominator }))
 }
 
 /// What is to be said of a mode that lines up to `highest_hz` gave.
@@ -342,7 +267,7 @@ fn files(
         ),
         format!("Its {}.", final_value_text(measured, fit)),
     ];
-    let section = pictures::Section {
+    let section = Section {
         title: measured.name.clone(),
         sentences,
         pictures: drawn,
@@ -351,7 +276,7 @@ fn files(
     let title = format!("Transfer function of {}", model.name);
     files.push((
         "index.html".to_owned(),
-        pictures::page(&title, &format!("From {}.", args.runs.join(", ")), &[section]),
+        page::page(&title, &format!("From {}.", args.runs.join(", ")), &[section]),
     ));
     Ok(files)
 }

@@ -11,9 +11,10 @@ use socam_model::{Equations, Model};
 use socam_recording::Dataset;
 
 use super::{
-    Args,
-    beside::Beside,
-    pictures::{self, Picture},
+    answer::{Answer, decibel},
+    args::Args,
+    page::{self, Picture, Section},
+    pictures,
     signals::{self, Pair},
 };
 use crate::{commands::Outcome, output, table};
@@ -24,21 +25,13 @@ const SHOWN: usize = 16;
 /// Where nothing is asked for: up to 100 Hz, or a third of the sampling rate.
 const BAND_HZ: [f64; 2] = [0.1, 100.0];
 
-/// The response of one output.
-pub(super) struct Answer<'m> {
-    pub(super) pair: Pair<'m>,
-    pub(super) response: Response,
-    /// The model's own response at each line.
-    pub(super) model: Vec<Complex<f64>>,
-}
-
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let each = args.runs.iter().map(|run| output::open_regular(run));
     let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
     let answers = estimate(args, model, &datasets, &args.frequency.output)?;
     let document = json(args, model, &answers);
     if let Some(dir) = &args.frequency.report {
-        pictures::write_all(dir, &files(args, model, &answers, &document)?)?;
+        page::write_all(dir, &files(args, model, &answers, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -78,23 +71,6 @@ pub(super) fn estimate<'m>(
 fn of_model(equations: &Equations, pair: &Pair<'_>, line: &Line) -> Complex<f64> {
     let s = Complex::new(0.0, std::f64::consts::TAU * line.frequency_hz);
     equations.transfer(pair.output_index, pair.input_index, s).unwrap_or_default()
-}
-
-impl Answer<'_> {
-    fn beside_model(&self) -> Beside {
-        let mut beside = Beside::default();
-        for (line, exact) in self.response.lines.iter().zip(&self.model) {
-            let ratio = line.response / exact;
-            let [low, high] = line.magnitude_ci95();
-            let phase_held = ratio.arg().to_degrees().abs() <= line.phase_half_width_deg();
-            beside.add(ratio, line.coherence, [(low..=high).contains(&exact.norm()), phase_held]);
-        }
-        beside
-    }
-}
-
-pub(super) fn decibel(size: f64) -> f64 {
-    20.0 * size.log10()
 }
 
 fn method(response: &Response) -> String {
@@ -265,10 +241,10 @@ fn files(
             ));
         }
         let title = format!("{} per {}", answer.pair.output.name, answer.pair.input.name);
-        sections.push(pictures::Section { title, sentences, pictures: drawn, tables: Vec::new() });
+        sections.push(Section { title, sentences, pictures: drawn, tables: Vec::new() });
     }
     let title = format!("Frequency response of {}", model.name);
     let about = format!("From {}.", args.runs.join(", "));
-    files.push(("index.html".to_owned(), pictures::page(&title, &about, &sections)));
+    files.push(("index.html".to_owned(), page::page(&title, &about, &sections)));
     Ok(files)
 }

@@ -1,107 +1,14 @@
 //! Bode plots, poles and zeros, and the pages that hold them.
 
-use std::path::Path;
-
-use anyhow::Context;
 use socam_frequency::{
     Complex,
     rational::{Fit, Point, TransferFunction, response_std_among},
     response::{Driven, Line},
 };
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
+use socam_plot::{Axis, Mark};
 
-use super::frf::{Answer, decibel};
-use crate::output;
-
-/// A series that owns its numbers.
-pub(super) struct Curve {
-    label: String,
-    class: &'static str,
-    mark: Mark,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    spread: Vec<f64>,
-}
-
-/// A plot that owns its numbers.
-pub(super) struct Drawn {
-    title: String,
-    x: Axis,
-    y: Axis,
-    curves: Vec<Curve>,
-}
-
-impl Drawn {
-    pub(super) fn plot(&self) -> Plot<'_> {
-        let series = self.curves.iter().map(|curve| Series {
-            label: &curve.label,
-            class: curve.class,
-            mark: curve.mark,
-            x: &curve.x,
-            y: &curve.y,
-            spread: &curve.spread,
-        });
-        Plot {
-            title: self.title.clone(),
-            x: self.x.clone(),
-            y: self.y.clone(),
-            series: series.collect(),
-            columns: COLUMNS,
-        }
-    }
-}
-
-/// A plot with the name of its file.
-pub(super) struct Picture {
-    pub(super) name: &'static str,
-    pub(super) plot: Drawn,
-}
-
-/// A part of a page.
-pub(super) struct Section {
-    pub(super) title: String,
-    pub(super) sentences: Vec<String>,
-    pub(super) pictures: Vec<Picture>,
-    /// Rows of text, the first a head.
-    pub(super) tables: Vec<Vec<Vec<String>>>,
-}
-
-/// A page that needs nothing else.
-pub(super) fn page(title: &str, about: &str, sections: &[Section]) -> String {
-    use maud::{Render, html};
-    let body = html! {
-        h1 { (title) }
-        p class="over" { (about) }
-        main {
-            @for section in sections {
-                section {
-                    h2 { (section.title) }
-                    @for sentence in &section.sentences { p { (sentence) } }
-                    div class="plots" {
-                        @for picture in &section.pictures { figure { (picture.plot.plot().render()) } }
-                    }
-                    @for rows in &section.tables {
-                        div class="scroll" { table {
-                            @for (index, row) in rows.iter().enumerate() {
-                                tr { @for cell in row { @if index == 0 { th { (cell) } } @else { td { (cell) } } } }
-                            }
-                        } }
-                    }
-                }
-            }
-        }
-    };
-    socam_plot::document(title, "", &body).into_string()
-}
-
-/// Writes files into a folder, each whole or not at all.
-pub(super) fn write_all(dir: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder `{}`", dir.display()))?;
-    for (name, text) in files {
-        output::write_whole(&dir.join(name), text)?;
-    }
-    Ok(())
-}
+use super::answer::{Answer, decibel};
+use super::page::{Curve, Drawn, Picture};
 
 fn frequency() -> Axis {
     Axis::logarithmic("Frequency", "Hz")

@@ -3,7 +3,9 @@
 use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
-use super::{Curve, Flag, Style, TITLE_STRIP};
+use super::TITLE_STRIP;
+use crate::draw::curve::{Curve, Flag};
+use crate::draw::style::Style;
 
 /// Thinner lines fade where they pass between two rows of pixels.
 const LINE_WIDTH: f32 = 1.7;

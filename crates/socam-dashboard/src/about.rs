@@ -1,0 +1,65 @@
+//! The name, channels, events and facts of a recording, without its samples.
+
+use serde::{Deserialize, Serialize};
+use socam_recording::{Channel, Dataset};
+
+/// What is said of a recording besides its samples.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct About {
+    /// The name that it was opened by.
+    pub name: String,
+    /// Its channels, in the order of its columns.
+    pub channels: Vec<Channel>,
+    /// What happened during it.
+    pub events: Vec<Happening>,
+    /// Operator's notes, versions and such, by name.
+    pub facts: Vec<(String, String)>,
+    /// What was left aside on opening.
+    pub warnings: Vec<String>,
+    /// Median step of time, s.
+    pub sample_time_s: f64,
+    /// Samples that never reached it.
+    pub lost_samples: u64,
+}
+
+/// Something that happened during a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Happening {
+    /// When, s.
+    pub time_s: f64,
+    /// What kind: `phase`, `stop`, `fault`, `start`, `note`.
+    pub kind: String,
+    /// In words.
+    pub text: String,
+}
+
+/// The facts and events of a dataset.
+pub(crate) fn about(data: &Dataset) -> About {
+    let contents = data.contents();
+    let events = contents.map_or(&[][..], |contents| &contents.events);
+    let happening = |event: &socam_recording::Event| Happening {
+        time_s: event.device_time_ns as f64 * 1e-9,
+        kind: event.kind.clone(),
+        text: event.text.clone(),
+    };
+    let (from_s, to_s) = (data.start_s(), data.end_s());
+    let events =
+        events.iter().map(happening).filter(|event| event.time_s >= from_s && event.time_s <= to_s + 1.0);
+    let facts = contents.map(|contents| contents.metadata.clone()).unwrap_or_default();
+    About {
+        name: data.name().to_owned(),
+        channels: data.channels().to_vec(),
+        events: events.collect(),
+        facts: facts.into_iter().collect(),
+        warnings: data.warnings().iter().map(ToString::to_string).collect(),
+        sample_time_s: data.sample_time_s(),
+        lost_samples: data.lost_samples(),
+    }
+}
+
+/// The last part of a path: what fits a legend.
+#[must_use]
+pub fn short(name: &str) -> &str {
+    let path = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    if path.is_empty() { name } else { path }
+}

@@ -1,0 +1,52 @@
+//! Which residuals of a diagnosis are drawn, and over what.
+
+/// Which residuals are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// Of the model as it was.
+    Before,
+    /// With the findings added.
+    After,
+    /// Both.
+    #[default]
+    Both,
+}
+
+/// Over what residuals are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(missing_docs, reason = "each is named by its tab")]
+pub enum Over {
+    Shape,
+    #[default]
+    Speed,
+    Angle,
+    Torque,
+    Frequency,
+    Time,
+    Fit,
+}
+
+impl Over {
+    pub(super) const ALL: [Self; 7] =
+        [Self::Speed, Self::Angle, Self::Torque, Self::Frequency, Self::Time, Self::Shape, Self::Fit];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Shape => "measured shape",
+            Self::Speed => "over speed",
+            Self::Angle => "over angle",
+            Self::Torque => "over torque",
+            Self::Frequency => "over frequency",
+            Self::Time => "over time",
+            Self::Fit => "fit",
+        }
+    }
+}
+
+/// What is chosen.
+pub(super) struct Choice<'a> {
+    pub(super) sides: Sides,
+    pub(super) over: Over,
+    pub(super) channel: &'a mut usize,
+    pub(super) recording: &'a mut usize,
+}

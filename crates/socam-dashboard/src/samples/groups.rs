@@ -1,0 +1,75 @@
+//! The samples in an index file: groups of rows, each with its times and then the values of each column.
+
+use std::fs::File;
+use std::io;
+use std::ops::Range;
+
+/// The last bytes of every index file; they change with its format.
+pub(super) const MAGIC: [u8; 8] = *b"socamix1";
+/// Rows that stand together in the file: their times, then each column's values.
+pub(super) const GROUP: usize = 1 << 16;
+
+/// The groups of rows in an index file.
+#[derive(Debug)]
+pub(super) struct Groups {
+    pub(super) file: File,
+    pub(super) columns: usize,
+}
+
+const fn group_bytes(columns: usize) -> u64 {
+    (GROUP * (8 + 4 * columns)) as u64
+}
+
+impl Groups {
+    /// NaN where the file cannot be read any more: there is no time then, and nothing is drawn.
+    pub(super) fn times(&self, rows: Range<usize>) -> Vec<f64> {
+        let mut times = Vec::with_capacity(rows.len());
+        self.read(0, 8, rows.clone(), |bytes| {
+            times.extend(bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)));
+        });
+        times.resize(rows.len(), f64::NAN);
+        times
+    }
+
+    pub(super) fn values(&self, column: usize, rows: Range<usize>) -> Vec<f32> {
+        let mut values = Vec::with_capacity(rows.len());
+        self.read(GROUP * (8 + 4 * column), 4, rows.clone(), |bytes| {
+            values.extend(bytes.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)));
+        });
+        values.resize(rows.len(), f32::NAN);
+        values
+    }
+
+    /// The parts of a column, which begins `at` bytes after its group.
+    fn read(&self, at: usize, size: usize, rows: Range<usize>, mut take: impl FnMut(&[u8])) {
+        let mut bytes = Vec::new();
+        let mut next = rows.start;
+        while next < rows.end {
+            let (group, first) = (next / GROUP, next % GROUP);
+            let count = (rows.end - next).min(GROUP - first);
+            bytes.resize(size * count, 0);
+            let offset = group as u64 * group_bytes(self.columns) + (at + size * first) as u64;
+            if read_at(&self.file, &mut bytes, offset).is_err() {
+                return;
+            }
+            take(&bytes);
+            next += count;
+        }
+    }
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn read_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match std::os::windows::fs::FileExt::seek_read(file, bytes, offset)? {
+            0 => return Err(io::ErrorKind::UnexpectedEof.into()),
+            count => (bytes, offset) = (&mut bytes[count..], offset + count as u64),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,81 @@
+//! A recording as a `.csv` or `.m` file.
+
+use std::path::Path;
+
+use crate::recording::Recording;
+
+/// Writes a recording as `.csv` in SI, or as the `.m` of the thesis' program, as the name says.
+///
+/// # Errors
+/// When the name ends in something else, the recording cannot be read again, or the stream cannot be written; one sentence.
+pub(crate) fn write(recording: &Recording, name: &Path, out: &mut impl std::io::Write) -> Result<(), String> {
+    let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        "csv" => socam_recording::write_csv(&recording.dataset()?, out, name).map_err(sentence),
+        "m" => {
+            let text = legacy(recording)?;
+            out.write_all(text.as_bytes())
+                .map_err(|error| format!("cannot write {}: {error}", name.display()))
+        }
+        _ => Err(format!("{}: a recording is saved as .csv or .m", name.display())),
+    }
+}
+
+/// Rows that the thesis' program could hold, and that its readers expect.
+const LEGACY_ROWS: usize = 10_000;
+
+/// The log as the thesis' program wrote it: settings, then five columns in volts, the command last. Speeds are turned back into
+/// volts of their tachometers, torques stay what they are only if they are in volts.
+fn legacy(recording: &Recording) -> Result<String, String> {
+    use socam_core::scaling::Sensor;
+    use std::fmt::Write;
+
+    let rows = recording.samples.rows();
+    if rows > LEGACY_ROWS || recording.samples.segments().len() != 1 {
+        return Err(format!(
+            "a .m log holds at most {LEGACY_ROWS} rows without a gap, and this recording has {rows}; open a part of it as RUN@FROM..TO, or save it as .csv"
+        ));
+    }
+    let column = |name: &str, sensor: Option<Sensor>| -> Result<Vec<f64>, String> {
+        let channel = recording.channel(name).ok_or_else(|| {
+            format!("a .m log needs the channel `{name}`, which this recording lacks; save it as .csv")
+        })?;
+        let values = recording.samples.values(channel, 0..rows);
+        Ok(match sensor {
+            Some(sensor) => {
+                values.iter().map(|value| value * sensor.volts_per_unit + sensor.offset_v).collect()
+            }
+            None => values,
+        })
+    };
+    let volts = |name: &str, sensor: Sensor| {
+        let index = recording.channel(name);
+        let in_volts =
+            index.is_some_and(|index| recording.about.channels[index].unit == socam_recording::Unit::V);
+        column(name, (!in_volts).then_some(sensor))
+    };
+    let columns = [
+        volts("motor_speed", Sensor::MOTOR_SPEED)?,
+        volts("output_speed", Sensor::OUTPUT_SPEED)?,
+        volts("torque_in", Sensor::TORQUE_IN)?,
+        volts("torque_out", Sensor::TORQUE_OUT)?,
+        column("command", None)?,
+    ];
+    let mut text = format!("samprate={};\ndata=[\n", recording.about.sample_time_s);
+    for row in 0..rows {
+        let values = columns.iter().map(|column| column[row]);
+        if let Some(missing) = values.clone().find(|value| !value.is_finite()) {
+            return Err(format!(
+                "row {row} has a missing value ({missing}), which a .m log cannot hold; save it as .csv"
+            ));
+        }
+        let texts: Vec<String> = values.map(|value| format!("{value:.6}")).collect();
+        let _ = writeln!(text, "{}", texts.join(" "));
+    }
+    text.push_str("];\n");
+    Ok(text)
+}
+
+fn sentence(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}

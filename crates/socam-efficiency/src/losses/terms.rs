@@ -1,0 +1,79 @@
+//! The terms of the losses: what one unit of each adds to the lost torque of a moment.
+
+use crate::moments::Moment;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Term {
+    Share,
+    Viscous,
+    Constant,
+    Inertia,
+    Twist,
+    GainIn,
+    GainOut,
+    Zero,
+}
+
+/// What a loss in proportion to torque, of share `f`, makes of the other losses, and how that changes with it. Sensors share in the
+/// torque before and after what loses ([`Moment::size`]) but for what is lost itself: of the part `w` of the inertia that lies before
+/// it, forward (1 - w f) of the torque, and backward (1 + w f).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scaling {
+    /// Factor of the torque's size, and its slope with `f`.
+    along: [f64; 2],
+    /// Factor of what is lost before the loss in proportion, and its slope with `f`.
+    beside: [f64; 2],
+}
+
+impl Scaling {
+    pub(super) fn of(moment: &Moment, f: f64, w: f64) -> Self {
+        if moment.is_driven {
+            let rest = 1.0 / (1.0 - w * f);
+            Self { along: [rest, w * rest * rest], beside: [rest, w * rest * rest] }
+        } else {
+            let rest = 1.0 / (1.0 + w * f);
+            let beside = (1.0 + f) / (1.0 - f) * rest;
+            let slope = beside * (1.0 / (1.0 + f) + 1.0 / (1.0 - f) - w * rest);
+            Self { along: [rest, -w * rest * rest], beside: [beside, slope] }
+        }
+    }
+}
+
+impl Term {
+    /// What one unit of the coefficient adds to the torque that is lost.
+    pub(super) fn column(self, moment: &Moment, scaling: Scaling) -> f64 {
+        match self {
+            Self::Share => moment.size * moment.direction * scaling.along[0],
+            Self::Viscous => moment.speed * scaling.beside[0],
+            Self::Constant => moment.direction * scaling.beside[0],
+            Self::Inertia => moment.acceleration,
+            Self::Twist => -moment.torque_in_curvature,
+            Self::GainIn => moment.torque_in,
+            Self::GainOut => -moment.torque_out,
+            Self::Zero => 1.0,
+        }
+    }
+
+    /// How its column changes with the share.
+    pub(super) fn slope(self, moment: &Moment, scaling: Scaling) -> f64 {
+        match self {
+            Self::Share => moment.size * moment.direction * scaling.along[1],
+            Self::Viscous => moment.speed * scaling.beside[1],
+            Self::Constant => moment.direction * scaling.beside[1],
+            _ => 0.0,
+        }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Share => "torque_share",
+            Self::Viscous => "viscous",
+            Self::Constant => "constant",
+            Self::Inertia => "inertia",
+            Self::Twist => "twist",
+            Self::GainIn => "gain of the torque sensor on the input side",
+            Self::GainOut => "gain of the torque sensor on the output side",
+            Self::Zero => "zero of the torque sensors",
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! A run as the window follows it: samples, state, notes and the stop.
+
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
+
+use socam_dashboard::live::{Health, News, Order, Presses};
+use socam_recording::Calibration;
+use socam_wire::{BoardStatus, SampleBatch};
+
+use super::show::Show;
+use crate::device::run::{self, End, Monitor, Report};
+
+/// What became of a run: in words, whether all is well, and why the link is gone if it is.
+pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
+    let summary = &report.summary;
+    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    let kept =
+        format!("{}: {} samples over {:.2} s, {lost}", path.display(), summary.written, report.duration_s);
+    match &report.end {
+        End::Finished => (kept, summary.lost == 0, None),
+        End::Stopped => (format!("stopped by the operator; {kept}"), summary.lost == 0, None),
+        End::Fault(reason) => (format!("the board stopped: {reason}; {kept}"), false, None),
+        End::Broken(reason) => (format!("{reason}; {kept}"), false, Some(reason.clone())),
+    }
+}
+
+pub(super) fn health(
+    status: &BoardStatus,
+    calibration: &Calibration,
+    link_errors: u64,
+    recorded: Option<[u64; 2]>,
+) -> Health {
+    let board = &status.board;
+    Health {
+        state: board.state,
+        fault: board.fault.map(|fault| run::fault_text(&fault, calibration)),
+        overruns: board.overruns.into(),
+        dropped: board.dropped.into(),
+        link_errors,
+        recorded,
+    }
+}
+
+/// Follows a run from the window.
+pub(super) struct Watcher<'a> {
+    pub(super) presses: &'a Presses,
+    pub(super) orders: &'a Receiver<Order>,
+    pub(super) news: &'a Sender<News>,
+    pub(super) show: &'a mut Show,
+    pub(super) leaves: bool,
+}
+
+impl Monitor for Watcher<'_> {
+    fn stops(&self) -> u32 {
+        let pressed = self.presses.load(std::sync::atomic::Ordering::SeqCst);
+        if self.leaves { pressed.max(1) } else { pressed }
+    }
+
+    fn samples(&mut self, batch: &SampleBatch) {
+        self.show.take(batch);
+    }
+
+    fn status(&mut self, status: &BoardStatus, link_errors: u64, recorded: [u64; 2]) {
+        let _ =
+            self.news.send(News::Status(health(status, &self.show.calibration, link_errors, Some(recorded))));
+    }
+
+    fn note(&mut self) -> Option<String> {
+        match self.orders.try_recv() {
+            Ok(Order::Note(text)) => Some(text),
+            Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
+                self.leaves = true;
+                None
+            }
+            _ => None,
+        }
+    }
+}

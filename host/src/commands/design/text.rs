@@ -1,0 +1,74 @@
+//! The proposal in words.
+
+use std::path::Path;
+
+use socam_design::{Design, Tried, Width};
+use socam_recording::{Course, ProfileFile};
+
+use crate::table;
+
+fn course(profile: &ProfileFile) -> String {
+    let n = table::number;
+    match profile.course {
+        Course::Multisine { offset, amplitude, from_hz, to_hz, .. } => {
+            format!(
+                "multisine of {} V about {} V, {} to {} Hz",
+                n(amplitude),
+                n(offset),
+                n(from_hz),
+                n(to_hz)
+            )
+        }
+        Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
+            format!("chirp of {} V about {} V, {} to {} Hz", n(amplitude), n(offset), n(from_hz), n(to_hz))
+        }
+        Course::Prbs { offset, amplitude, bit_s, .. } => {
+            format!("random steps of {} V about {} V, {} s or longer", n(amplitude), n(offset), n(bit_s))
+        }
+        Course::Staircase { first, step, dwell_s, .. } => {
+            format!("reversals from {} V to {} V every {} s", n(first), n(first + step), n(dwell_s))
+        }
+        _ => "another course".into(),
+    }
+}
+
+pub(super) fn text(
+    design: &Design,
+    rivals: Option<&[String; 2]>,
+    reference: Option<&[Width]>,
+    written: Option<&Path>,
+    profile: &str,
+) -> String {
+    let said = |tried: &Tried| match tried.distance {
+        Some(distance) => format!("{} noise units apart", table::number(distance)),
+        None => format!("widest interval +-{} %", table::number(100.0 * tried.score)),
+    };
+    let mut text = String::new();
+    if let Some([a, b]) = rivals {
+        text.push_str(&format!("To tell {a} from {b}\n"));
+    }
+    text.push_str(&format!("Record a {}: {}\n", course(&design.best.profile), said(&design.best)));
+    if let Some(reference) = reference {
+        let head = ["", "proposed", "five steps"].map(String::from).to_vec();
+        let cell = |width: Option<f64>| {
+            width.map_or_else(|| "not determined".into(), |w| format!("+-{:.3} %", 100.0 * w))
+        };
+        let rows = design.best.widths.iter().map(|width| {
+            let other =
+                reference.iter().find(|other| other.name == width.name).and_then(|other| other.relative);
+            vec![width.name.clone(), cell(width.relative), cell(other)]
+        });
+        let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
+        text.push_str(&format!("\n95 % intervals to expect\n{}", table::align(&rows, &[false, true, true])));
+    }
+    text.push_str(&format!("\nOf {} profiles, the best of each kind\n", design.tried));
+    let rows: Vec<_> = design.others.iter().map(|tried| vec![course(&tried.profile), said(tried)]).collect();
+    text.push_str(&table::align(&rows, &[false, false]));
+    match written {
+        Some(path) => {
+            text.push_str(&format!("\nsocam-host record --profile {} records it.\n", path.display()))
+        }
+        None => text.push_str(&format!("\n{profile}")),
+    }
+    text
+}

@@ -1,0 +1,105 @@
+//! Arguments of `identify`.
+
+use std::path::PathBuf;
+
+use socam_identify::{Band, StartState};
+
+use super::options::FrequencyArgs;
+use crate::{band, model_file};
+
+/// Identify stiffness, damping and friction from recordings
+///
+/// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. A
+/// parameter that the recordings do not determine gets no number: the note says why, and combinations that are
+/// determined are given instead. Ctrl-C ends the search at the best point so far, which is then reported; a second one ends at
+/// once.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host identify RUN1.mcap RUN2.mcap
+  socam-host identify RUN.mcap --fix k3=52485 --write-model bench.toml
+  socam-host identify train.csv --model emps --method inverse-dynamics --validate test.csv
+  socam-host identify RUN1.csv RUN2.csv --model bench.toml --validate RUN3.csv --band 2..80
+  socam-host identify RUN.mcap --method frf --report response
+  socam-host identify RUN.mcap --method etf --orders 3/6 --stable --report transfer
+  socam-host identify transfer/transfer.json --method coefficient-match")]
+pub(crate) struct Args {
+    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
+    #[arg(value_name = "RUN", required = true)]
+    pub(super) runs: Vec<String>,
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    pub(super) model: String,
+    /// How to estimate
+    #[arg(long, value_enum, default_value = "output-error")]
+    pub(super) method: Method,
+    /// Hold a parameter, at its value in the model or at the given one (SI); may be repeated
+    #[arg(long, value_name = "NAME[=VALUE]")]
+    pub(super) fix: Vec<String>,
+    /// Start a parameter's search from this value (SI); may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(super) set: Vec<String>,
+    /// Recordings to predict with the result, not used in the fit; may be repeated
+    #[arg(long, value_name = "RUN")]
+    pub(super) validate: Vec<String>,
+    /// Say also how well they are predicted within this band of frequencies, in Hz; for the methods over frequency: look only there
+    #[arg(long, value_name = "LOW..HIGH", value_parser = band::parse)]
+    pub(super) band: Option<Band>,
+    /// Where each recording starts from
+    #[arg(long, value_enum, default_value = "free")]
+    pub(super) start: Start,
+    #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
+    pub(super) between: Vec<String>,
+    /// Known standard deviation of a channel's noise (SI); repeated for every output channel, and for inputs that are noisy
+    #[arg(long, value_name = "CHANNEL=STD")]
+    pub(super) noise: Vec<String>,
+    /// Number of different start values that compete
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) starts: u16,
+    /// Seed of those start values
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Calibration with the sensors' uncertainty, which then widens the intervals; what travels with the recordings when not given
+    #[arg(long, value_name = "FILE")]
+    pub(super) calibration: Option<PathBuf>,
+    /// Write the model with the identified values to this file
+    #[arg(long, value_name = "FILE")]
+    pub(super) write_model: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Say on stderr how far the fit is, also where that is no terminal
+    #[arg(long)]
+    pub(super) progress: bool,
+    #[command(flatten)]
+    pub(super) frequency: FrequencyArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Method {
+    /// The model runs free from the measured input; residuals of its outputs are made least
+    OutputError,
+    /// The measured force of a one-coordinate axis is regressed on its measured motion
+    InverseDynamics,
+    /// The frequency response, with coherence, confidence, and how much is not linear; no parameters
+    Frf,
+    /// A transfer function fitted to recordings, or to a response that frf wrote
+    Etf,
+    /// The thesis' method: a transfer function's coefficients matched by the bench's parameters; beside it a direct fit
+    CoefficientMatch,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(crate) enum Start {
+    /// An unknown state, estimated
+    Free,
+    /// Equilibrium at the first input sample
+    Equilibrium,
+}
+
+impl Start {
+    pub(crate) fn state(self) -> StartState {
+        match self {
+            Self::Free => StartState::Free,
+            Self::Equilibrium => StartState::Equilibrium,
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What was recorded, in words, as JSON and as exit code.
+
+use serde::Serialize;
+
+use crate::commands::Outcome;
+use crate::device::run::{End, Report};
+use crate::output;
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    recording: String,
+    samples: u64,
+    lost: u64,
+    missed: u64,
+    overflowed: u64,
+    refused: u64,
+    bytes: u64,
+    duration_s: f64,
+    rate_hz: f64,
+    end: &'static str,
+    reason: Option<&'a str>,
+}
+
+/// Says what was recorded.
+pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: bool) -> anyhow::Result<()> {
+    let summary = &report.summary;
+    let (end, reason) = match &report.end {
+        End::Finished => ("finished", None),
+        End::Stopped => ("stopped", None),
+        End::Fault(reason) => ("fault", Some(reason.as_str())),
+        End::Broken(reason) => ("link broken", Some(reason.as_str())),
+    };
+    if json {
+        return output::print_json(&Document {
+            schema: "socam.run/1",
+            recording: path.display().to_string(),
+            samples: summary.written,
+            lost: summary.lost,
+            missed: summary.missed,
+            overflowed: summary.overflowed,
+            refused: summary.refused,
+            bytes: summary.bytes,
+            duration_s: report.duration_s,
+            rate_hz,
+            end,
+            reason,
+        });
+    }
+    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    output::print(&format!(
+        "{}: {} samples over {:.3} s at {rate_hz} Hz, {lost}{}\n",
+        path.display(),
+        summary.written,
+        report.duration_s,
+        if report.end == End::Stopped { ", stopped by the operator" } else { "" },
+    ))
+}
+
+/// What a run's end means for the exit code.
+pub(crate) fn outcome(path: &std::path::Path, report: &Report) -> anyhow::Result<Outcome> {
+    match &report.end {
+        End::Fault(reason) => {
+            anyhow::bail!(
+                "the board ended the run: {reason} (what was recorded until then is in {})",
+                path.display()
+            )
+        }
+        End::Broken(reason) => {
+            anyhow::bail!("{reason} (what was recorded until then is in {})", path.display())
+        }
+        End::Finished | End::Stopped if report.summary.lost > 0 => Ok(Outcome::LostSamples),
+        End::Finished | End::Stopped => Ok(Outcome::Done),
+    }
+}
