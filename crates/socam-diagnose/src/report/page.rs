@@ -203,7 +203,7 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
             section {
                 h2 { "Residuals" }
                 p {
-                    "Evaluation minus predicted, the model running free"
+                    "Measured minus predicted, the model running free"
                     @if tables::has_after(diagnosis) { "; before is the base model at its best fit, after the one with all that was found." } @else { "." }
                     " The pictures over speed, angle and torque take all recordings together, those over frequency the longest."
                 }
