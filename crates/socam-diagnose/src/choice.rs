@@ -1,10 +1,10 @@
-//! What is chosen of the candidates: the simplest within one standard error of the best.
+//! Model selection among the fitted candidates: the simplest within one standard error of the best.
 
 use rayon::prelude::*;
 use socam_identify::{IdentifyError, comparison::NoiseModel};
 
 use crate::{
-    candidates::Candidate,
+    candidate::Candidate,
     context::{Context, FittedModel},
     criterion::{self, Scored},
     halving::{self, Finalist},
@@ -12,24 +12,24 @@ use crate::{
     selection::{DISPLACED, EXCESS, Path, Term},
 };
 
-/// Share of the sum of squares of which the best start leaves more where others are tried from afar.
+/// Share of the last model's deviance that the best small start must leave for large starts to be tried.
 const FAR: f64 = 0.1;
 
-/// A term to add.
+/// The chosen term, with the fits that it was chosen by.
 pub(crate) struct Choice {
     pub(crate) term: Term,
-    /// The model with it, at its fit.
+    /// The model with the term, at its fit.
     pub(crate) fitted: FittedModel,
-    /// The model without it, under the same noise.
+    /// The model without the term, at its fit under the same noise model.
     pub(crate) before: FittedModel,
-    /// Fall of the training sum of squares, under the noise model of before.
+    /// Deviance reduction in training, under the previous noise model.
     pub(crate) fall: f64,
-    /// Sensor noise and discrepancy as the best candidate shows them.
+    /// Sensor noise and discrepancy, estimated from the residuals of the candidate with the least deviance.
     pub(crate) noise: NoiseModel,
 }
 
-/// Fits all that are `tried` (with their p-values), with `scales` also faults of single sensors where much is left. `None` where nothing predicts
-/// better than the last model by more than a standard error.
+/// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried too
+/// where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
 pub(crate) fn best(
     context: &Context<'_>,
     path: &Path,
@@ -39,13 +39,13 @@ pub(crate) fn best(
     let (mut large, mut tried): (Vec<_>, Vec<_>) =
         tried.iter().cloned().partition(|(candidate, _)| candidate.begins_large);
     let mut finalists = halving::run(context, &path.last, &starts(&tried), &path.noise)?;
-    // What begins large takes long: only where nothing that begins small comes near.
+    // Large starts cost the most iterations: they are tried only where no small start comes near the noise.
     let leader = finalists.iter().map(|one| &one.at).min_by(|a, b| a.total().total_cmp(&b.total()));
     let leader = leader.filter(|leader| leader.total() < path.last.deviance()).unwrap_or(&path.last.at);
     let share = leader.total() / path.last.deviance();
     let left = share * path.noise.excess();
     if scales.is_some() && !(tried.is_empty() && large.is_empty()) && left > DISPLACED && share > FAR {
-        large.extend(path.far());
+        large.extend(path.far_starts());
     }
     if !large.is_empty() && (finalists.is_empty() || left > EXCESS) {
         let found = halving::run_large(context, &path.last, &starts(&large), &path.noise, &leader.chi2)?;
@@ -53,7 +53,8 @@ pub(crate) fn best(
         tried.extend(large);
     }
     if let Some(scales) = scales {
-        let left = finalists.iter().map(|one| reduced(&one.at)).fold(path.noise.excess(), f64::min);
+        let left =
+            finalists.iter().map(|one| reduced_chi_square(&one.at)).fold(path.noise.excess(), f64::min);
         for (one, finalist) in path.without_each_sensor(context, scales, left)? {
             finalists.push(Finalist { index: tried.len(), ..finalist });
             tried.push(one);
@@ -69,9 +70,9 @@ pub(crate) fn best(
         .map(|one| Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted))));
     let refitted: Result<Vec<Option<(usize, FittedModel)>>, IdentifyError> = refitted.collect();
     let fits = refitted?.into_iter().flatten();
-    // What cannot be is no candidate.
+    // A fit outside the support of a prior is no candidate.
     let fits: Vec<(usize, FittedModel)> =
-        fits.filter(|(_, fitted)| path.known.log_prior(fitted).is_finite()).collect();
+        fits.filter(|(_, fitted)| path.priors.log_prior(fitted).is_finite()).collect();
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
     let gained = path.gain(fitted, &before);
@@ -80,25 +81,27 @@ pub(crate) fn best(
     }
     let (candidate, p_value) = tried[*index].clone();
     let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
-    let raced = finalists.iter().find(|one| one.index == *index);
-    let fall = raced.map_or(0.0, |one| path.last.deviance() - one.at.total());
+    let finalist = finalists.iter().find(|one| one.index == *index);
+    let fall = finalist.map_or(0.0, |one| path.last.deviance() - one.at.total());
     let term =
         Term { candidate, p_value, rivals, gain: gained, without: None, excess_at_upgrade: f64::INFINITY };
     Ok(Some(Choice { term, fitted: fitted.clone(), before, fall, noise }))
 }
 
+/// The candidates without their p-values.
 fn starts(tried: &[(Candidate, f64)]) -> Vec<Candidate> {
     tried.iter().map(|(candidate, _)| candidate.clone()).collect()
 }
 
-fn reduced(at: &socam_identify::comparison::Evaluation) -> f64 {
+/// Sum of squared whitened residuals over their number.
+fn reduced_chi_square(at: &socam_identify::comparison::Evaluation) -> f64 {
     at.total() / at.count.iter().sum::<f64>().max(1.0)
 }
 
-/// The simplest of those that are as likely as the likeliest to within one standard error, or one nat. Scores are tempered: what a law's
-/// discrepancy may make of one counts as a nat, and is weighed against the priors.
+/// Index of the simplest fit whose tempered log score plus log prior is within one standard error, or one nat, of the highest. Tempering
+/// divides log scores so that the difference a law's discrepancy can make counts as one nat.
 fn simplest(path: &Path, before: &FittedModel, fits: &[(usize, FittedModel)]) -> Option<usize> {
-    let prior = |index: usize| path.known.log_prior(&fits[index].1);
+    let prior = |index: usize| path.priors.log_prior(&fits[index].1);
     let score = |index: usize| fits[index].1.validation.log_score();
     let highest = (0..fits.len()).max_by(|a, b| score(*a).total_cmp(&score(*b)))?;
     let temper = criterion::temper(path.gain(&fits[highest].1, before).log_score);
@@ -115,7 +118,7 @@ fn simplest(path: &Path, before: &FittedModel, fits: &[(usize, FittedModel)]) ->
     (0..fits.len()).filter(is_near).min_by(order)
 }
 
-/// Weights of all that were fitted but the chosen one.
+/// Weights of all fitted candidates except the chosen effect, the largest first.
 fn rivals(
     (context, path): (&Context<'_>, &Path),
     tried: &[(Candidate, f64)],
@@ -125,16 +128,19 @@ fn rivals(
 ) -> Vec<(Candidate, f64)> {
     let scored: Vec<Scored<'_>> = fits
         .iter()
-        .map(|(_, fitted)| Scored { validation: &fitted.validation, log_prior: path.known.log_prior(fitted) })
+        .map(|(_, fitted)| Scored {
+            validation: &fitted.validation,
+            log_prior: path.priors.log_prior(fitted),
+        })
         .collect();
     let weights = criterion::weights(&scored, gained, context.options.seed);
     let own = &tried[fits[chosen].0].0;
-    // A law that holds the chosen one and gains nothing is no evidence of more, and no competitor.
-    let is_vain = |index: usize, fitted: &FittedModel| {
+    // A law that contains the chosen one and gains nothing over it is no competitor.
+    let is_redundant = |index: usize, fitted: &FittedModel| {
         let more = path.gain(fitted, &fits[chosen].1);
-        tried[index].0.holds(own) && more.log_score <= more.std
+        tried[index].0.contains(own) && more.log_score <= more.std
     };
-    let others = fits.iter().zip(weights).filter(|((index, fitted), _)| !is_vain(*index, fitted));
+    let others = fits.iter().zip(weights).filter(|((index, fitted), _)| !is_redundant(*index, fitted));
     let others = others.map(|((index, _), weight)| (tried[*index].0.clone(), weight));
     let mut rivals: Vec<(Candidate, f64)> = Vec::new();
     for (candidate, weight) in others.filter(|(candidate, _)| !candidate.is_same(own)) {

@@ -1,7 +1,7 @@
-//! What all fits of a diagnosis share, and a model at its fit with its cross-validation.
+//! The cross-validation context: training recordings, their folds and fit settings, which all fits of a diagnosis share.
 //!
-//! Data have three roles. Training recordings are fitted. Selection is cross-validation among them: each whole recording left out in turn,
-//! or long blocks where there are fewer than [`FEW`] recordings. Held-out recordings are no part of this file: see `proof`.
+//! Data have three roles. Training recordings are fitted. Model selection is cross-validation among them: each whole recording is left out in
+//! turn, or long blocks where there are fewer than [`FEW`] recordings. Held-out recordings are used only in `proof`.
 
 use std::ops::Range;
 
@@ -15,23 +15,21 @@ use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
 
 use crate::{
-    Options,
-    candidates::{self, Candidate},
-    document::Validation,
-    preprocessing::masked,
+    candidate::Candidate, document::Validation, extension::extended, options::Options, preprocessing::masked,
 };
 
-/// Recordings from which on whole ones are left out.
+/// Number of recordings from which on whole recordings are left out.
 const FEW: usize = 3;
-/// Blocks that fewer recordings are cut into, all together.
+/// Number of blocks into which fewer recordings are cut, all together.
 const BLOCKS: usize = 4;
-/// Mean square of the residuals in units of sensor noise from which on inputs are taken as exact, and fits begin afar even beside what was added.
+/// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts are
+/// tried even after an effect was added.
 pub(crate) const FAR_BEYOND_NOISE: f64 = 100.0;
-/// Most iterations of a fit, and of one without a block, which begins at the fit with it.
+/// Largest number of iterations of a fit, and of a refit, which starts at an existing fit.
 const ITERATIONS: usize = 25;
 const REFIT_ITERATIONS: usize = 6;
 
-/// A model at its fit to the training recordings.
+/// A model, its fit to the training recordings and its cross-validation.
 #[derive(Debug, Clone)]
 pub(crate) struct FittedModel {
     pub(crate) model: Model,
@@ -45,19 +43,19 @@ impl FittedModel {
         self.at.total()
     }
 
-    /// Its model with effects added, at their candidates' values.
-    pub(crate) fn with<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
-        added.try_fold(self.model.clone(), |model, candidate| candidates::added(&model, candidate))
+    /// Its model with effects added, at their candidates' values; `None` where one of them cannot act.
+    pub(crate) fn extended_by<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
+        added.try_fold(self.model.clone(), |model, candidate| extended(&model, candidate))
     }
 }
 
-/// One way to part blocks of recordings into fitted and left-out ones.
+/// A fold: the recordings that are fitted, and the block that is left out.
 struct Fold {
     fitted: Vec<Dataset>,
     left_out: Dataset,
 }
 
-/// Training recordings and assumptions that all fits share.
+/// Training recordings, folds and settings that all fits share.
 pub(crate) struct Context<'a> {
     pub(crate) training: &'a [Dataset],
     pub(crate) fit: FitOptions,
@@ -77,16 +75,17 @@ impl<'a> Context<'a> {
         Ok(Self { training, fit, options, folds })
     }
 
-    /// What is left out in turn.
+    /// What is left out in turn: whole recordings or blocks.
     pub(crate) fn validation(&self) -> Validation {
         if self.folds.is_empty() { Validation::LeaveOneOut } else { Validation::Blocks }
     }
 
+    /// The fit of a model to all training recordings.
     pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
         Problem::new(model, self.training, self.fit.clone())
     }
 
-    /// Filters of sensor noise alone, from a reference model.
+    /// Noise model of sensor noise alone, with filters that follow from `model` at `values`.
     pub(crate) fn sensor_noise(
         &self,
         model: &Model,
@@ -96,7 +95,8 @@ impl<'a> Context<'a> {
         NoiseModel::new(&[&self.problem(model)?], values, levels)
     }
 
-    /// Sensor noise and model discrepancy as the residuals of a model at a fit show them; `before` has the noise levels to begin with.
+    /// Noise model of sensor noise and model discrepancy, estimated from the residuals of a model at a fit. `before` holds the noise levels from
+    /// which the estimate starts.
     pub(crate) fn noise_at(
         &self,
         model: &Model,
@@ -110,11 +110,11 @@ impl<'a> Context<'a> {
         if noise.as_ref().is_none_or(|noise| noise.excess() < FAR_BEYOND_NOISE) {
             return Ok(noise);
         }
-        // What the inputs' noise makes of the outputs is nothing beside that, and its filter need not resemble the residuals.
+        // The inputs' noise is negligible beside such residuals, and its filter need not resemble their spectrum.
         sensors.with_exact_inputs().with_discrepancy(&problem, at)
     }
 
-    /// Fits a model, beginning at `values`, and cross-validates it.
+    /// Fits a model from `values` and cross-validates it. `None` where its prediction overflows.
     pub(crate) fn fitted(
         &self,
         model: &Model,
@@ -127,7 +127,7 @@ impl<'a> Context<'a> {
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 
-    /// The same under another noise model: it is fitted on from where it is.
+    /// Continues a fit under another noise model and cross-validates it.
     pub(crate) fn refitted(
         &self,
         fitted: &FittedModel,
@@ -136,7 +136,8 @@ impl<'a> Context<'a> {
         self.fitted(&fitted.model, &fitted.at.values, Some((&fitted.model, &fitted.at)), noise)
     }
 
-    /// The same, but only as near as a comparison of models needs it.
+    /// Continues a fit under another noise model for at most [`REFIT_ITERATIONS`], as exactly as a comparison of models needs, and
+    /// cross-validates it.
     pub(crate) fn compared(
         &self,
         model: &Model,
@@ -148,7 +149,7 @@ impl<'a> Context<'a> {
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 
-    /// Cross-validates a model at a fit.
+    /// Cross-validates a model at a given fit.
     pub(crate) fn validated(
         &self,
         model: &Model,
@@ -166,7 +167,7 @@ impl<'a> Context<'a> {
         Ok(Some(FittedModel { model: model.clone(), at, validation }))
     }
 
-    /// Sum of squares of a block at parameters that are fitted to the others.
+    /// Sum of squared residuals of a fold's block, at parameters fitted to the other blocks.
     fn left_out(
         &self,
         fold: &Fold,
@@ -180,13 +181,13 @@ impl<'a> Context<'a> {
             return Ok(None);
         };
         let block = Problem::new(model, std::slice::from_ref(&fold.left_out), self.fit.clone())?;
-        Ok(comparison::measure(&block, noise, &refit.values)?.map(|measured| measured.total()))
+        Ok(comparison::measure(&block, noise, &refit.values)?.map(|evaluation| evaluation.total()))
     }
 }
 
-/// A descent in rounds: iterations, and how many times `best` it may leave after them to go on. `None` where it was given up. One that converges
-/// early is held to what the last round may leave.
-pub(crate) fn down(
+/// A descent in rounds. Each round is a number of iterations, and the largest multiple of `best` that the sum of squares may be after it for
+/// the descent to continue. A descent that converges early must meet the last round's multiple. `None` where the descent was given up.
+pub(crate) fn descend_in_rounds(
     problem: &Problem<'_>,
     noise: &NoiseModel,
     values: &[f64],
@@ -194,19 +195,20 @@ pub(crate) fn down(
     rounds: &[(usize, f64)],
 ) -> Result<Option<Evaluation>, IdentifyError> {
     let mut at: Option<Evaluation> = None;
-    for (iterations, hopeless) in rounds {
+    for (iterations, most_times) in rounds {
         let begin = at.as_ref().map_or(values, |at| &*at.values);
         let from = at.as_ref().map(|at| (problem.model(), at));
         let next = comparison::descend(problem, noise, begin, from, (comparison::COARSE, *iterations))?;
-        at = next.filter(|next| next.total() < hopeless * best);
+        at = next.filter(|next| next.total() < most_times * best);
         if at.as_ref().is_none_or(|at| at.converged) {
             break;
         }
     }
-    let most = rounds.last().map_or(f64::INFINITY, |(_, hopeless)| hopeless * best);
+    let most = rounds.last().map_or(f64::INFINITY, |(_, most_times)| most_times * best);
     Ok(at.filter(|at| at.total() < most))
 }
 
+/// Folds of a few recordings, one for each of [`BLOCKS`] blocks.
 fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, RecordingError> {
     let mut folds = Vec::new();
     let blocks = BLOCKS / training.len().max(1);
@@ -221,7 +223,8 @@ fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, Recordi
     Ok(folds)
 }
 
-/// A recording without the outputs of a block, and one with those only. Inputs stay: angles, time and the start are those of the whole.
+/// A recording without the outputs of a block, and the recording with only those. Inputs stay complete in both, so that angles, time and the
+/// start state are those of the whole recording.
 fn without_block(
     model: &Model,
     dataset: &Dataset,

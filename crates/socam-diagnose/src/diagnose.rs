@@ -1,74 +1,42 @@
-//! The whole diagnosis, from recordings to the answer.
+//! The whole diagnosis, stage by stage, from recordings to the answer.
 
 use socam_identify::{
-    Identification, IdentifyError, LeftOut, NoiseLevels, Options as FitOptions, Problem, ProgressMonitor,
-    StartState, output_error,
+    Identification, IdentifyError, LeftOut, NoiseLevels, Options as FitOptions, Problem, output_error,
 };
 use socam_model::{Model, ModelError, Update};
 use socam_recording::{Dataset, RecordingError};
 use thiserror::Error;
 
 use crate::{
-    Diagnosis, Evidence, answer,
+    Diagnosis, Evidence,
+    answer::{self, inputs::Inputs},
     context::Context,
-    intervals, noise_floor,
+    forward, intervals, noise_floor,
+    options::Options,
     pictures::{self, Pair},
     preprocessing::{self, connected, preprocessed},
     proof::Proof,
-    selection::{self, Path},
+    selection::Path,
 };
 
-/// Most iterations of the base model's fit from its best start: it only has to be near, and where physics is missing it would walk
-/// on along what the data hardly determine.
-const BASE: usize = 20;
-/// Attempts at a step per sample beyond which a candidate's prediction is given up: what rattles takes a few.
+/// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing physics,
+/// further iterations move parameters that the recordings hardly determine.
+const BASE_ITERATIONS: usize = 20;
+/// Attempted integration steps per sample beyond which a candidate's prediction is given up. Rattling teeth take a few.
 const MOST_STEPS: usize = 64;
 
-/// What a diagnosis assumes and how far it goes.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Share of benches with nothing missing on which something may be found, 1.
-    pub false_alarm_rate: f64,
-    /// Most effects that are added.
-    pub most_effects: usize,
-    /// Share of a channel's standard deviation by which a finding must move its prediction to matter, 1.
-    pub tolerance: f64,
-    /// Starts of the base model's fit.
-    pub starts: usize,
-    /// Seed of their spread.
-    pub seed: u64,
-    /// Where each recording starts from.
-    pub start_state: StartState,
-    /// Who follows the search and may end it.
-    pub watch: ProgressMonitor,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            false_alarm_rate: 0.01,
-            most_effects: 3,
-            tolerance: 1e-3,
-            starts: 6,
-            seed: 1,
-            start_state: StartState::Free,
-            watch: ProgressMonitor::default(),
-        }
-    }
-}
-
-/// What came out.
+/// The answer of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// The document.
+    /// The document that scripts read.
     pub diagnosis: Diagnosis,
-    /// What its pictures are drawn from.
+    /// The data from which pictures are drawn.
     pub evidence: Evidence,
-    /// The corrected model, its parameters at their fit; a model file like any other.
+    /// Text of the corrected model's file, its parameters at their fit.
     pub model_toml: String,
 }
 
-/// Input that cannot be used.
+/// Input that a diagnosis cannot use.
 #[derive(Debug, Error)]
 pub enum DiagnoseError {
     /// The base model could not be fitted.
@@ -80,40 +48,40 @@ pub enum DiagnoseError {
     /// The corrected model could not be written.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A recording is held out and fitted.
+    /// A recording is both held out and fitted.
     #[error(
         "`{holdout}` holds the same samples as `{training}`; what is held out must not be fitted: hold out another recording"
     )]
     SameSamples {
-        /// The one that is held out.
+        /// Name of the recording that is held out.
         holdout: String,
-        /// The one that is fitted.
+        /// Name of the recording that is fitted.
         training: String,
     },
-    /// A channel says nothing in any recording that is fitted.
+    /// A channel is constant in all recordings that are fitted.
     #[error(
         "{channel} never changes in any recording that is fitted, although others do: is its sensor connected? To do without it, take \
          it out of the model's channels"
     )]
     Disconnected {
-        /// The channel.
+        /// Name of the channel.
         channel: String,
     },
-    /// The base model cannot follow the recordings at all.
+    /// The base model's prediction overflows.
     #[error(
         "{model} cannot follow these recordings: its prediction overflows; give start values nearer to the bench"
     )]
     Diverged {
-        /// Its name.
+        /// Name of the model.
         model: String,
     },
 }
 
-/// Says whether `model` lacks physics that `training` recordings show, which, and whether adding it predicts `holdout` recordings
-/// better. Without any of those, training recordings are left out one at a time, a single one part by part.
+/// Finds out whether `model` lacks physics that the `training` recordings show, which physics, and whether the corrected model predicts the
+/// `holdout` recordings better. `holdout` may be empty; the answer then rests on cross-validation among the training recordings.
 ///
 /// # Errors
-/// [`DiagnoseError`] where a recording or the model cannot be used. That nothing fits is no error.
+/// [`DiagnoseError`] where a recording or the model cannot be used. It is no error that no candidate fits.
 pub fn diagnose(
     model: &Model,
     training: &[Dataset],
@@ -121,7 +89,7 @@ pub fn diagnose(
     options: &Options,
 ) -> Result<Answer, DiagnoseError> {
     let clock = cpu_time::ProcessTime::now();
-    apart(training, holdout)?;
+    refuse_shared_samples(training, holdout)?;
     if let Some(channel) = preprocessing::disconnected(model, training)? {
         return Err(DiagnoseError::Disconnected { channel });
     }
@@ -138,7 +106,7 @@ pub fn diagnose(
         most_steps: Some(MOST_STEPS),
         ..FitOptions::default()
     };
-    let near = FitOptions { max_iterations: BASE, ..fit.clone() };
+    let near = FitOptions { max_iterations: BASE_ITERATIONS, ..fit.clone() };
     let before = output_error(&Problem::new(model, &training, near)?)?;
     let levels = levels(model, &before);
     let clean = |all: &[Dataset]| preprocessed(model, all, &before.point, &levels, &fit);
@@ -146,10 +114,10 @@ pub fn diagnose(
     outliers.extend(more);
     let context = Context::new(model, &training, fit, options)?;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
-    let mut path = selection::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    let mut path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
     let after = determined(&context, &mut path, &before)?;
     path.test_last(&context)?;
-    // The last choice is made: only now are held-out recordings predicted.
+    // Held-out recordings are predicted only after the last choice.
     let proof = Proof::open(&context, &path, &holdout)?;
     let corrected = &path.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;
@@ -159,7 +127,7 @@ pub fn diagnose(
     let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::shown(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
-    let made = answer::Made {
+    let inputs = Inputs {
         context: &context,
         path: &path,
         proof: proof.as_ref(),
@@ -167,15 +135,15 @@ pub fn diagnose(
         after: &after,
         floor: &floor,
     };
-    let mut diagnosis = answer::document(&made, cpu_s)?;
+    let mut diagnosis = answer::document(&inputs, cpu_s)?;
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);
     Ok(Answer { diagnosis, evidence, model_toml })
 }
 
-/// Takes out terms whose amplitude the recordings do not determine, the latest first, until all are; estimates of what is left. Each term is
-/// told what it gains beside the others.
+/// Removes terms whose amplitude the recordings do not determine, the latest first, until every term is determined. Sets each remaining
+/// term's gain over the model without it. Returns the estimates of the remaining model.
 fn determined(
     context: &Context<'_>,
     path: &mut Path,
@@ -203,15 +171,15 @@ fn determined(
         if let Some(without) = &near {
             path.terms[term].gain = path.gain(&path.last, without);
         }
-        // Where no fit without it comes near, what it gained when it was added stands.
-        let without = near.map_or_else(|| path.without(context, term), |near| Ok(Some(near)))?;
+        // Where no fit without the term comes near, the gain at which it was added stays.
+        let without = near.map_or_else(|| path.validated_without(context, term), |near| Ok(Some(near)))?;
         path.terms[term].without = without;
     }
     Ok(found)
 }
 
-/// No recording proves what was fitted to it, under whatever name.
-fn apart(training: &[Dataset], holdout: &[Dataset]) -> Result<(), DiagnoseError> {
+/// Refuses held-out recordings that equal a training recording, whatever their names.
+fn refuse_shared_samples(training: &[Dataset], holdout: &[Dataset]) -> Result<(), DiagnoseError> {
     let are_same = |a: &Dataset, b: &Dataset| {
         a.rows() == b.rows()
             && a.channels() == b.channels()
@@ -227,7 +195,7 @@ fn apart(training: &[Dataset], holdout: &[Dataset]) -> Result<(), DiagnoseError>
     Ok(())
 }
 
-/// Noise levels that a fit found.
+/// Noise levels of outputs and inputs that a fit estimated, SI.
 fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     let outputs = fit.fit.channels.iter().map(|(_, channel)| channel.noise_std).collect();
     let own =
@@ -235,6 +203,7 @@ fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
+/// The free parameters' estimates as updates of a model file.
 fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
     let free = model.parameters.iter().zip(&fit.parameters).zip(&fit.point);
     free.filter(|((parameter, _), _)| !parameter.fixed)

@@ -1,28 +1,25 @@
-//! Backward elimination, and nested laws that take the place of simpler ones: by the criterion of selection.
+//! Backward elimination of terms, and replacement of a term's law by a nested one, both by the criterion of selection.
 
 use rayon::prelude::*;
-use socam_identify::{
-    IdentifyError,
-    comparison::{self, Evaluation},
-};
+use socam_identify::{IdentifyError, comparison::Evaluation};
 
 use crate::{
-    candidates::{self, Candidate},
+    candidate::Candidate,
     context::{self, Context, FittedModel},
-    criterion,
+    criterion, nested,
     selection::{EXCESS, Path},
 };
 
-/// Legs of a fit without a term: iterations, and how near it must come to the fit with it to be gone on with.
+/// Rounds of a fit without a term: iterations, and the largest multiple of the deviance with the term that it may have after them.
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
-/// The same of each start of a nested law.
+/// Rounds of each start of a nested law, likewise.
 const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
 
-/// Share of the excess over sensor noise at the last attempt below which nested laws are tried again.
+/// Share of the excess at the last attempt below which nested laws are tried again.
 const MUCH_LESS: f64 = 0.5;
 
 impl Path {
-    /// Takes out terms, of the first so many the latest first, without which the model predicts as well to within a standard error.
+    /// Removes those of the first `first` terms, the latest first, without which the model predicts as well to within a standard error.
     pub(crate) fn eliminate(&mut self, context: &Context<'_>, first: usize) -> Result<(), IdentifyError> {
         for index in (0..first).rev() {
             let Some(without) = self.fitted_without(context, index)? else { continue };
@@ -34,41 +31,40 @@ impl Path {
         Ok(())
     }
 
-    /// The last model without a term, at its fit; `None` where that stays far from the fit with it.
+    /// The last model without a term, at its fit from the last values; `None` where its deviance stays far above that with the term.
     pub(crate) fn fitted_without(
         &self,
         context: &Context<'_>,
         index: usize,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
+        let Some((model, values)) = self.start_without(index) else { return Ok(None) };
         let problem = context.problem(&model)?;
-        let at = context::down(&problem, &self.noise, &values, self.last.deviance(), &WITHOUT)?;
+        let at = context::descend_in_rounds(&problem, &self.noise, &values, self.last.deviance(), &WITHOUT)?;
         let Some(at) = at else { return Ok(None) };
         context.fitted(&model, &at.values, Some((&model, &at)), &self.noise)
     }
 
-    /// The last model without a term, fitted from the file's values however far that ends from the fit with it.
+    /// The last model without a term, fitted from the file's values, whatever its deviance.
     pub(crate) fn refitted_without(
         &self,
         context: &Context<'_>,
         index: usize,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let Some((model, _)) = self.begun_without(index) else { return Ok(None) };
+        let Some((model, _)) = self.start_without(index) else { return Ok(None) };
         context.fitted(&model, &model.values(), None, &self.noise)
     }
 
-    /// The last model with a term's amplitude at its null value, everything else as it is.
-    pub(crate) fn without(
+    /// The last model with a term's amplitude at its null value and everything else unchanged, cross-validated.
+    pub(crate) fn validated_without(
         &self,
         context: &Context<'_>,
         index: usize,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let Some((model, values)) = self.begun_without(index) else { return Ok(None) };
-        let at = comparison::measure(&context.problem(&model)?, &self.noise, &values)?;
-        at.map_or(Ok(None), |at| context.validated(&model, at, &self.noise))
+        let without = self.evaluated_without(context, index, &self.noise)?;
+        without.map_or(Ok(None), |(model, at)| context.validated(&model, at, &self.noise))
     }
 
-    /// Goes on without a term.
+    /// Removes a term; `without` is the model without it at its fit.
     pub(crate) fn remove(
         &mut self,
         context: &Context<'_>,
@@ -81,11 +77,11 @@ impl Path {
         self.renew_noise(context)
     }
 
-    /// Takes out terms whose place a curve takes: beside it they are not worth it.
+    /// Removes terms that gain nothing beside the nonparametric term.
     pub(crate) fn replace_by_curve(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.terms.len()).rev() {
             let Some(curve) = &self.unexplained else { return Ok(()) };
-            let Some((model, values)) = self.begun_without(index) else { continue };
+            let Some((model, values)) = self.start_without(index) else { continue };
             let Some(beside) = curve.beside(context, (&model, &values), &self.noise)? else { continue };
             let Some(all) = context.refitted(&curve.fitted, &self.noise)? else { continue };
             let gained = self.gain(&all, &beside);
@@ -96,7 +92,7 @@ impl Path {
             let named = self.clone();
             let curve = curve.clone();
             self.remove(context, index, fitted)?;
-            self.unexplained = curve.again(context, self)?;
+            self.unexplained = curve.fitted_again(context, self)?;
             if self.unexplained.is_none() {
                 *self = named;
             }
@@ -104,13 +100,13 @@ impl Path {
         Ok(())
     }
 
-    /// Puts the simplest law in a term's place beside which the term's own gains nothing.
+    /// Replaces a term's law by the simplest law over which it gains nothing.
     pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<(), IdentifyError> {
-        for simpler in candidates::simpler_laws(self, index) {
-            let Some((model, values)) = self.begun_with(index, &simpler) else { continue };
+        for simpler in nested::simpler_laws(self, index) {
+            let Some((model, values)) = self.start_with(index, &simpler) else { continue };
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
             let gained = self.gain(&self.last, &fitted);
-            if gained.log_score <= gained.std.max(self.least_of_another_name(index, &simpler)) {
+            if gained.log_score <= gained.std.max(self.least_gain_over(index, &simpler)) {
                 self.last = fitted;
                 let term = &mut self.terms[index];
                 term.rivals.retain(|(rival, _)| !rival.is_same(&simpler));
@@ -121,14 +117,15 @@ impl Path {
         Ok(())
     }
 
-    /// What a term's law has to gain over another one with another name: more than the simpler law's own discrepancy may make.
-    fn least_of_another_name(&self, index: usize, other: &Candidate) -> f64 {
+    /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of the
+    /// same effect.
+    fn least_gain_over(&self, index: usize, other: &Candidate) -> f64 {
         let term = &self.terms[index];
         if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
     }
 
-    /// Puts nested laws in the place of simpler ones where they predict better: noise is known only once most of what was missing is there,
-    /// so that they are tried again where much less is left.
+    /// Replaces terms' laws by laws that contain them where those predict better. The noise is known only once most missing physics was added,
+    /// so a law is tried again when much less is left.
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let excess = self.noise.excess();
@@ -137,16 +134,16 @@ impl Path {
             }
             self.terms[index].excess_at_upgrade = excess;
             let first = self.terms[index].candidate.clone();
-            for starts in candidates::refined_laws(&first, &self.base.model) {
+            for starts in nested::refined_laws(&first, &self.base.model) {
                 self.replace(context, index, starts)?;
             }
-            let richer = candidates::richer_laws(self, index);
+            let richer = nested::richer_laws(self, index);
             self.replace(context, index, richer)?;
         }
         Ok(())
     }
 
-    /// Puts the best of several laws in the place of a term's.
+    /// Replaces a term's law by the best of several laws, if it predicts better.
     fn replace(
         &mut self,
         context: &Context<'_>,
@@ -163,7 +160,7 @@ impl Path {
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
         let Some((after, before)) = after.zip(before) else { return Ok(()) };
         let gained = self.gain(&after, &before);
-        if gained.log_score <= gained.std.max(self.least_of_another_name(index, &candidate)) {
+        if gained.log_score <= gained.std.max(self.least_gain_over(index, &candidate)) {
             return Ok(());
         }
         (self.last, self.noise) = (after, noise);
@@ -173,7 +170,7 @@ impl Path {
         Ok(())
     }
 
-    /// The last model with another law in the place of a term's, from the best of several starts.
+    /// The last model with another law in the place of a term's law, after a few rounds from each of several starts; the least deviance of them.
     fn best_of(
         &self,
         context: &Context<'_>,
@@ -181,9 +178,15 @@ impl Path {
         starts: Vec<Candidate>,
     ) -> Result<Option<(Candidate, socam_model::Model, Evaluation)>, IdentifyError> {
         let begun = starts.into_par_iter().map(|start| {
-            let Some((model, values)) = self.begun_with(index, &start) else { return Ok(None) };
+            let Some((model, values)) = self.start_with(index, &start) else { return Ok(None) };
             let best = self.last.deviance();
-            let at = context::down(&context.problem(&model)?, &self.noise, &values, best, &UPGRADING)?;
+            let at = context::descend_in_rounds(
+                &context.problem(&model)?,
+                &self.noise,
+                &values,
+                best,
+                &UPGRADING,
+            )?;
             Ok(at.map(|at| (start, model, at)))
         });
         let begun: Result<Vec<_>, IdentifyError> = begun.collect();

@@ -1,4 +1,4 @@
-//! What to record next, so that rivals part.
+//! The next experiment: a profile that tells competing models apart.
 
 use socam_model::effects::{
     self, ActsAt,
@@ -8,7 +8,7 @@ use socam_recording::ProfileFile;
 
 use crate::document::{Finding, Over, SuggestedExperiment};
 
-/// The profile of a suggestion as a file that `record --profile` takes, its purpose being the suggestion's sentence.
+/// Text of a suggestion's profile file for `record --profile`. Its purpose is the suggestion's sentence.
 pub(crate) fn profile_text(suggestion: &SuggestedExperiment) -> Option<String> {
     let text = ProfileFile::built_in_text(&suggestion.profile).unwrap_or(&suggestion.profile);
     let profile = ProfileFile::parse(text).ok()?;
@@ -16,7 +16,7 @@ pub(crate) fn profile_text(suggestion: &SuggestedExperiment) -> Option<String> {
     Some(ProfileFile { purpose: Some(purpose), ..profile }.to_toml())
 }
 
-/// What would show the shape of what has no name more sharply.
+/// An experiment that shows a finding's curve more precisely; `None` for a finding without a curve.
 pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     let curve = finding.curve.as_ref()?;
     let (profile, why) = match curve.over {
@@ -41,7 +41,7 @@ pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// A profile that treats the finding and its first rival differently: the more particular of their two experiments.
+/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher precedence.
 pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
     let rival = &finding.rivals[0];
     let own = [&finding.effect, &rival.effect].into_iter().filter_map(|id| effects::find(id));
@@ -57,7 +57,7 @@ pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
     }
 }
 
-/// What settles which of several rivals breaks the ties of steady states; `None` where no finding has rivals.
+/// An experiment that tells apart the competing models of violated parity relations; `None` where no finding has any.
 pub(crate) fn steady(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let open: Vec<&Finding> = findings.iter().filter(|finding| !finding.rivals.is_empty()).collect();
     let first = *open.first()?;

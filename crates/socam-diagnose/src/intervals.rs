@@ -1,24 +1,25 @@
-//! Estimates of the corrected model with their intervals.
+//! Estimates of the corrected model's parameters with their confidence intervals.
 
 use socam_identify::{
     Identification, IdentifyError, ParameterEstimate, Source, at_minimum, uncertainty::jackknife,
 };
 
-use crate::{candidates::Candidate, context::Context, selection::Path};
+use crate::{candidate::Candidate, context::Context, selection::Path};
 
-/// Mean square of the residuals in units of sensor noise from which on an interval's upper end allows for how an effect's law is idealised.
+/// Mean square of the whitened residuals, in units of sensor noise, above which an interval's upper end allows for the idealisation of an
+/// effect's law.
 const POOR: f64 = 1.2;
 
-/// Share of the way from the lower bound to the file's value within which a parameter lies at the bound.
+/// Share of the distance from the lower bound to the file's value within which a parameter counts as at the bound.
 const AT_BOUND: f64 = 0.01;
 
-/// The last model's parameters under its noise model. No interval is narrower than the recordings differ (jackknife over recordings), or
-/// than a law's own discrepancy allows.
+/// Estimates of the last model's parameters under its noise model. No interval is narrower than the jackknife interval over recordings, or
+/// than the least half-width of an effect's law.
 pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identification, IdentifyError> {
     let last = &path.last;
     let mut model = last.model.clone();
     for (parameter, value) in model.parameters.iter_mut().zip(&last.at.values) {
-        // A bound that the fit leans on holds the parameter: the others' intervals are those with it there.
+        // A parameter at its lower bound is held there while the intervals of the others are computed.
         let (usual, low) = (parameter.value, parameter.bounds.0);
         parameter.fixed |= low.is_finite() && value - low < AT_BOUND * (usual - low);
         parameter.value = value.clamp(parameter.bounds.0, parameter.bounds.1);
@@ -56,7 +57,7 @@ pub(crate) fn estimates(context: &Context<'_>, path: &Path) -> Result<Identifica
     Ok(found)
 }
 
-/// None goes beyond what the parameter can be.
+/// Widens an interval to at least this half-width, within the parameter's bounds.
 fn widen(estimate: &mut ParameterEstimate, half_width: f64, (least, most): (f64, f64)) {
     let Some(value) = estimate.value else { return };
     let [low, high] = &mut estimate.ci95;
@@ -66,13 +67,13 @@ fn widen(estimate: &mut ParameterEstimate, half_width: f64, (least, most): (f64,
 
 /// Whether the recordings determine the amplitude of a term: its interval does not hold the null value.
 pub(crate) fn is_determined(path: &Path, term: usize, found: &Identification) -> bool {
-    let Candidate { strength, .. } = path.terms[term].candidate;
-    let nothing = path.terms[term].candidate.nothing();
-    let mut amplitudes = path.parameters(term).filter(|(name, _)| strength.contains(name)).peekable();
-    let is_some = |index: usize| {
+    let Candidate { amplitudes: names, .. } = path.terms[term].candidate;
+    let null = path.terms[term].candidate.null_value();
+    let mut amplitudes = path.parameters(term).filter(|(name, _)| names.contains(name)).peekable();
+    let is_nonnull = |index: usize| {
         let ParameterEstimate { value, ci95: [low, high], .. } = &found.parameters[index];
-        let may_be_nothing = low.is_none_or(|low| low <= nothing) && high.is_none_or(|high| nothing <= high);
-        value.is_some() && !may_be_nothing
+        let may_be_null = low.is_none_or(|low| low <= null) && high.is_none_or(|high| null <= high);
+        value.is_some() && !may_be_null
     };
-    amplitudes.peek().is_none() || amplitudes.any(|(_, index)| is_some(index))
+    amplitudes.peek().is_none() || amplitudes.any(|(_, index)| is_nonnull(index))
 }

@@ -8,20 +8,25 @@
 //!
 //! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 
-mod alike;
 mod answer;
+mod candidate;
 mod candidates;
 mod choice;
 mod context;
 mod criterion;
 mod diagnose;
 mod elimination;
+mod equivalence;
 mod experiment;
+mod extension;
+mod forward;
 mod halving;
 mod intervals;
 mod materiality;
+mod nested;
 mod noise_floor;
 mod nonparametric;
+mod options;
 mod orders;
 mod pictures;
 mod plausibility;
@@ -33,10 +38,12 @@ mod scales;
 mod score_test;
 mod selection;
 mod sensor_left_out;
+mod shortlist;
 mod spectrum;
 pub mod steady;
 mod words;
 
-pub use diagnose::{Answer, DiagnoseError, Options, diagnose};
+pub use diagnose::{Answer, DiagnoseError, diagnose};
+pub use options::Options;
 pub use socam_answer::{Diagnosis, Evidence, document, evidence};
 pub use steady::{SteadyOptions, diagnose_steady};

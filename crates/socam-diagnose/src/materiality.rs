@@ -1,4 +1,4 @@
-//! Whether a finding matters: how much of the predicted signals it moves.
+//! Materiality of a finding: by how much its term moves the predicted signals.
 
 use socam_identify::{
     IdentifyError,
@@ -7,25 +7,29 @@ use socam_identify::{
 
 use crate::{context::Context, selection::Path};
 
-/// The channel that a finding moves most, as a share of the standard deviation of what was measured.
+/// The channel that a term moves most.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Moves {
+pub(crate) struct LargestChange {
     pub(crate) channel: String,
+    /// Root mean square change of the prediction over the standard deviation of the measured signal, 1.
     pub(crate) share: f64,
 }
 
-/// How much a term moves the predictions of the training recordings: its amplitude set to its null value, all else as it is. `None` where
-/// that cannot be predicted.
-pub(crate) fn moves(context: &Context<'_>, path: &Path, term: usize) -> Result<Option<Moves>, IdentifyError> {
-    let Some((model, values)) = path.begun_without(term) else { return Ok(None) };
-    let problem = context.problem(&model)?;
-    let Some(at) = comparison::measure(&problem, &path.noise, &values)? else { return Ok(None) };
-    let without = comparison::traces(&problem, &at, None)?;
+/// The largest change of a channel's prediction on the training recordings when a term's amplitude is set to its null value and everything
+/// else stays. `None` where the prediction without the term overflows.
+pub(crate) fn largest_change(
+    context: &Context<'_>,
+    path: &Path,
+    term: usize,
+) -> Result<Option<LargestChange>, IdentifyError> {
+    let without = path.evaluated_without(context, term, &path.noise)?;
+    let Some((model, at)) = without else { return Ok(None) };
+    let without = comparison::traces(&context.problem(&model)?, &at, None)?;
     let with = comparison::traces(&context.problem(&path.last.model)?, &path.last.at, None)?;
     let each = path.last.model.outputs().enumerate().filter_map(|(output, channel)| {
-        // Beyond all of it, a free run without the term is another motion.
+        // A change as large as the signal means that the simulation without the term is another motion; larger shares mean no more.
         let share = (difference(&with, &without, output) / spread(&with, output)).min(1.0);
-        share.is_finite().then(|| Moves { channel: channel.name.clone(), share })
+        share.is_finite().then(|| LargestChange { channel: channel.name.clone(), share })
     });
     Ok(each.max_by(|a, b| a.share.total_cmp(&b.share)))
 }
@@ -37,7 +41,7 @@ fn difference(a: &[Traces], b: &[Traces], output: usize) -> f64 {
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
-/// Standard deviation of what was measured.
+/// Standard deviation of the measured signal over all recordings.
 fn spread(traces: &[Traces], output: usize) -> f64 {
     let values: Vec<f64> = traces
         .iter()

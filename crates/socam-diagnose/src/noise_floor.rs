@@ -1,4 +1,4 @@
-//! What a perfect model would leave: noise of the outputs, and what errors of the inputs become on their way through.
+//! The noise floor: residual of a perfect model, from noise of the outputs and from errors of the inputs that pass through the model.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
@@ -7,20 +7,22 @@ use socam_model::{Channel, Model, Take};
 
 use crate::spectrum;
 
-/// Samples that are sent through the model, so many times.
+/// Samples of one simulation of input errors.
 const ROWS: usize = 8000;
+/// Number of simulations.
 const DRAWS: usize = 4;
-/// Of these the first are not counted.
+/// First samples of a simulation, which are not counted.
 const SETTLING: usize = 2000;
-/// Samples to either side over which a signal is averaged to see where it lies between the steps of its converter.
+/// Samples on either side over which a signal is averaged to find its value between the steps of its converter.
 const SMOOTHING: usize = 25;
-/// Values that differ by no whole number of steps, to this share of one, are not rounded; nor are those of which so few are alike.
-const ALIKE: f64 = 1e-3;
+/// Largest distance of a difference of rounded values from a whole number of steps, as a share of the difference.
+const STEP_TOLERANCE: f64 = 1e-3;
+/// Least ratio of the number of samples to that of distinct values for a signal to count as rounded.
 const LEAST_REPEATED: usize = 4;
-/// Root mean square of what is rounded away, in units of the noise that was found, up to which it is believed.
+/// Largest root mean square of the rounding error, in units of the estimated noise, for a step to count as a converter's.
 const BELIEVED: f64 = 2.0;
 
-/// Standard deviation of each output's residual, SI, on recordings like these.
+/// Standard deviation of each output's residual under a perfect model, SI, on recordings like these.
 pub(crate) fn floor(
     model: &Model,
     values: &[f64],
@@ -28,9 +30,9 @@ pub(crate) fn floor(
     recorded: &[&Traces],
     sample_time_s: f64,
 ) -> Vec<f64> {
-    // Where what the inputs leave cannot be worked out, nothing.
+    // Where the model cannot be simulated, the outputs' own noise alone.
     let own = levels.outputs.clone();
-    // Laws bend around a motion that is not there now.
+    // Nonlinear laws depend on the motion, which a simulation of input errors alone does not have.
     let mut linear = model.clone();
     linear.effects.retain(|used| used.effect.laws().is_empty());
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -64,10 +66,10 @@ pub(crate) fn floor(
     own.iter().zip(squares).map(|(own, square)| own.hypot(square.sqrt())).collect()
 }
 
-/// Errors of an input like this one: white noise, and what its converter rounds away. Where a signal moves little and is not noisy,
-/// that stands still for long, and goes through a drivetrain where noise does not.
+/// Simulated errors of an input: white noise and its converter's rounding error. Where a signal changes little and has little noise, the
+/// rounding error is constant for long and passes through a drivetrain that filters noise.
 fn error(signal: &[f64], std: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
-    // Levels of a command are no steps of a converter: those would have been taken for noise.
+    // Levels of a command may look like a converter's steps, but a converter's rounding error would be part of the estimated noise.
     let step = step(signal).filter(|step| step / 12_f64.sqrt() < BELIEVED * std).unwrap_or(0.0);
     let own = (std * std - step * step / 12.0).max(0.0).sqrt();
     let draw = |_| own * Distribution::<f64>::sample(&StandardNormal, &mut *random);
@@ -84,7 +86,7 @@ fn error(signal: &[f64], std: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
     noise.iter().zip(smooth.iter().cycle()).map(one).collect()
 }
 
-/// Of the converter whose values these are; `None` where they are not rounded, or never change.
+/// Step of the converter that rounded these values; `None` where they are not rounded or constant.
 fn step(signal: &[f64]) -> Option<f64> {
     let mut values: Vec<f64> = signal.iter().copied().filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
@@ -95,10 +97,12 @@ fn step(signal: &[f64]) -> Option<f64> {
     }
     let gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
-    let whole = |gap: &f64| (gap / least - (gap / least).round()).abs() < ALIKE * (gap / least).max(1.0);
+    let whole =
+        |gap: &f64| (gap / least - (gap / least).round()).abs() < STEP_TOLERANCE * (gap / least).max(1.0);
     (least.is_finite() && gaps.iter().all(whole)).then_some(least)
 }
 
+/// Moving average of a signal; missing values count as zero.
 fn smoothed(signal: &[f64]) -> Vec<f64> {
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(signal.iter().scan(0.0, |sum, value| {
@@ -126,7 +130,7 @@ mod tests {
         assert_eq!(step(&[1.5; 100]), None);
     }
 
-    /// What is rounded away of a signal that stands still stays; of one that is noisy it is noise.
+    /// The rounding error of a constant signal is constant; that of a noisy one is noise.
     #[test]
     fn rounding_stands_still_with_its_signal() {
         let mut random = ChaCha8Rng::seed_from_u64(7);
@@ -140,7 +144,7 @@ mod tests {
         );
         let noisy = error(0.3, &mut random);
         assert!(mean(&noisy[100..1900]).abs() < 0.03);
-        // As wide as these levels are apart, nothing is rounded.
+        // A step much larger than the noise is no converter's.
         assert!(error(0.0, &mut random).iter().all(|value| *value == 0.0));
     }
 }

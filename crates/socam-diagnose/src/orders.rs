@@ -1,15 +1,17 @@
-//! Whole numbers of cycles per turn at which residuals stand out.
+//! Orders of residuals: whole numbers of cycles per turn at which their power stands out.
 
-/// Orders that are looked at, and how many of them are kept.
+/// Highest order that is tested.
 const HIGHEST: usize = 60;
+/// Largest number of orders that are returned.
 const KEPT: usize = 6;
-/// Orders to either side of one with which it is compared, and how many times their median it must be.
+/// Orders on either side with which one is compared.
 const NEAR: usize = 6;
+/// Least ratio of an order's power to the median of its neighbours.
 const STANDS_OUT: f64 = 6.0;
-/// Most samples of one series.
+/// Largest number of samples of one series that are used.
 const SAMPLES: usize = 20_000;
 
-/// Orders of all series together, strongest first. A series is an angle, rad, and what is left of an output at the same samples.
+/// Orders that stand out in all series together, the strongest first. A series is an angle, rad, and an output's residual at the same samples.
 pub(crate) fn standing_out<'s>(series: impl Iterator<Item = (&'s [f64], &'s [f64])>) -> Vec<f64> {
     let mut sums = [0.0; HIGHEST + 1];
     for (angle, residual) in series {
@@ -29,7 +31,7 @@ pub(crate) fn standing_out<'s>(series: impl Iterator<Item = (&'s [f64], &'s [f64
     found.into_iter().map(|order| order as f64).collect()
 }
 
-/// Power of each order over that of white noise of the same variance; nothing of a place that does not turn.
+/// Power of each order over the residual's total power; zero where the residual is constant.
 fn powers(angle: &[f64], residual: &[f64]) -> [f64; HIGHEST + 1] {
     let mut powers = [0.0; HIGHEST + 1];
     let stride = (angle.len() / SAMPLES).max(1);
@@ -58,7 +60,7 @@ fn powers(angle: &[f64], residual: &[f64]) -> [f64; HIGHEST + 1] {
 mod tests {
     use super::*;
 
-    /// Two turns at a speed that swings, with cogging of orders 7 and 28 beside noise.
+    /// Two turns at a varying speed, with cogging of orders 7 and 28 and noise.
     #[test]
     fn whole_orders_are_seen_at_any_speed() {
         let angle: Vec<f64> = (0..8000)

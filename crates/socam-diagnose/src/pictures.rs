@@ -1,4 +1,4 @@
-//! Residuals before and after the correction, for the report's pictures.
+//! Data of the pictures: residuals before and after the correction, over time, frequency, speed, angle and torque.
 
 use socam_identify::{
     IdentifyError, Problem,
@@ -14,12 +14,12 @@ use crate::{
     spectrum::{self, residual, step_s},
 };
 
-/// Bins of a picture over speed, angle or torque.
+/// Number of bins over speed, angle or torque.
 const BINS: usize = 40;
-/// Lines of a spectrum that are drawn.
+/// Largest number of frequency bands of a spectrum.
 const LINES: usize = 400;
 
-/// Both models' residuals of one recording.
+/// Measured and predicted signals of one recording, of the base model and of the corrected one.
 pub(crate) struct Pair {
     name: String,
     held_out: bool,
@@ -28,7 +28,7 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Of all recordings that were fitted, then of those that were held out.
+    /// One pair for each segment of the training recordings, then of the held-out ones.
     pub(crate) fn all(
         context: &Context<'_>,
         path: &Path,
@@ -58,14 +58,14 @@ impl Pair {
         Ok(pairs)
     }
 
-    /// Those that were held out, or else all.
+    /// The base model's signals on the held-out recordings, or on all where none is held out.
     pub(crate) fn shown(pairs: &[Self]) -> Vec<&Traces> {
         let held_out = pairs.iter().any(|pair| pair.held_out);
         pairs.iter().filter(|pair| pair.held_out == held_out).map(|pair| &pair.before).collect()
     }
 }
 
-/// `floor` is the noise floor of each output, SI.
+/// Data of all pictures. `floor` is the noise floor of each output, SI.
 pub(crate) fn evidence(model: &Model, pairs: &[Pair], floor: &[f64]) -> Evidence {
     let recordings = pairs.iter().map(|pair| recording(model, pair)).collect();
     let outputs = model.outputs().enumerate();
@@ -81,6 +81,7 @@ pub(crate) fn evidence(model: &Model, pairs: &[Pair], floor: &[f64]) -> Evidence
     Evidence { recordings, channels: channels.collect() }
 }
 
+/// Pairs the two models' signals of each segment.
 fn paired(names: &[String], held_out: bool, before: Vec<Traces>, after: Vec<Traces>) -> Vec<Pair> {
     let mut after = after.into_iter();
     let pair = |before: Traces| Pair {
@@ -92,6 +93,7 @@ fn paired(names: &[String], held_out: bool, before: Vec<Traces>, after: Vec<Trac
     before.into_iter().map(pair).collect()
 }
 
+/// Residuals of one recording over time.
 fn recording(model: &Model, pair: &Pair) -> RecordingTraces {
     let trace = |(output, channel): (usize, &socam_model::Channel)| Trace {
         channel: channel.name.clone(),
@@ -106,7 +108,7 @@ fn recording(model: &Model, pair: &Pair) -> RecordingTraces {
     }
 }
 
-/// What the residual is drawn over: the first output of that kind (its angle: the integral of the first speed).
+/// Abscissa of a picture: the first output of this quantity. An angle is the integral of the first speed.
 fn abscissa(model: &Model, trace: &Traces, quantity: Quantity) -> Option<Vec<f64>> {
     let kind = if quantity == Quantity::Turned { Quantity::Speed } else { quantity };
     let output = model.outputs().position(|channel| channel.quantity == kind)?;
@@ -122,6 +124,7 @@ fn abscissa(model: &Model, trace: &Traces, quantity: Quantity) -> Option<Vec<f64
     Some(turned.collect())
 }
 
+/// Mean residuals in bins of a quantity; `None` where it is not measured or constant.
 fn over(model: &Model, pairs: &[Pair], output: usize, quantity: Quantity) -> Option<Binned> {
     let mut rows: Vec<(f64, f64, f64)> = Vec::new();
     for pair in pairs {
@@ -152,7 +155,7 @@ fn over(model: &Model, pairs: &[Pair], output: usize, quantity: Quantity) -> Opt
     }
     let centre = |bin: usize| low + (high - low) * (bin as f64 + 0.5) / BINS as f64;
     let mean = |own: &[f64; 5], at: usize| if own[0] > 0.0 { own[at] / own[0] } else { f64::NAN };
-    // Neighbouring samples are alike: a standard error counts one in ten.
+    // Neighbouring samples are correlated: a standard error counts one sample in ten.
     let error = |own: &[f64; 5], at: usize| {
         let mean = mean(own, at);
         ((own[at + 1] / own[0] - mean * mean).max(0.0) / (own[0] / 10.0).max(1.0)).sqrt()
@@ -170,6 +173,7 @@ fn over(model: &Model, pairs: &[Pair], output: usize, quantity: Quantity) -> Opt
     })
 }
 
+/// Amplitude spectrum of the residual in the longest segment; `None` where it is too short.
 fn lines(pairs: &[Pair], output: usize, floor: f64) -> Option<Spectrum> {
     let longest = pairs.iter().max_by_key(|pair| pair.before.time_s.len())?;
     let step_s = step_s(&longest.before);
@@ -178,7 +182,7 @@ fn lines(pairs: &[Pair], output: usize, floor: f64) -> Option<Spectrum> {
     if frequency_hz.len() < 8 {
         return None;
     }
-    // Bands of equal width on a logarithmic scale.
+    // Bands are equally wide on a logarithmic scale.
     let count = frequency_hz.len();
     let edge = |k: usize| ((count as f64).powf(k as f64 / LINES as f64)).round() as usize;
     let mut edges: Vec<usize> = (0..=LINES).map(edge).collect();

@@ -1,4 +1,4 @@
-//! What is known before any recording: how plausible a model's parameters are.
+//! Prior plausibility of a model's parameters, from the model file and the catalogue.
 
 use socam_model::{
     Model,
@@ -7,22 +7,23 @@ use socam_model::{
 
 use crate::context::FittedModel;
 
-/// The base model as its file has it, and the machine in numbers.
+/// Prior knowledge: the base model as its file has it, and the machine's sizes, from which effects take their priors.
 #[derive(Clone)]
-pub(crate) struct Known {
+pub(crate) struct PriorKnowledge {
     pub(crate) base: Model,
     pub(crate) rig: Rig,
 }
 
-impl Known {
-    /// Logarithm of how plausible a fit's parameters are, relative to what is usual: 0 for usual ones, minus infinity for what cannot be. A base
-    /// parameter is known from the model file to within a factor of e (one standard deviation of its logarithm); those of
-    /// effects that were added have the priors of the catalogue.
+impl PriorKnowledge {
+    /// Logarithm of the prior density of a fit's parameters relative to usual values: 0 for usual values, minus infinity outside a
+    /// parameter's support. A base parameter has a log-normal prior about the file's value, with a standard deviation of 1 in the natural
+    /// logarithm. Parameters of added effects have the priors of the catalogue.
     pub(crate) fn log_prior(&self, fitted: &FittedModel) -> f64 {
-        self.displacement(fitted) + self.effects(fitted)
+        self.of_displacement(fitted) + self.of_effects(fitted)
     }
 
-    fn displacement(&self, fitted: &FittedModel) -> f64 {
+    /// Log prior of the base parameters' displacement from the file's values.
+    fn of_displacement(&self, fitted: &FittedModel) -> f64 {
         let moved = self.base.parameters.iter().filter_map(|parameter| {
             let value = fitted.at.values[fitted.model.parameter(&parameter.name)?];
             let known = !parameter.fixed && parameter.bounds.0 >= 0.0 && parameter.value > 0.0 && value > 0.0;
@@ -31,7 +32,8 @@ impl Known {
         -0.5 * moved.map(|moved| moved * moved).sum::<f64>()
     }
 
-    fn effects(&self, fitted: &FittedModel) -> f64 {
+    /// Log prior of the parameters of added effects.
+    fn of_effects(&self, fitted: &FittedModel) -> f64 {
         let added = fitted.model.effects.iter().skip(self.base.effects.len());
         let each = added.map(|used| {
             let value = |name: &str| {
@@ -49,7 +51,8 @@ impl Known {
         each.sum()
     }
 
-    /// Frequencies that the recordings tell apart within a prior's support: a line at one of them is one of so many.
+    /// Number of frequencies that the recordings resolve within a prior's support. The log prior of a frequency is lowered by the logarithm of
+    /// that number, because the best of so many was chosen.
     fn lines(&self, prior: &Prior) -> f64 {
         let (least, most) = prior.support;
         let most = most.min(0.5 / self.rig.sample_time_s);

@@ -1,5 +1,4 @@
-//! Recordings as all that follows sees them: without outputs that are not connected, and without the outliers that the base model's
-//! fit leaves out.
+//! Preprocessing of recordings: outputs of disconnected sensors and outliers beside the base model are masked.
 
 use socam_identify::{IdentifyError, LeftOut, NoiseLevels, Options, Problem, outliers};
 use socam_model::{self as model, Model};
@@ -8,7 +7,8 @@ use socam_recording::{
     check::{Held, HeldAt, held},
 };
 
-/// The recordings with outliers beside `model` at `values` (SI) missing, and what these are. One without any stays as it is.
+/// The recordings with outliers masked, and a list of these. Outliers are found beside the prediction of `model` at `values` (SI). A recording
+/// without outliers is unchanged.
 pub(crate) fn preprocessed(
     model: &Model,
     datasets: &[Dataset],
@@ -22,22 +22,22 @@ pub(crate) fn preprocessed(
     let found = outliers(&Problem::new(model, datasets, options.clone())?, values, levels)?;
     let each = datasets.iter().map(|dataset| {
         let own: Vec<&LeftOut> = found.iter().filter(|note| note.recording == dataset.name()).collect();
-        if own.is_empty() { Ok(dataset.clone()) } else { without(model, dataset, &own) }
+        if own.is_empty() { Ok(dataset.clone()) } else { without_outliers(model, dataset, &own) }
     });
     let datasets: Result<Vec<Dataset>, RecordingError> = each.collect();
     Ok((datasets?, found))
 }
 
-/// The recordings, outputs missing that hold one value all the time although an input moves; and sentences about these. A sensor
-/// that is not connected would be taken for what the bench does.
+/// The recordings with constant outputs masked where an input changes, and a sentence about each. Otherwise the readings of a disconnected
+/// sensor would be taken for the bench's motion.
 pub(crate) fn connected(
     model: &Model,
     datasets: &[Dataset],
 ) -> Result<(Vec<Dataset>, Vec<String>), RecordingError> {
     let mut notes = Vec::new();
     let each = datasets.iter().map(|dataset| {
-        let stuck = stuck(dataset, model.outputs())?;
-        let still: Vec<&str> = self::stuck(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
+        let stuck = constant_channels(dataset, model.outputs())?;
+        let still: Vec<&str> = constant_channels(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
         let name = dataset.name();
         if still.len() == model.inputs().count() {
             if stuck.len() < model.outputs().count() {
@@ -62,8 +62,8 @@ pub(crate) fn connected(
     Ok((datasets?, notes))
 }
 
-/// Where inputs are clipped or stick, a sentence each: there what acts may not be what was recorded, and a model takes it for physics. (Outputs
-/// are left out there by every fit, which says so.)
+/// A sentence about each input that is clipped or sticks at one value. The true input may differ from the recorded one there, and the
+/// difference looks like missing physics. (Every fit leaves such parts of outputs out and reports it.)
 pub(crate) fn held_inputs(model: &Model, datasets: &[Dataset]) -> Result<Vec<String>, RecordingError> {
     let mut notes = Vec::new();
     for dataset in datasets {
@@ -76,6 +76,7 @@ pub(crate) fn held_inputs(model: &Model, datasets: &[Dataset]) -> Result<Vec<Str
     Ok(notes)
 }
 
+/// Sentence about an input that is held at a value.
 fn held_sentence(recording: &str, channel: &model::Channel, Held { value, at, share, .. }: &Held) -> String {
     let value = channel.scale * value + channel.offset;
     let how = if *at == HeldAt::Between { "sticks" } else { "is clipped" };
@@ -88,8 +89,8 @@ fn held_sentence(recording: &str, channel: &model::Channel, Held { value, at, sh
     )
 }
 
-/// Channels of a recording that hold one value all the time.
-fn stuck<'m>(
+/// Channels of a recording that are constant.
+fn constant_channels<'m>(
     dataset: &Dataset,
     channels: impl Iterator<Item = &'m model::Channel>,
 ) -> Result<Vec<&'m model::Channel>, RecordingError> {
@@ -103,13 +104,13 @@ fn stuck<'m>(
     Ok(found)
 }
 
-/// A channel that holds one value in all recordings while others move: an output, or an input that is not simply nothing, as where a
-/// bench is left to itself.
+/// Name of a channel that is constant in all recordings while others change: an output, or an input with a value other than zero. (An input
+/// that is zero throughout is a bench that runs freely.)
 pub(crate) fn disconnected(model: &Model, datasets: &[Dataset]) -> Result<Option<String>, RecordingError> {
     let (mut dead, mut alive): (Vec<&model::Channel>, bool) = (model.channels.iter().collect(), false);
     for dataset in datasets {
         let all = model.channels.iter().filter(|channel| !channel.quantity.is_clock());
-        let stuck = stuck(dataset, all)?;
+        let stuck = constant_channels(dataset, all)?;
         alive |= stuck.len() < model.channels.len();
         dead.retain(|channel| stuck.contains(channel));
         for channel in model.inputs() {
@@ -120,7 +121,12 @@ pub(crate) fn disconnected(model: &Model, datasets: &[Dataset]) -> Result<Option
     Ok(dead.first().filter(|_| alive && !datasets.is_empty()).map(|channel| channel.name.clone()))
 }
 
-fn without(model: &Model, dataset: &Dataset, outliers: &[&LeftOut]) -> Result<Dataset, RecordingError> {
+/// A recording with these outliers masked.
+fn without_outliers(
+    model: &Model,
+    dataset: &Dataset,
+    outliers: &[&LeftOut],
+) -> Result<Dataset, RecordingError> {
     let each = outliers.iter().filter_map(|note| {
         let channel = model.channels.iter().find(|channel| channel.name == note.channel)?;
         Some((channel.column.as_str(), note.rows.clone()))
@@ -128,7 +134,7 @@ fn without(model: &Model, dataset: &Dataset, outliers: &[&LeftOut]) -> Result<Da
     masked(dataset, each)
 }
 
-/// A copy in memory with rows of columns missing.
+/// A copy in memory with these rows of columns masked (NaN).
 pub(crate) fn masked<'c>(
     dataset: &Dataset,
     rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,

@@ -1,4 +1,4 @@
-//! Proof: how the chosen model predicts recordings that were opened only after the last choice. Nothing flows back from here.
+//! Proof: how the corrected model predicts held-out recordings. They are opened after the last choice, and no stage uses the result.
 
 use socam_identify::{
     IdentifyError, Problem,
@@ -12,24 +12,25 @@ use crate::{
     selection::Path,
 };
 
-/// Rise of a channel's residual on held-out recordings, as a share of what the base model leaves there, that contradicts the chosen model.
+/// Rise of a channel's root mean square residual on held-out recordings, as a share of the base model's, above which the proof fails, 1.
 const CONTRADICTION: f64 = 0.05;
 
-/// Evaluations on held-out recordings, start states fitted to each.
+/// Evaluations of models on held-out recordings, with start states fitted to each recording.
 pub(crate) struct Proof<'a> {
     pub(crate) holdout: &'a [Dataset],
     pub(crate) base: Evaluation,
-    /// Of the model with all that was found.
+    /// The corrected model's, with the nonparametric term if there is one.
     pub(crate) corrected: Evaluation,
-    /// Of the last model, and of that without each of its terms, in their order.
+    /// The last model's.
     last: Evaluation,
+    /// The last model's without each of its terms, in their order.
     without: Vec<Option<Evaluation>>,
-    /// Sensor noise of each output, SI.
+    /// Sensor noise level of each output, SI.
     noise_std: Vec<f64>,
 }
 
 impl<'a> Proof<'a> {
-    /// `None` where no recording is held out, or the base model overflows on one.
+    /// `None` where no recording is held out, or a model's prediction overflows on one.
     pub(crate) fn open(
         context: &Context<'_>,
         path: &Path,
@@ -51,18 +52,18 @@ impl<'a> Proof<'a> {
         Ok(Some(Self { holdout, base, corrected, last, without: without?, noise_std }))
     }
 
-    /// How much of the power that the model without a term leaves beyond sensor noise the term takes away, per cent.
+    /// Share of the excess residual power of the model without a term that the term removes, per cent.
     pub(crate) fn gain_percent(&self, term: usize) -> Option<f64> {
         let without = self.without.get(term)?.as_ref()?;
         Some(percent(without, &self.last, &self.noise_std))
     }
 
-    /// The same of a curve over the last model.
+    /// Share of the last model's excess residual power that the nonparametric term removes, per cent.
     pub(crate) fn curve_gain_percent(&self) -> f64 {
         percent(&self.last, &self.corrected, &self.noise_std)
     }
 
-    /// Channels whose residual on held-out recordings rises: name, rms before and after, SI.
+    /// Channels whose residual on held-out recordings rises: name, root mean square before and after, SI.
     pub(crate) fn contradictions<'m>(&self, model: &'m Model) -> Vec<(&'m str, f64, f64)> {
         let each = model.outputs().enumerate().map(|(output, channel)| {
             (channel.name.as_str(), self.base.rms[output], self.corrected.rms[output])
@@ -70,13 +71,14 @@ impl<'a> Proof<'a> {
         each.filter(|(_, before, after)| *after > (1.0 + CONTRADICTION) * before).collect()
     }
 
-    /// Whether all channels together are predicted better than by the base model.
+    /// Whether the corrected model's sum of squares over all channels is below the base model's.
     pub(crate) fn is_better(&self) -> bool {
         self.corrected.total() < self.base.total()
     }
 }
 
-/// Fall of the residuals' power, in units of each output's sensor noise, over what of it is beyond that noise.
+/// Fall of the residual power over the excess power before, per cent. Powers are in units of each output's sensor noise; the excess is the
+/// power above that noise.
 fn percent(before: &Evaluation, after: &Evaluation, noise_std: &[f64]) -> f64 {
     let power = |at: &Evaluation| -> f64 {
         let each = at.rms.iter().zip(&at.read).zip(noise_std).filter(|(_, std)| **std > 0.0);

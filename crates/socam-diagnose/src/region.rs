@@ -1,4 +1,4 @@
-//! Where a misfit lives: the speeds, angles, torques, frequencies and times at which a correction takes most away.
+//! Localisation of a finding: the speeds, torques, angles, frequencies and times at which a correction reduces the residuals most.
 
 use socam_identify::{
     IdentifyError,
@@ -14,31 +14,41 @@ use crate::{
     words::short,
 };
 
-/// Share of what is gained that a region holds.
+#[cfg(test)]
+mod tests;
+
+/// Share of the gain that a region contains.
 const HELD: f64 = 0.8;
-/// A region is confined where no more than this share of the samples (of the turn, of the time) lies in it.
+/// Largest share of the samples that may lie in a range for it to be reported.
 const CONFINED: f64 = 0.6;
-/// Likewise of all frequencies below half the sampling rate.
+/// Largest share of all frequencies below half the sampling rate that a reported band may cover.
 const CONFINED_BAND: f64 = 0.25;
-/// Bins that a range is made of.
+/// Number of bins of a range.
 const BINS: usize = 40;
 
 /// A range, and the share of all samples that lies in it.
 type Range = Option<([f64; 2], f64)>;
 
-/// What one sample is, and what the correction gains there in units of noise.
+/// Motion at one sample, and the fall of its squared residuals, in units of the noise floors.
 #[derive(Clone, Copy)]
 struct Sample {
     speed: f64,
     torque: f64,
     angle: f64,
-    /// The recording's own, s.
+    /// Time in the recording, s.
     time_s: f64,
     gain: f64,
 }
 
-/// Where `after` explains what `before` does not, at the place of what was added; without `after`, where `before` misses most.
-/// `levels` are the outputs' noise, SI.
+/// Samples at a place and the spectrum, with the gain of each.
+struct Gains {
+    samples: Vec<Sample>,
+    /// Bins of `(gain, upper end in Hz)`.
+    spectrum: Vec<(f64, f64)>,
+}
+
+/// The region in which `after` explains the residuals of `before`, at the place of the added effect. Without `after`, the region in which the
+/// residuals of `before` are largest. `levels` are the outputs' noise floors, SI.
 pub(crate) fn region(
     context: &Context<'_>,
     before: &FittedModel,
@@ -46,41 +56,15 @@ pub(crate) fn region(
     place: &str,
     levels: &[f64],
 ) -> Result<Region, IdentifyError> {
-    let of = |fitted: &FittedModel| comparison::traces(&context.problem(&fitted.model)?, &fitted.at, None);
-    let (old, new) = (of(before)?, after.map(of).transpose()?);
-    let mover = after.unwrap_or(before);
-    let probe = probe(&mover.model, &mover.at.values, place);
-    let motion = comparison::traces(&context.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
-    let mut samples = Vec::new();
-    let mut spectra = vec![(0.0, 0.0); spectrum_bins(&old)];
-    let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);
-    for (index, old) in old.iter().enumerate() {
-        let new = new.as_ref().and_then(|new| new.get(index));
-        let seen =
-            |output: Option<usize>, row: usize| output.map_or(f64::NAN, |k| motion[index].predicted[k][row]);
-        let mut angle = 0.0;
-        for row in 0..old.time_s.len() {
-            let speed = seen(probe.speed, row);
-            let step_s = if row > 0 { old.time_s[row] - old.time_s[row - 1] } else { 0.0 };
-            angle += speed * step_s;
-            samples.push(Sample {
-                speed,
-                torque: seen(probe.torque, row),
-                angle: angle.rem_euclid(std::f64::consts::TAU),
-                time_s: old.time_s[row],
-                gain: gain(old, new, row, levels),
-            });
-        }
-        add_spectrum(&mut spectra, highest_hz, old, new, levels);
-    }
-    let rotates = mover.model.motion == Motion::Rotation;
+    let Gains { samples, spectrum } = gains(context, before, after, place, levels)?;
+    let rotates = after.unwrap_or(before).model.motion == Motion::Rotation;
     let turns = samples.iter().map(|sample| sample.speed.abs()).sum::<f64>() > 0.0 && rotates;
     let confined = |range: Range, most: f64| range.filter(|(_, share)| *share <= most);
     let speed = confined(range(&samples, |sample| sample.speed), CONFINED);
     let torque = confined(range(&samples, |sample| sample.torque), CONFINED);
     let angle = confined(range(&samples, |sample| sample.angle).filter(|_| turns), CONFINED);
     let time = confined(range(&samples, |sample| sample.time_s), CONFINED);
-    let frequency = confined(band(&spectra), CONFINED_BAND);
+    let frequency = confined(band(&spectrum), CONFINED_BAND);
     let units = if rotates { ["rad/s", "N m", "rad"] } else { ["m/s", "N", "m"] };
     let each = [
         words(speed, units[0], "of the samples"),
@@ -107,18 +91,58 @@ pub(crate) fn region(
     })
 }
 
+/// Gain of each sample and of each frequency on the training recordings.
+fn gains(
+    context: &Context<'_>,
+    before: &FittedModel,
+    after: Option<&FittedModel>,
+    place: &str,
+    levels: &[f64],
+) -> Result<Gains, IdentifyError> {
+    let of = |fitted: &FittedModel| comparison::traces(&context.problem(&fitted.model)?, &fitted.at, None);
+    let (old, new) = (of(before)?, after.map(of).transpose()?);
+    let mover = after.unwrap_or(before);
+    let probe = probe(&mover.model, &mover.at.values, place);
+    let motion = comparison::traces(&context.problem(&mover.model)?, &mover.at, Some(&probe.model))?;
+    let mut samples = Vec::new();
+    let mut spectrum = vec![(0.0, 0.0); spectrum_bins(&old)];
+    let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);
+    for (index, old) in old.iter().enumerate() {
+        let new = new.as_ref().and_then(|new| new.get(index));
+        let seen =
+            |output: Option<usize>, row: usize| output.map_or(f64::NAN, |k| motion[index].predicted[k][row]);
+        let mut angle = 0.0;
+        for row in 0..old.time_s.len() {
+            let speed = seen(probe.speed, row);
+            let step_s = if row > 0 { old.time_s[row] - old.time_s[row - 1] } else { 0.0 };
+            angle += speed * step_s;
+            samples.push(Sample {
+                speed,
+                torque: seen(probe.torque, row),
+                angle: angle.rem_euclid(std::f64::consts::TAU),
+                time_s: old.time_s[row],
+                gain: gain(old, new, row, levels),
+            });
+        }
+        add_spectrum(&mut spectrum, highest_hz, old, new, levels);
+    }
+    Ok(Gains { samples, spectrum })
+}
+
+/// A range in words; `None` where there is none.
 fn words(range: Range, unit: &str, of: &str) -> Option<String> {
     let ([low, high], share) = range?;
     Some(format!("{} to {} {unit} ({:.0} % {of})", short(low), short(high), 100.0 * share))
 }
 
-/// The model with sensors of speed and torque at a place, and which outputs they are.
+/// The model with sensors of speed and torque at a place, and the indices of these outputs.
 struct Probe {
     model: Model,
     speed: Option<usize>,
     torque: Option<usize>,
 }
 
+/// Adds sensors at a place, or at the nearest node or spring where that quantity is determined.
 fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
     let channel = model.channels.iter().find(|channel| channel.name == place);
     let at = channel.map_or(place, |channel| channel.at.as_str());
@@ -131,7 +155,7 @@ fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
         .or(bearing.map(|bearing| bearing.node))
         .or(gear.map(|gear| gear.to))
         .or(shaft.map(|shaft| shaft.nodes.1));
-    // A massless point has no speed of its own: then that of its neighbour.
+    // The speed of a massless point may not be determined: then that of its neighbour is used.
     let mut nodes: Vec<usize> = place.into_iter().collect();
     nodes.extend(spring.and_then(|spring| spring.to));
     nodes.extend(spring.map(|spring| spring.from));
@@ -154,7 +178,7 @@ fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
     Probe { speed, torque, ..probe }
 }
 
-/// Fall of the squared residuals at one sample, or what exceeds noise there.
+/// Fall of the squared residuals at one sample in units of the noise floors, or their excess over the noise without a correction.
 fn gain(old: &Traces, new: Option<&Traces>, row: usize, levels: &[f64]) -> f64 {
     let square = |traces: &Traces, output: usize| {
         let residual = traces.measured[output][row] - traces.predicted[output][row];
@@ -167,7 +191,7 @@ fn gain(old: &Traces, new: Option<&Traces>, row: usize, levels: &[f64]) -> f64 {
     each.sum()
 }
 
-/// The narrowest range of a quantity that holds [`HELD`] of the gain, and its share of the samples.
+/// The range of a quantity with the fewest samples that contains [`HELD`] of the gain, and its share of the samples.
 fn range(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> Range {
     let known = || samples.iter().map(|sample| (of(sample), sample.gain)).filter(|(x, _)| x.is_finite());
     let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(x), h.max(x)));
@@ -184,8 +208,8 @@ fn range(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> Range {
     Some(([low + width * from as f64, low + width * to as f64], share))
 }
 
-/// Of bins with gains and counts the stretch of the fewest counts that holds [`HELD`] of all gains: where it begins, where it
-/// ends, its share of all counts.
+/// The consecutive bins `(gain, count)` with the least count that contain [`HELD`] of the gain: first bin, last bin plus one, share of all
+/// counts.
 fn narrowest(bins: &[(f64, f64)]) -> Option<(usize, usize, f64)> {
     let total: f64 = bins.iter().map(|bin| bin.0).sum();
     let count: f64 = bins.iter().map(|bin| bin.1).sum();
@@ -209,12 +233,12 @@ fn narrowest(bins: &[(f64, f64)]) -> Option<(usize, usize, f64)> {
     best
 }
 
-/// Lines of the longest stretch's spectrum.
+/// Number of bins of the spectrum, at most the number of rows of the longest segment.
 fn spectrum_bins(traces: &[Traces]) -> usize {
     traces.iter().map(|trace| trace.time_s.len()).max().map_or(0, |rows| rows.min(4 * BINS))
 }
 
-/// Adds a stretch's fall of power to bins of `(gain, upper end in Hz)`: linear in frequency up to half of the highest sampling rate.
+/// Adds a segment's fall of power to bins of `(gain, upper end in Hz)`. Bins are equally wide up to half of the highest sampling rate.
 fn add_spectrum(
     bins: &mut [(f64, f64)],
     highest_hz: f64,
@@ -233,7 +257,7 @@ fn add_spectrum(
     };
     for output in 0..levels.len() {
         let (frequency_hz, before) = power(old, output);
-        // Without a correction, what exceeds white noise of the level.
+        // Without a correction, the gain is the excess over white noise of the noise floor.
         let after = new.map_or_else(|| vec![2.0 * step_s; before.len()], |new| power(new, output).1);
         for ((hz, before), after) in frequency_hz.iter().zip(&before).zip(&after) {
             let last = bins.len() - 1;
@@ -244,41 +268,10 @@ fn add_spectrum(
     }
 }
 
-/// The narrowest band that holds [`HELD`] of the fall of power, and its share of all frequencies.
+/// The narrowest band that contains [`HELD`] of the fall of power, and its share of all frequencies.
 fn band(bins: &[(f64, f64)]) -> Range {
     let even: Vec<(f64, f64)> = bins.iter().map(|(gain, _)| (*gain, 1.0)).collect();
     let (from, to, share) = narrowest(&even)?;
     let edge = |bin: usize| if bin == 0 { 0.0 } else { bins[bin - 1].1 };
     Some(([edge(from), edge(to)], share))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_narrowest_stretch_holds_four_fifths() {
-        let bins = [(1.0, 50.0), (8.0, 2.0), (30.0, 1.0), (10.0, 1.0), (1.0, 46.0)];
-        assert_eq!(narrowest(&bins), Some((2, 4, 0.02)));
-        assert_eq!(narrowest(&[(0.0, 3.0), (-1.0, 2.0)]), None);
-    }
-
-    #[test]
-    fn a_range_is_where_the_gain_is() {
-        let sample = |k: i32| Sample {
-            speed: f64::from(k - 100) / 10.0,
-            torque: f64::NAN,
-            angle: 0.0,
-            time_s: f64::from(k),
-            gain: if (95..105).contains(&k) { 4.0 } else { 0.0 },
-        };
-        let samples: Vec<Sample> = (0..=200).map(sample).collect();
-        let ([low, high], share) = range(&samples, |sample| sample.speed).unwrap();
-        assert!(
-            (-1.1..=-0.4).contains(&low) && (0.3..=1.1).contains(&high) && share < 0.1,
-            "{low} {high} {share}"
-        );
-        assert!(range(&samples, |sample| sample.torque).is_none());
-        assert!(range(&samples, |sample| sample.angle).is_none());
-    }
 }

@@ -1,4 +1,4 @@
-//! How large motions and torques are on these recordings, at every place: where grids and first guesses are taken from.
+//! Sizes of motions and torques at every place of a model on these recordings. Effects take their grids, starts and priors from these.
 
 use socam_identify::{
     IdentifyError, Problem,
@@ -14,25 +14,30 @@ use crate::{
     spectrum::{self, Lines},
 };
 
-/// Share of its largest reading within which an input's readings are all the same: so many of them lie there where it is cut off.
+#[cfg(test)]
+mod tests;
+
+/// Distance from an input's largest reading, as a share of it, within which readings count as clipped.
 const FLAT: f64 = 1e-4;
-/// Share of the largest speed below which a place is at rest.
+/// Share of the largest speed below which a place counts as at rest.
 const AT_REST: f64 = 0.01;
-/// Frequencies at which a channel's residuals stand out, and those of all together.
+/// Largest number of spectral peaks of one channel's residuals.
 const PEAKS: usize = 3;
+/// Largest number of spectral peaks of all channels' residuals together.
 const PEAKS_OF_ALL: usize = 4;
-/// Share of readings that are larger than what an output almost ever reads; so many that are predicted to be are no chance.
+/// Share of an output's readings above the level that counts as its largest usual reading.
 const RARE: f64 = 1e-3;
+/// Least number of samples at or beyond a limit for it to count as a saturation.
 const OFTEN: usize = 20;
 
-/// What is seen at the places of a model.
+/// Sizes at the places of a model.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scales {
-    /// The machine in numbers: effects take their grids, starts and priors from it.
+    /// The machine's sizes, from which effects take their grids, starts and priors.
     pub(crate) rig: Rig,
-    /// By spring: the recording in which its torque is largest.
+    /// By spring: index of the recording in which its torque is largest.
     largest_amplitude: Vec<usize>,
-    /// By output: largest reading.
+    /// By output: its largest reading, SI.
     readings: Vec<f64>,
 }
 
@@ -45,7 +50,7 @@ impl Scales {
     ) -> Result<Self, IdentifyError> {
         let mut rig = Rig::of_model(model, &at.values);
         for (known, spring) in rig.springs.iter_mut().zip(&model.springs) {
-            // By the file: of two springs in a row a fit may make anything.
+            // The file's stiffness, because a fit does not determine those of two springs in series.
             known.stiffness = model.parameters[spring.stiffness].value;
         }
         let read = comparison::traces(problem, at, None)?;
@@ -72,20 +77,22 @@ impl Scales {
         Ok(Self { readings: readings.collect(), rig, largest_amplitude })
     }
 
+    /// Largest speed of a node, SI.
     pub(crate) fn speed(&self, node: usize) -> f64 {
         self.rig.nodes.get(node).map_or(0.0, |node| node.speed)
     }
 
+    /// Largest torque of a spring, SI.
     pub(crate) fn torque(&self, spring: usize) -> f64 {
         self.rig.springs.get(spring).map_or(0.0, |spring| spring.torque)
     }
 
-    /// Recording in which a spring carries that.
+    /// Index of the recording in which a spring's torque is largest.
     pub(crate) fn largest_amplitude(&self, spring: usize) -> usize {
         self.largest_amplitude.get(spring).copied().unwrap_or(0)
     }
 
-    /// Largest magnitude that an output reads.
+    /// Largest magnitude of an output's readings, SI.
     pub(crate) fn reading(&self, output: usize) -> f64 {
         self.readings.get(output).copied().unwrap_or(0.0)
     }
@@ -102,13 +109,14 @@ fn longest_s(read: &[Traces]) -> f64 {
     read.iter().map(|trace| length(trace.recording)).fold(0.0, f64::max)
 }
 
-/// Speeds and turns of nodes and torques through springs, as predicted; for each spring the recording in which its torque is largest.
+/// Sets the predicted speeds and angle ranges of nodes and torques of springs. Returns for each spring the index of the recording in which its
+/// torque is largest.
 fn add_motion(
     rig: &mut Rig,
     read: &[Traces],
     (problem, model, at): (&Problem<'_>, &Model, &Evaluation),
 ) -> Result<Vec<usize>, IdentifyError> {
-    // Besides the model's own sensors: effects may sit in those.
+    // Additional sensors, because effects may act on the model's own.
     let mut probe = model.clone();
     let mut seen = Vec::new();
     let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
@@ -136,7 +144,7 @@ fn add_motion(
         let turns = traces
             .iter()
             .zip(read)
-            .map(|(trace, read)| turned(&trace.predicted[*output], spectrum::step_s(read)));
+            .map(|(trace, read)| angle_range(&trace.predicted[*output], spectrum::step_s(read)));
         node.angle_range = turns.fold(0.0, f64::max);
         if by_turn.contains(&node.name) {
             node.orders = orders_of(&traces, read, (model, *output));
@@ -148,7 +156,7 @@ fn add_motion(
     Ok(largest_amplitude)
 }
 
-/// Orders at which residuals stand out over the turn of a node whose speed is an output of `traces`.
+/// Orders at which residuals stand out over the angle of a node. `speed` is the output of `traces` that has the node's speed.
 fn orders_of(traces: &[Traces], read: &[Traces], (model, speed): (&Model, usize)) -> Vec<f64> {
     let mut series: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
     for (trace, read) in traces.iter().zip(read) {
@@ -164,8 +172,8 @@ fn orders_of(traces: &[Traces], read: &[Traces], (model, speed): (&Model, usize)
     orders::standing_out(series.iter().map(|(angle, residual)| (angle.as_slice(), residual.as_slice())))
 }
 
-/// From the least to the greatest angle on the way.
-fn turned(speeds: &[f64], step_s: f64) -> f64 {
+/// Range of the angle that these speeds integrate to.
+fn angle_range(speeds: &[f64], step_s: f64) -> f64 {
     let (mut angle, mut least, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
     for speed in speeds {
         angle += step_s * speed;
@@ -174,7 +182,7 @@ fn turned(speeds: &[f64], step_s: f64) -> f64 {
     most - least
 }
 
-/// Largest torque that moves each node: through its springs, predicted or measured, or by an input.
+/// Sets the largest torque at each node: through its springs, predicted or measured, or by an input.
 fn add_torques(rig: &mut Rig, read: &[Traces], (model, values): (&Model, &[f64])) {
     let measured = |place: &str| {
         let own = model.outputs().enumerate();
@@ -199,13 +207,13 @@ fn add_torques(rig: &mut Rig, read: &[Traces], (model, values): (&Model, &[f64])
     rig.spread_torques(model);
 }
 
-/// Sizes of what channels read, and how fast that changes.
+/// Sets the sizes of channels' readings, their limits and their median frequencies.
 fn add_channels(rig: &mut Rig, read: &[Traces], model: &Model) {
     let names = model.channels.iter().map(|channel| channel.name.as_str());
     for (own, name) in rig.channels.iter_mut().zip(names) {
         let input = model.inputs().position(|channel| channel.name == name);
         let output = model.outputs().position(|channel| channel.name == name);
-        // What an output should read is free of noise, which is fast whatever the motion.
+        // An output's median frequency is taken from its prediction, which has no noise.
         let both = |trace: &Traces| match (input, output) {
             (Some(input), _) => Some((trace.inputs[input].clone(), trace.inputs[input].clone())),
             (_, Some(output)) => Some((trace.measured[output].clone(), trace.predicted[output].clone())),
@@ -231,7 +239,7 @@ fn add_channels(rig: &mut Rig, read: &[Traces], model: &Model) {
     }
 }
 
-/// Largest size that an output is predicted to have, and the recording in which it has it.
+/// Largest predicted magnitude of an output, and the index of the recording in which it occurs.
 fn largest(traces: &[Traces], output: usize) -> (f64, usize) {
     let all = traces
         .iter()
@@ -239,17 +247,19 @@ fn largest(traces: &[Traces], output: usize) -> (f64, usize) {
     all.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
-/// By output, the lines of one stretch's whitened residuals.
+/// By output, the spectral lines of one segment's whitened residuals.
 fn lines(white: &Innovations) -> Vec<Option<Lines>> {
     white.outputs.iter().map(|values| Lines::new(values, white.sample_time_s)).collect()
 }
 
+/// Magnitudes of an output's readings.
 fn sizes_read(traces: &[Traces], output: usize) -> impl Iterator<Item = f64> {
     let all = traces.iter().flat_map(move |trace| &trace.measured[output]);
     all.map(|value| value.abs()).filter(|size| !size.is_nan())
 }
 
-/// What an output reads where it should read more than it almost ever does, if that is often enough.
+/// Level at which an output saturates: the median of its readings where the prediction exceeds its largest usual reading. `None` where that
+/// happens too seldom.
 fn limit(traces: &[Traces], output: usize) -> Option<f64> {
     let pairs =
         || traces.iter().flat_map(|trace| trace.measured[output].iter().zip(&trace.predicted[output]));
@@ -262,14 +272,14 @@ fn limit(traces: &[Traces], output: usize) -> Option<f64> {
     (cut.len() >= OFTEN).then(|| cut[cut.len() / 2])
 }
 
-/// The model with one more sensor; `None` for the speed of a point that has none of its own, without inertia or damper.
+/// The model with one more sensor; `None` where that quantity is not determined, such as the speed of a point without inertia or damper.
 pub(crate) fn with_sensor(model: &Model, values: &[f64], at: &str, quantity: Quantity) -> Option<Model> {
     let mut grown = model.clone();
     grown.channels.push(sensor(at, quantity));
     grown.equations(values).is_ok().then_some(grown)
 }
 
-/// A sensor that no recording knows.
+/// A sensor that is in no recording.
 fn sensor(at: &str, quantity: Quantity) -> Channel {
     Channel {
         name: format!("{at} seen"),
@@ -285,31 +295,5 @@ fn sensor(at: &str, quantity: Quantity) -> Channel {
         estimate_offset: false,
         between: None,
         unit: "",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A sine of amplitude 4 with noise, read up to `most`.
-    fn read(most: f64) -> Traces {
-        let truth = |k: usize| 4.0 * (0.01 * k as f64).sin();
-        let noise = |k: usize| 0.02 * (78.233 * k as f64).sin();
-        Traces {
-            recording: 0,
-            time_s: (0..5000).map(|k| 1e-3 * k as f64).collect(),
-            inputs: Vec::new(),
-            measured: vec![(0..5000).map(|k| truth(k).clamp(-most, most) + noise(k)).collect()],
-            predicted: vec![(0..5000).map(truth).collect()],
-        }
-    }
-
-    #[test]
-    fn readings_are_cut_off_only_where_more_should_be_read() {
-        let found = limit(&[read(3.0)], 0).unwrap();
-        assert!((found - 3.0).abs() < 0.02, "{found}");
-        assert_eq!(limit(&[read(10.0)], 0), None);
-        assert_eq!(limit(&[], 0), None);
     }
 }

@@ -1,12 +1,12 @@
-//! The score test: whether anything is missing, over all candidates at once, and what each would gain, without fitting one.
+//! The score (Lagrange multiplier) test: whether any candidate is missing from the model, and how much each would gain, without a fit.
 //!
-//! One evaluation with sensitivities gives each candidate's efficient scores by block. A candidate's statistic is the quadratic form of their
-//! sum by their own scatter, so that it holds whatever the size, colour and local variance of the residuals. The largest of all is judged by
-//! a wild bootstrap: signs of whole blocks are drawn anew, for all candidates together, and the share of draws whose largest statistic
-//! exceeds a candidate's is its family-wise p-value (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013; P. Westfall and S. Young,
-//! Resampling-Based Multiple Testing, 1993). Unknown orders, frequencies and time constants are candidates of a grid, and are covered too.
-//! A candidate that acts in a few blocks only cannot stand out that way; it may by the noise model's own scale, if its
-//! gain is [`INFLATION`] times what that noise would make.
+//! One evaluation with sensitivities gives each candidate's efficient scores by block. A candidate's statistic is the quadratic form of the
+//! sum of its scores in the inverse of their own scatter, so that it is valid for residuals of any size, spectrum and local variance. A wild
+//! bootstrap gives its family-wise p-value: signs of whole blocks are drawn at random, for all candidates together, and the p-value is the
+//! share of draws whose largest statistic exceeds the candidate's (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013;
+//! P. Westfall and S. Young, Resampling-Based Multiple Testing, 1993). Unknown orders, frequencies and time constants are candidates on a
+//! grid, so the p-value holds for these too. A candidate that acts in only a few blocks cannot be significant in this test. For it there is a second test
+//! by the noise model's own scale: its gain must exceed [`INFLATION`] times what that noise would make.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -21,30 +21,35 @@ use socam_model::{Model, ModelError};
 use socam_recording::Dataset;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::{candidates::Candidate, scales::Scales};
+use crate::{
+    candidate::{Candidate, INITIAL_SHARE},
+    extension::{carried_over, free_parameters},
+    scales::Scales,
+};
 
-/// Candidates that share a pass: each adds to what a step costs; those less that only a sensor shows.
+/// Number of candidates that share one evaluation: each adds to the cost of a step, and one that acts on a sensor's reading adds less.
 const TOGETHER: usize = 10;
 const TOGETHER_ON_SENSORS: usize = 18;
-/// Draws of the bootstrap: the least p-value is one over these.
+/// Draws of the bootstrap. Its smallest p-value is one over this number plus one.
 const DRAWS: usize = 1999;
-/// How much stronger than the noise model has it noise may be in the direction in which a candidate acts, in power.
+/// Largest ratio of the noise power in the direction in which a candidate acts to that of the noise model, 1.
 const INFLATION: f64 = 8.0;
 
-/// A candidate and what it scores_of_candidates, as a start for a fit.
+/// A ranked candidate: its score, its p-value and the start of its fit.
 #[derive(Debug, Clone)]
 pub(crate) struct RankedCandidate {
-    /// With the strength that the slopes foretell.
+    /// The candidate at [`INITIAL_SHARE`] of the linearly predicted amplitude.
     pub(crate) start: Candidate,
-    pub(crate) promise: CandidateScore,
-    /// Chance that anything among all candidates stands out as much where nothing is missing.
+    pub(crate) score: CandidateScore,
+    /// Family-wise p-value: chance that any candidate has as large a statistic where nothing is missing.
     pub(crate) p_value: f64,
-    /// Whether the foretold strength is one that can be.
+    /// Whether the linearly predicted amplitude lies within its bounds.
     pub(crate) possible: bool,
 }
 
-/// What all candidates promise to a model at a fit (`at`). What is of full strength is tried on the recording with the largest torques
-/// first, for it costs much: what makes that one no better does nothing for the others.
+/// Score test of all candidates at a model's fit `at`, the largest gain first. A candidate with a non-null linearisation point costs a
+/// nonlinear evaluation. It is therefore tested first on the one recording with the largest torque at its place, and on all only if it
+/// gains there.
 pub(crate) fn run(
     model: &Model,
     datasets: &[Dataset],
@@ -53,48 +58,50 @@ pub(crate) fn run(
     at: &Evaluation,
     (scales, all): (&Scales, &[Candidate]),
 ) -> Result<Vec<RankedCandidate>, IdentifyError> {
-    // What is of some strength already would change what the others see.
-    let (full, linear): (Vec<&Candidate>, Vec<&Candidate>) =
-        all.iter().partition(|candidate| candidate.starts_at_amplitude());
+    // A candidate at a non-null amplitude changes the motion, so it cannot share an evaluation.
+    let (nonnull, linear): (Vec<&Candidate>, Vec<&Candidate>) =
+        all.iter().partition(|candidate| candidate.has_nonnull_linearisation());
     let (structural, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         linear.into_iter().partition(|candidate| candidate.effect.is_structural());
-    // What has a memory answers the motion even at no strength, and several of them each other.
-    let (remembering, laws): (Vec<&Candidate>, Vec<&Candidate>) =
+    // A law with memory has states that depend on the motion even at a null amplitude, and on the states of other such laws.
+    let (with_memory, laws): (Vec<&Candidate>, Vec<&Candidate>) =
         laws.into_iter().partition(|candidate| candidate.effect.has_memory());
     let is_on_a_sensor = |one: &&Candidate| model.outputs().any(|output| output.name == one.place);
     let (on_sensors, laws): (Vec<&Candidate>, Vec<&Candidate>) = laws.into_iter().partition(is_on_a_sensor);
     let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
     batches.extend(on_sensors.chunks(TOGETHER_ON_SENSORS).map(<[_]>::to_vec));
-    batches.extend(full.into_iter().chain(remembering).map(|candidate| vec![candidate]));
+    batches.extend(nonnull.into_iter().chain(with_memory).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
     let whole = Problem::new(model, datasets, options.clone())?;
     let each = batches.par_iter().map(|batch| {
-        let on_all = || together(model, datasets, options, noise_model, at, batch);
+        let on_all = || scored_batch(model, datasets, options, noise_model, at, batch);
         let spring = model.springs.iter().position(|spring| spring.name == batch[0].place);
-        let (true, Some(spring)) = (batch[0].starts_at_amplitude(), spring) else { return on_all() };
+        let (true, Some(spring)) = (batch[0].has_nonnull_linearisation(), spring) else { return on_all() };
         let largest_amplitude = scales.largest_amplitude(spring);
         let one = std::slice::from_ref(&datasets[largest_amplitude]);
-        let first = together(model, one, options, noise_model, &at.on_one(&whole, largest_amplitude), batch)?;
-        if first.iter().any(|ranked| ranked.promise.gain > 0.0) {
+        let first =
+            scored_batch(model, one, options, noise_model, &at.on_one(&whole, largest_amplitude), batch)?;
+        if first.iter().any(|ranked| ranked.score.gain > 0.0) {
             return on_all();
         }
-        // Nor is it a start for anything.
+        // It is no start for a fit either.
         Ok(first.into_iter().map(|ranked| RankedCandidate { possible: false, ..ranked }).collect())
     });
     let found: Result<Vec<Vec<RankedCandidate>>, IdentifyError> = each.collect();
     let mut found: Vec<RankedCandidate> = found?.into_iter().flatten().collect();
-    judge(&mut found);
-    found.sort_by(|a, b| b.promise.gain.total_cmp(&a.promise.gain));
+    set_p_values(&mut found);
+    found.sort_by(|a, b| b.score.gain.total_cmp(&a.score.gain));
     Ok(found)
 }
 
 /// Gives each candidate its family-wise p-value.
-fn judge(all: &mut [RankedCandidate]) {
-    let p_values = family_wise(&all.iter().map(|one| &one.promise).collect::<Vec<_>>());
+fn set_p_values(all: &mut [RankedCandidate]) {
+    let p_values = family_wise(&all.iter().map(|one| &one.score).collect::<Vec<_>>());
     all.iter_mut().zip(p_values).for_each(|(one, p_value)| one.p_value = p_value);
 }
 
-/// For each of several tests on the same blocks: the chance that any of them stands out as much where nothing is missing.
+/// Family-wise p-value of each of several tests on the same blocks: the chance that any of them has as large a statistic where nothing is
+/// missing.
 pub(crate) fn family_wise(all: &[&CandidateScore]) -> Vec<f64> {
     let statistics: Vec<Option<Statistic>> = all.iter().map(|one| Statistic::new(&one.scores)).collect();
     let largest = largest_by_chance(&statistics);
@@ -106,20 +113,20 @@ pub(crate) fn family_wise(all: &[&CandidateScore]) -> Vec<f64> {
             (1 + exceed) as f64 / (1 + largest.len()) as f64
         });
         let by_scale = chi_squared_tail(one.gain / INFLATION, one.step.len()) * count;
-        // Either may speak for it.
+        // Two tests, so the smaller p-value counts double.
         (2.0 * robust.min(by_scale)).min(1.0)
     });
     each.collect()
 }
 
-/// A candidate's scores by block, made orthonormal: their squares sum to one in each direction.
+/// A candidate's scores by block, whitened: their squares sum to one in each direction. `sum` is their sum over blocks.
 struct Statistic {
     scores: Vec<Vec<f64>>,
     sum: Vec<f64>,
 }
 
 impl Statistic {
-    /// `None` where the scores have no scatter.
+    /// `None` where the scatter of the scores is singular.
     fn new(scores: &[Vec<f64>]) -> Option<Self> {
         let n = scores.first()?.len();
         let scatter =
@@ -134,13 +141,13 @@ impl Statistic {
         Some(Self { scores, sum })
     }
 
-    /// How unlikely a sum of scores is, comparable between candidates of different numbers of parameters.
+    /// Negative log p-value of a sum of scores, comparable between candidates with different numbers of parameters.
     fn surprise(&self, sum: &[f64]) -> f64 {
         -chi_squared_tail(sum.iter().map(|s| s * s).sum(), sum.len()).max(f64::MIN_POSITIVE).ln()
     }
 }
 
-/// The largest surprise of all candidates in each draw of the blocks' signs.
+/// The largest surprise of all candidates, for each draw of the blocks' signs.
 fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
     let blocks = statistics.iter().flatten().map(|s| s.scores.len()).max().unwrap_or(0);
     let draw = |number: usize| {
@@ -160,11 +167,12 @@ fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
     (0..DRAWS).into_par_iter().map(draw).collect()
 }
 
+/// Chance that a chi-square variable with this many degrees of freedom exceeds `value`.
 fn chi_squared_tail(value: f64, parameters: usize) -> f64 {
     ChiSquared::new(parameters.max(1) as f64).map_or(1.0, |noise| noise.sf(value.max(0.0)))
 }
 
-/// Effects that change the network, each kind for itself, no two at one place.
+/// Batches of effects that change the network: one kind of place per batch, no two effects at one place.
 fn by_kind(all: Vec<&Candidate>) -> Vec<Vec<&Candidate>> {
     let mut batches: Vec<Vec<&Candidate>> = Vec::new();
     for candidate in all {
@@ -184,7 +192,8 @@ fn by_kind(all: Vec<&Candidate>) -> Vec<Vec<&Candidate>> {
     batches
 }
 
-fn together(
+/// Scores of a batch of candidates from one evaluation; empty where the batch cannot act or its sensitivities overflow.
+fn scored_batch(
     model: &Model,
     datasets: &[Dataset],
     options: &Options,
@@ -192,33 +201,32 @@ fn together(
     at: &Evaluation,
     batch: &[&Candidate],
 ) -> Result<Vec<RankedCandidate>, IdentifyError> {
-    let Ok((grown, groups)) = grown(model, batch) else { return Ok(Vec::new()) };
-    let values = carried((model, &at.values), &grown);
+    let Ok((grown, groups)) = with_batch(model, batch) else { return Ok(Vec::new()) };
+    let values = carried_over((model, &at.values), &grown);
     let problem = Problem::new(&grown, datasets, options.clone())?;
-    let base = estimated(model, &grown);
-    let scores_of_candidates =
-        comparison::score_test(&problem, noise_model, &values, (model, at), &base, &groups)?;
-    let Some(scores_of_candidates) = scores_of_candidates else { return Ok(Vec::new()) };
-    let each = batch.iter().zip(scores_of_candidates).map(|(candidate, mut promise)| {
-        if candidate.starts_at_amplitude() {
-            promise.gain += at.total() - promise.total;
+    let base = free_parameters(model, &grown);
+    let scores = comparison::score_test(&problem, noise_model, &values, (model, at), &base, &groups)?;
+    let Some(scores) = scores else { return Ok(Vec::new()) };
+    let each = batch.iter().zip(scores).map(|(candidate, mut score)| {
+        if candidate.has_nonnull_linearisation() {
+            score.gain += at.total() - score.total;
         }
-        foretold(model, candidate, promise)
+        linearly_predicted(model, candidate, score)
     });
     Ok(each.collect())
 }
 
-/// The model with all of a batch in it at no strength, and the parameters that measure each one's.
-fn grown(model: &Model, batch: &[&Candidate]) -> Result<(Model, Vec<Vec<usize>>), ModelError> {
+/// The model with all candidates of a batch at their linearisation points, and the indices of each one's amplitude parameters.
+fn with_batch(model: &Model, batch: &[&Candidate]) -> Result<(Model, Vec<Vec<usize>>), ModelError> {
     let mut grown = model.clone();
     let mut names: Vec<Vec<String>> = Vec::new();
     for candidate in batch {
         let mut own = Vec::new();
         let phases: &[f64] = if candidate.is_wave() { &[0.0, std::f64::consts::FRAC_PI_2] } else { &[0.0] };
         for phase in phases {
-            let turned = candidate.with("phase", *phase);
-            grown = grown.with_effect(turned.effect.id, &turned.place, &turned.values)?;
-            own.extend(strengths(&grown, candidate));
+            let shifted = candidate.with("phase", *phase);
+            grown = grown.with_effect(shifted.effect.id, &shifted.place, &shifted.values)?;
+            own.extend(amplitude_names(&grown, candidate));
         }
         names.push(own);
     }
@@ -233,52 +241,32 @@ fn grown(model: &Model, batch: &[&Candidate]) -> Result<(Model, Vec<Vec<usize>>)
     Ok((grown, groups))
 }
 
-/// Names of the parameters that measure the strength of the model's last effect.
-fn strengths(model: &Model, candidate: &Candidate) -> Vec<String> {
+/// Names of the amplitude parameters of the model's last effect.
+fn amplitude_names(model: &Model, candidate: &Candidate) -> Vec<String> {
     let Some(used) = model.effects.last() else { return Vec::new() };
     let own = used.effect.parameters.iter().zip(&used.parameters);
-    own.filter(|(parameter, _)| candidate.strength.contains(&parameter.name))
+    own.filter(|(parameter, _)| candidate.amplitudes.contains(&parameter.name))
         .map(|(_, index)| model.parameters[*index].name.clone())
         .collect()
 }
 
-/// Values of a model that grew out of another one: those of the old go over by name.
-pub(crate) fn carried(old: (&Model, &[f64]), new: &Model) -> Vec<f64> {
-    let mut values = new.values();
-    for (parameter, value) in old.0.parameters.iter().zip(old.1) {
-        if let Some(index) = new.parameter(&parameter.name) {
-            values[index] = *value;
-        }
-    }
-    values
-}
-
-/// What a model estimates, in one that grew out of it.
-pub(crate) fn estimated(model: &Model, grown: &Model) -> Vec<usize> {
-    let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
-    free.filter_map(|parameter| grown.parameter(&parameter.name)).collect()
-}
-
-/// A fit begins with a little of the strength that is foretold: the whole of it fits only once all other parameters have moved.
-pub(crate) const A_LITTLE: f64 = 0.02;
-
-fn foretold(model: &Model, candidate: &Candidate, promise: CandidateScore) -> RankedCandidate {
+/// The candidate at the start of its fit, from the linearised prediction of its amplitude.
+fn linearly_predicted(model: &Model, candidate: &Candidate, score: CandidateScore) -> RankedCandidate {
     let mut start = candidate.clone();
     let mut possible = true;
     if candidate.is_wave() {
-        let (sin, cos) = (promise.step[0], promise.step.get(1).copied().unwrap_or(0.0));
-        let name = candidate.strength[0];
-        start = start.with(name, A_LITTLE * sin.hypot(cos)).with("phase", cos.atan2(sin));
+        let (sin, cos) = (score.step[0], score.step.get(1).copied().unwrap_or(0.0));
+        let name = candidate.amplitudes[0];
+        start = start.with(name, INITIAL_SHARE * sin.hypot(cos)).with("phase", cos.atan2(sin));
     } else {
-        for (name, step) in candidate.strength.iter().zip(&promise.step) {
+        for (name, step) in candidate.amplitudes.iter().zip(&score.step) {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let (least, most) = candidate.bounds(model, name);
-            let moved = |share: f64| candidate.moved(name, before, share * step);
-            possible &= (least..=most).contains(&moved(1.0));
-            let share = if candidate.starts_at_amplitude() { 0.0 } else { A_LITTLE };
-            let moved = moved(share).clamp(least, most);
-            start = start.with(name, moved);
+            let stepped = |share: f64| candidate.stepped(name, before, share * step);
+            possible &= (least..=most).contains(&stepped(1.0));
+            let share = if candidate.has_nonnull_linearisation() { 0.0 } else { INITIAL_SHARE };
+            start = start.with(name, stepped(share).clamp(least, most));
         }
     }
-    RankedCandidate { start, promise, p_value: 1.0, possible }
+    RankedCandidate { start, score, p_value: 1.0, possible }
 }

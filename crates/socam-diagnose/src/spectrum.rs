@@ -1,33 +1,34 @@
-//! Spectra of residuals.
+//! Power spectra of residuals and the frequencies that stand out in them.
 
 use socam_identify::comparison::Traces;
 use socam_recording::Welch;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Longest piece that is transformed at once.
+/// Largest number of samples of one segment.
 const LONGEST: usize = 16_384;
 
-/// Series up to this long have no spectrum to speak of.
+/// Number of samples up to which a series has too few spectral lines.
 const SHORTEST: usize = 64;
-/// Lines on either side of one with which it is compared, and the chance that noise makes one that counts.
+/// Spectral lines on either side with which one is compared.
 const NEAR: usize = 40;
+/// Chance that noise alone makes a line that counts.
 const NO_CHANCE: f64 = 1e-9;
-/// Series whose lines lie apart by the same, but for this share, are of one grid.
+/// Relative difference of line spacings up to which series share a frequency grid.
 const SAME_GRID: f64 = 1e-6;
 
-/// Sample time of a stretch, s.
+/// Mean sample time of a segment, s.
 pub(crate) fn step_s(trace: &Traces) -> f64 {
     let n = trace.time_s.len();
     if n < 2 { 1e-3 } else { (trace.time_s[n - 1] - trace.time_s[0]) / (n - 1) as f64 }
 }
 
-/// Evaluation minus predicted.
+/// Residual of an output: measured minus predicted, SI.
 pub(crate) fn residual(trace: &Traces, output: usize) -> Vec<f64> {
     trace.measured[output].iter().zip(&trace.predicted[output]).map(|(y, p)| y - p).collect()
 }
 
-/// Power density of an output's residual: frequencies in Hz, and units squared per Hz, of one stretch. Missing values count as
-/// nothing.
+/// Power spectral density of a series by Welch's method: frequencies in Hz, and density in units squared per Hz. Missing values count as
+/// zero.
 pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     let length = values.len().min(LONGEST);
     if length < 16 {
@@ -35,19 +36,19 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     }
     let mut welch = Welch::new(length);
     let mut sums = vec![0.0; welch.lines()];
-    let mut pieces = 0;
+    let mut segments = 0;
     for start in (0..=values.len() - length).step_by((length / 2).max(1)) {
         let present = |value: &f64| if value.is_nan() { 0.0 } else { *value };
         let lines = welch.transform(values[start..start + length].iter().map(present));
         sums.iter_mut().zip(lines).for_each(|(sum, line)| *sum += line.norm_sqr());
-        pieces += 1;
+        segments += 1;
     }
-    let scale = welch.density_per_sum(step_s, pieces);
+    let scale = welch.density_per_sum(step_s, segments);
     let frequency_hz = (0..sums.len()).map(|k| k as f64 * welch.step_hz(step_s)).collect();
     (frequency_hz, sums.into_iter().map(|sum| sum * scale).collect())
 }
 
-/// Frequency below which half of a series' power lies, Hz, its mean left aside; `None` of too few values or of one that never changes.
+/// Frequency below which half of a series' power lies, Hz, without its mean; `None` for too few values or a constant series.
 pub(crate) fn median_hz(values: &[f64], step_s: f64) -> Option<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     let swing: Vec<f64> = values.iter().map(|value| value - mean).collect();
@@ -61,14 +62,14 @@ pub(crate) fn median_hz(values: &[f64], step_s: f64) -> Option<f64> {
     half.filter(|_| total > 0.0).map(|(frequency, _)| *frequency)
 }
 
-/// Lines of a series, each as a multiple of what is near it.
+/// Spectral lines of a series, each as a multiple of the noise level near it.
 pub(crate) struct Lines {
     spacing_hz: f64,
     sizes: Vec<f64>,
 }
 
 impl Lines {
-    /// Of values at a sample time, s; nothing of too few.
+    /// Lines of a series with this sample time, s; `None` for too few values.
     pub(crate) fn new(values: &[f64], step_s: f64) -> Option<Self> {
         if values.len() <= SHORTEST {
             return None;
@@ -77,20 +78,21 @@ impl Lines {
         let relative = |k: usize| {
             let mut near = power[k.saturating_sub(NEAR)..(k + NEAR).min(power.len())].to_vec();
             near.sort_by(f64::total_cmp);
-            // Of white noise a line's power is exponentially distributed.
+            // A line's power of white noise is exponentially distributed: its mean is the median over ln 2.
             let mean = near[near.len() / 2] / std::f64::consts::LN_2;
             power[k] / mean.max(f64::MIN_POSITIVE)
         };
         Some(Self { spacing_hz: frequency[1], sizes: (0..power.len()).map(relative).collect() })
     }
 
+    /// Whether both series have lines at the same frequencies.
     fn has_grid_of(&self, other: &Self) -> bool {
         self.sizes.len() == other.sizes.len() && (self.spacing_hz / other.spacing_hz - 1.0).abs() < SAME_GRID
     }
 }
 
-/// The frequencies at which some series stand out of what is near them, strongest first, Hz: those of one length are taken together,
-/// for a line that is weak in each is seen in all of them.
+/// Frequencies at which series have lines above the noise near them, the strongest first, Hz. Series of one frequency grid are summed, so that
+/// a line that is weak in each can be significant in their sum.
 pub(crate) fn peaks<'s>(series: impl Iterator<Item = &'s Lines>, most: usize) -> Vec<f64> {
     let mut groups: Vec<Vec<&Lines>> = Vec::new();
     for lines in series {
@@ -110,7 +112,7 @@ pub(crate) fn peaks<'s>(series: impl Iterator<Item = &'s Lines>, most: usize) ->
     kept
 }
 
-/// What noise hardly makes of several series of one grid together: by how much it is more than that, and its frequency.
+/// Significant lines of the sum of series of one grid: the ratio of each to the significance threshold, and its frequency, Hz.
 fn outstanding(group: &[&Lines]) -> Vec<(f64, f64)> {
     let chance = ChiSquared::new(2.0 * group.len() as f64);
     let least = chance.map_or(f64::INFINITY, |chance| 0.5 * chance.inverse_cdf(1.0 - NO_CHANCE));
@@ -121,7 +123,7 @@ fn outstanding(group: &[&Lines]) -> Vec<(f64, f64)> {
     lines.map(|k| (sums[k] / least, refined(&sums, k, group[0].spacing_hz))).collect()
 }
 
-/// A line's frequency between the grid's, by the parabola through the logarithms.
+/// A line's frequency between those of the grid, from a parabola through the logarithms of three lines, Hz.
 fn refined(power: &[f64], k: usize, spacing: f64) -> f64 {
     let [a, b, c] = [k - 1, k, k + 1].map(|i| power[i].max(f64::MIN_POSITIVE).ln());
     let bend = a - 2.0 * b + c;
@@ -165,7 +167,7 @@ mod tests {
         let together = found(&weak);
         assert_eq!(together.len(), 1);
         assert!((together[0] - 6.68).abs() < 0.03, "{together:?}");
-        let nothing: Vec<Vec<f64>> = (10..16).map(|seed| series(seed, 0.0)).collect();
-        assert!(found(&nothing).is_empty());
+        let noise_only: Vec<Vec<f64>> = (10..16).map(|seed| series(seed, 0.0)).collect();
+        assert!(found(&noise_only).is_empty());
     }
 }

@@ -1,13 +1,13 @@
-//! What the document says in words.
+//! Sentences of the document.
 
 use socam_model::effects::{Effect, Sizes};
 
 use crate::{
     document::{Curve, EffectParameter, Over},
-    nonparametric::{Manner, Unexplained},
+    nonparametric::term::{Action, Unexplained},
 };
 
-/// For a mechanic: what it is, where, and how much.
+/// Sentence of a finding for a mechanic: the place, the effect and its size.
 pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParameter]) -> String {
     let size = parameters.iter().filter(|parameter| parameter.name != "phase").filter_map(|parameter| {
         let value = parameter.value?;
@@ -23,21 +23,21 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
     format!("At {}: {}{size}", place.replace('_', " "), lower_first(sentence.trim_end_matches('.')))
 }
 
-/// The same of what has no name.
+/// Sentence of the nonparametric term.
 pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
     let place = found.place.replace('_', " ");
-    let what = match (is_channel, found.acts()) {
-        (true, Manner::Share) => "a gain of that sensor",
-        (false, Manner::Share) => "a part of its stiffness",
+    let what = match (is_channel, found.action()) {
+        (true, Action::Gain) => "a gain of that sensor",
+        (false, Action::Gain) => "a part of its stiffness",
         (true, _) => "an error of that sensor",
-        (false, Manner::Rubs) => "a friction",
-        (false, Manner::Added) => "a torque",
+        (false, Action::Friction) => "a friction",
+        (false, Action::Additive) => "a torque",
     };
     let over = match found.curve.over {
-        Over::Time if found.acts() == Manner::Share && is_channel => {
+        Over::Time if found.action() == Action::Gain && is_channel => {
             " that changes as time goes by (its curve is what that makes of the largest reading)"
         }
-        Over::Time if found.acts() == Manner::Share => {
+        Over::Time if found.action() == Action::Gain => {
             " that changes as time goes by (its curve is what that makes of the largest twist)"
         }
         Over::Speed | Over::Angle | Over::Torque if is_channel => " that depends on what it reads",
@@ -54,7 +54,7 @@ pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
     )
 }
 
-/// Where a measured curve is furthest from nothing.
+/// The point at which a curve is largest, in words.
 pub(crate) fn region_of_curve(curve: &Curve) -> String {
     let known = curve.x.iter().zip(&curve.torque).filter_map(|(x, torque)| Some((*x, (*torque)?)));
     match known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) {
@@ -70,7 +70,7 @@ fn lower_first(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
-/// Four digits.
+/// A number with four digits.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

@@ -1,7 +1,8 @@
-//! The bench's drawing: the layout of its model as SVG, with the places of findings and of their rivals marked.
+//! Drawing of the bench: the layout of its model as SVG, with the places of findings and of competing models marked.
 //!
-//! Every element has a cell of its own, and every label is broken to the width of its cell, so labels cannot overlap.
+//! Every element has its own cell, and labels are wrapped to the width of a cell, so that labels cannot overlap.
 
+mod grid;
 mod symbols;
 
 use maud::{Markup, html};
@@ -10,33 +11,21 @@ use socam_model::{
     layout::{Element, ElementKind, Joint, Layout},
 };
 
+use grid::{BADGE, CELL, GROUNDED, LINE_HEIGHT, MARGIN, Place, Rows, lines, middle, place};
+
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
-/// Width of a cell in the units of the view box.
-const CELL: f64 = 88.0;
-/// Characters of a label's line that surely fit in a cell.
-const LINE_CHARACTERS: usize = 12;
-const LINE_HEIGHT: f64 = 13.0;
-/// Height of a symbol of the chain, and of what hangs below.
-const SYMBOL: f64 = 60.0;
-const GROUNDED: f64 = 46.0;
-/// Between rows.
-const SPACE: f64 = 12.0;
-/// Half the height of a finding's diamond.
-const BADGE: f64 = 10.0;
-/// For the stubs of a wrapped chain.
-const MARGIN: f64 = 18.0;
 
-/// What is pointed at.
+/// A mark at an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mark {
     /// The finding of this number, from 1.
     Finding(usize),
-    /// A place where a rival of a finding acts.
+    /// A place where a competing model of a finding acts.
     Rival,
 }
 
-/// Whether a rival's mark is to be seen: its place is in the drawing and has no finding of its own.
+/// Whether a competing model's mark is visible: its place is in the drawing and has no finding.
 pub(super) fn shows_rivals(model: &Model, marks: &[(&str, Mark)]) -> bool {
     let layout = Layout::of(model);
     let has_finding = |name: &str| marks.iter().any(|(other, mark)| *other == name && *mark != Mark::Rival);
@@ -87,119 +76,6 @@ fn diamond(number: usize) -> Markup {
         path class="diamond" d="M0-10L10 0 0 10-10 0z" {}
         text class="number" y="4" text-anchor="middle" { (number) }
     }
-}
-
-/// Heights of the grid's rows.
-struct Rows {
-    /// Top of each row, and the bottom of the last.
-    tops: Vec<f64>,
-    /// Height of the labels above the symbols of each row.
-    labels: Vec<f64>,
-}
-
-impl Rows {
-    fn new(layout: &Layout) -> Self {
-        // A badge may stand above the first row.
-        let mut tops = vec![SPACE + BADGE];
-        let mut labels = Vec::new();
-        for row in 0..layout.rows {
-            let there = || layout.elements.iter().filter(|element| element.row == row);
-            let text = there().map(|element| LINE_HEIGHT * lines(element).len() as f64).fold(0.0, f64::max);
-            let symbol = there().map(symbol_height).fold(0.0, f64::max);
-            let top = tops.last().copied().unwrap_or_default();
-            labels.push(text);
-            tops.push(top + text + symbol + SPACE);
-        }
-        Self { tops, labels }
-    }
-
-    fn bottom(&self) -> f64 {
-        self.tops.last().copied().unwrap_or_default()
-    }
-
-    fn top(&self, element: &Element) -> f64 {
-        self.tops[element.row]
-    }
-
-    /// Where the symbol of an element is: middle across, and the height of the wire that runs through it.
-    fn wire(&self, element: &Element) -> f64 {
-        self.top(element) + self.labels[element.row] + 0.5 * SYMBOL
-    }
-
-    /// Lower edge of what an element is made of.
-    fn lower(&self, element: &Element) -> f64 {
-        match place(element.kind) {
-            Place::Sensor => self.tops[element.row + 1] - SPACE,
-            Place::Chain => self.wire(element) + symbols::reach(element.kind),
-            Place::Grounded => self.top(element) + GROUNDED + LINE_HEIGHT * lines(element).len() as f64,
-        }
-    }
-
-    /// Upper edge of what an element is made of.
-    fn upper(&self, element: &Element) -> f64 {
-        let text = LINE_HEIGHT * lines(element).len() as f64;
-        match place(element.kind) {
-            Place::Sensor => self.lower(element) - text - 8.0,
-            Place::Chain => self.top(element) + self.labels[element.row] - text,
-            Place::Grounded => self.top(element),
-        }
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Sensor,
-    Chain,
-    Grounded,
-}
-
-fn place(kind: ElementKind) -> Place {
-    match kind {
-        ElementKind::Sensor { .. } => Place::Sensor,
-        ElementKind::Bearing { .. } | ElementKind::GroundSpring { .. } => Place::Grounded,
-        _ => Place::Chain,
-    }
-}
-
-fn symbol_height(element: &Element) -> f64 {
-    match place(element.kind) {
-        Place::Sensor => 8.0,
-        Place::Chain => SYMBOL,
-        Place::Grounded => GROUNDED,
-    }
-}
-
-fn middle(element: &Element) -> f64 {
-    MARGIN + CELL * (element.column as f64 + 0.5)
-}
-
-/// The name, and the effects that the model has there, in lines that fit a cell.
-fn lines(element: &Element) -> Vec<String> {
-    let mut lines = wrap(&element.name);
-    for effect in &element.effects {
-        lines.extend(wrap(&format!("+ {effect}")));
-    }
-    lines
-}
-
-/// Breaks a name behind underscores and spaces, and in the middle of a word only where that alone is too long.
-fn wrap(name: &str) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in name.split_inclusive(['_', ' ', '-', '.']) {
-        let mut rest: Vec<char> = word.chars().collect();
-        while !rest.is_empty() {
-            let used = lines.last().map_or(0, |line| line.chars().count());
-            if used > 0 && used + rest.len() > LINE_CHARACTERS {
-                lines.push(String::new());
-                continue;
-            }
-            let fits = rest.len().min(LINE_CHARACTERS);
-            if let Some(line) = lines.last_mut() {
-                line.extend(rest.drain(..fits));
-            }
-        }
-    }
-    lines
 }
 
 fn label(element: &Element, top: f64, class: &str) -> Markup {
@@ -264,7 +140,7 @@ fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
     html! { path class="wire" d=(d) {} }
 }
 
-/// A wrapped chain goes on: an arrow out of one line and into the next.
+/// The continuation of a wrapped chain: an arrow out of one line and one into the next.
 fn continuation(from: &Element, to: &Element, rows: &Rows) -> Markup {
     let (out_of, into) =
         (middle(from) + symbols::half_width(from.kind), middle(to) - symbols::half_width(to.kind));
@@ -290,8 +166,8 @@ fn frame(element: &Element, rows: &Rows, findings: &[Mark], rival: bool) -> Mark
     }
 }
 
-/// The numbered diamond at a finding's place, several in a row, on an edge of the frame where no label is and no frame above
-/// or below has its own.
+/// The numbered diamond of a finding, several in a row, on an edge of the frame without a label and away from the diamonds of frames above and
+/// below.
 fn badge(element: &Element, rows: &Rows, place_in_row: usize, mark: Mark) -> Markup {
     let Mark::Finding(number) = mark else {
         return html! {};

@@ -1,10 +1,10 @@
-//! What is missing, piece by piece: the sentence, the law, its numbers, where it lives, why it is believed, what else it may be.
+//! Findings as HTML: sentence, law, parameters, localisation, evidence and competing models of each.
 
 use maud::{Markup, html};
 use socam_model::{Model, Motion};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
-use super::{drawing, page::prose, words};
+use super::{drawing, words};
 use crate::document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED};
 
 /// One finding, numbered from 1 as in the drawing.
@@ -15,7 +15,7 @@ pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup
                 (drawing::marker(number))
                 span { (words::effect(&finding.effect)) " at " code { (finding.location) } }
             }
-            p class="sentence" { (prose(&finding.sentence)) }
+            p class="sentence" { (words::prose(&finding.sentence)) }
             @if !finding.equation.is_empty() { p class="equation" { code { (finding.equation) } } }
             div class="columns" {
                 div {
@@ -32,6 +32,7 @@ pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup
     }
 }
 
+/// Estimates of a finding's parameters, one group for each component.
 fn parameters(finding: &Finding) -> Markup {
     let sets: Vec<&[EffectParameter]> = if finding.components.is_empty() {
         vec![&finding.parameters]
@@ -63,6 +64,7 @@ fn parameters(finding: &Finding) -> Markup {
     }
 }
 
+/// Ranges of speed, torque, angle, frequency and time in which the finding matters most.
 fn region(finding: &Finding, motion: Motion) -> Markup {
     let region = &finding.region;
     let (speed, torque, torque_unit) = match motion {
@@ -84,7 +86,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
     }
     html! {
         h4 { "Where it lives" }
-        @if !region.text.is_empty() { p { (prose(&region.text)) } }
+        @if !region.text.is_empty() { p { (words::prose(&region.text)) } }
         dl {
             @for (name, [low, high], unit) in ranges() {
                 dt { (name) }
@@ -94,6 +96,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
     }
 }
 
+/// Test results of a finding.
 fn evidence(finding: &Finding) -> Markup {
     let proof = &finding.evidence;
     let percent = |value: Option<f64>| match value.filter(|value| value.is_finite()) {
@@ -125,6 +128,7 @@ fn evidence(finding: &Finding) -> Markup {
     }
 }
 
+/// Competing models with their weights as bars.
 fn rivals(finding: &Finding) -> Markup {
     let weights = finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite());
     let own = 1.0 - weights.sum::<f64>();
@@ -160,6 +164,7 @@ fn rivals(finding: &Finding) -> Markup {
     }
 }
 
+/// The curve of a finding as a plot.
 fn measured(curve: &Curve, finding: &Finding, motion: Motion) -> Markup {
     let rotates = motion == Motion::Rotation;
     let default_unit = if rotates { "N m" } else { "N" };

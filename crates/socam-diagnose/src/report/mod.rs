@@ -24,12 +24,12 @@ use crate::{Diagnosis, Evidence, experiment};
 /// A report that could not be written.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// The directory could not be made.
+    /// The directory could not be created.
     #[error("`{}` cannot be made a directory for the report: {source}", path.display())]
     Directory {
-        /// What was asked for.
+        /// Path of the directory.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// A file could not be written.
@@ -37,9 +37,9 @@ pub enum ReportError {
     File(#[from] RecordingError),
 }
 
-/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is made if need be, and `next.toml`, the profile
-/// of what to record next, where there is something to settle. `model.toml` is the corrected model, or `model` as it is where nothing
-/// was corrected. Each file is there whole or not at all, and the page comes last.
+/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment is
+/// suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each file is
+/// written completely or not at all, and the page last.
 ///
 /// # Errors
 /// [`ReportError`] with the path.
@@ -57,7 +57,7 @@ pub fn write(
     let next = dir.join("next.toml");
     match diagnosis.suggested_experiment.as_ref().and_then(experiment::profile_text) {
         Some(profile) => write_file(&next, |file| file.write_all(profile.as_bytes()))?,
-        // One that an earlier diagnosis left would not belong to this one.
+        // A file of an earlier diagnosis does not belong to this one.
         None if next.exists() => std::fs::remove_file(&next).map_err(|source| RecordingError::Io {
             path: next,
             action: "remove",
@@ -72,7 +72,7 @@ pub fn write(
     write_file(&dir.join("index.html"), |file| file.write_all(page(diagnosis, evidence, model).as_bytes()))
 }
 
-/// The page alone.
+/// The page's HTML.
 pub fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> String {
     page::page(diagnosis, evidence, model).into_string()
 }

@@ -1,4 +1,4 @@
-//! The page as a whole: the answer first, then its proof, then how it was made.
+//! The report page: verdict first, then findings, fit, parameters, next experiment, residuals and method.
 
 use maud::{Markup, html};
 use socam_model::Model;
@@ -10,9 +10,10 @@ use crate::{
 };
 
 const STYLE: &str = include_str!("style.css");
-/// Rivals below this weight are not drawn.
+/// Least weight of a competing model whose place is marked in the drawing.
 const LEAST_WEIGHT: f64 = 0.05;
 
+/// The page as HTML.
 pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup {
     let body = html! {
         (head(diagnosis, model))
@@ -27,12 +28,13 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
             (next(diagnosis))
             (unseen(diagnosis))
             (pictures(diagnosis, evidence, model))
-            (made(diagnosis))
+            (method(diagnosis))
         }
     };
     socam_plot::document(&format!("Diagnosis of {}", model.name), STYLE, &body)
 }
 
+/// Header: verdict, summary and warnings.
 fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {
     let (class, sign) = match diagnosis.verdict {
         Verdict::Adequate => ("adequate", "✓"),
@@ -46,22 +48,14 @@ fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {
             @if let Some(summary) = summary(diagnosis) { p class="summary" { (summary) } }
             @if !diagnosis.warnings.is_empty() {
                 ul class="warnings" {
-                    @for warning in &diagnosis.warnings { li { b { "Warning: " } (prose(warning)) } }
+                    @for warning in &diagnosis.warnings { li { b { "Warning: " } (words::prose(warning)) } }
                 }
             }
         }
     }
 }
 
-/// A sentence whose `names` in backticks stand out.
-pub(super) fn prose(sentence: &str) -> Markup {
-    html! {
-        @for (index, part) in sentence.split('`').enumerate() {
-            @if index % 2 == 1 { code { (part) } } @else { (part) }
-        }
-    }
-}
-
+/// The verdict in one sentence.
 fn verdict(diagnosis: &Diagnosis) -> String {
     let named: Vec<String> = diagnosis
         .findings
@@ -96,7 +90,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// How far the worst channel came on data that it was not fitted to.
+/// Residual of the worst channel on held-out data, before and after.
 fn summary(diagnosis: &Diagnosis) -> Option<String> {
     let channels = diagnosis.fit.channels.iter().filter_map(|(name, fit)| {
         let before = tables::in_noise_floors(fit.holdout_rms_before, fit.noise_std)?;
@@ -114,6 +108,7 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
+/// Drawing of the bench with the places of findings and of competing models.
 fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
     let findings = diagnosis.findings.iter().enumerate();
     let found =
@@ -172,7 +167,7 @@ fn next(diagnosis: &Diagnosis) -> Markup {
         @if let Some(experiment) = &diagnosis.suggested_experiment {
             section {
                 h2 { "What to record next" }
-                p { (prose(&experiment.sentence)) }
+                p { (words::prose(&experiment.sentence)) }
                 dl {
                     dt { "Profile" }
                     dd { code { (experiment.profile) } ", as " code { "next.toml" } " beside this page: "
@@ -185,6 +180,7 @@ fn next(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
+/// Effects that were not found, with their smallest detectable sizes.
 fn unseen(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.not_found.is_empty() {
@@ -203,7 +199,7 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
             section {
                 h2 { "Residuals" }
                 p {
-                    "Evaluation minus predicted, the model running free"
+                    "Measured minus predicted, the model running free"
                     @if tables::has_after(diagnosis) { "; before is the base model at its best fit, after the one with all that was found." } @else { "." }
                     " The pictures over speed, angle and torque take all recordings together, those over frequency the longest."
                 }
@@ -213,7 +209,8 @@ fn pictures(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> Markup
     }
 }
 
-fn made(diagnosis: &Diagnosis) -> Markup {
+/// Recordings, cross-validation, false-alarm rate and version.
+fn method(diagnosis: &Diagnosis) -> Markup {
     let selection = match diagnosis.selection {
         Some(Validation::Blocks) => {
             "Models were compared on blocks of the training recordings, each left out in turn."

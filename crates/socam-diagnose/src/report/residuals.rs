@@ -10,18 +10,18 @@ use crate::{
     evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
 };
 
-/// Bytes that all traces together may take, so that a page opens at once.
+/// Largest size of all traces together, bytes, so that a page opens quickly.
 const TRACE_BYTES: usize = 700_000;
 /// Bytes of a trace's path per pixel column: two extremes.
 const BYTES_PER_COLUMN: usize = 12;
-/// Fewer columns than this no longer show a shape.
+/// Least number of pixel columns of a trace.
 const LEAST_COLUMNS: usize = 60;
-/// So few samples are shown one by one.
+/// Number of samples up to which each is drawn as a mark.
 const FEW_SAMPLES: usize = 50;
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL_95: f64 = 1.96;
 
-/// What the base model's residuals are called.
+/// Label of the base model's residuals.
 fn before_label(after: &[f64]) -> &'static str {
     if after.is_empty() { "base model" } else { "before" }
 }
@@ -144,7 +144,7 @@ fn over_time(
     if !trace.after.is_empty() {
         series.push(line("after", "after", marks[1], &trace.time_s, &trace.after));
     }
-    // There and back along the other edge; NaN lifts the pen between them.
+    // Upper and lower edge of the noise floor; NaN separates the two lines.
     let ends = [trace.time_s.first(), trace.time_s.last()].map(|end| end.copied().unwrap_or(f64::NAN));
     let floor = 2.0 * channel.noise_std;
     let edges = ([ends[0], ends[1], f64::NAN, ends[0], ends[1]], [floor, floor, f64::NAN, -floor, -floor]);

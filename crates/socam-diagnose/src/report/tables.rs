@@ -1,4 +1,4 @@
-//! Numbers in rows: the fit of each channel, the parameters, what was not found, the recordings.
+//! Tables: the fit of each channel, the parameters, effects that were not found, and the recordings.
 
 use maud::{Markup, html};
 
@@ -8,12 +8,12 @@ use crate::{
     document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
 };
 
-/// Whether something has a name that the model has been corrected by.
+/// Whether a named effect was found, so that the model was corrected.
 pub(super) fn is_corrected(diagnosis: &Diagnosis) -> bool {
     diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED)
 }
 
-/// Whether its residuals became others, if only by a curve that no model file can hold.
+/// Whether residuals after the correction differ, also if only by a curve that a model file cannot hold.
 pub(super) fn has_after(diagnosis: &Diagnosis) -> bool {
     let is_other = |(_, fit): &(String, ChannelFit)| {
         (fit.rms_before, fit.holdout_rms_before) != (fit.rms_after, fit.holdout_rms_after)
@@ -86,7 +86,7 @@ fn pair(before: Option<f64>, after: Option<f64>, noise: Option<f64>, corrected: 
     }
 }
 
-/// How many times the noise floor a residual is.
+/// Residual in units of the noise floor.
 pub(super) fn in_noise_floors(rms: Option<f64>, noise: Option<f64>) -> Option<f64> {
     let ratio = rms? / noise.filter(|noise| *noise > 0.0)?;
     ratio.is_finite().then_some(ratio)
@@ -172,7 +172,7 @@ fn change(before: Option<f64>, after: Option<f64>) -> String {
     }
 }
 
-/// What was looked for and not found: one row per effect, its places side by side.
+/// Effects that were looked for and not found: one row for each effect with all its places.
 pub(super) fn not_found(entries: &[NotFound]) -> Markup {
     let mut rows: Vec<(&NotFound, Vec<&NotFound>)> = Vec::new();
     for entry in entries {
@@ -210,7 +210,7 @@ fn smallest(entry: &NotFound) -> String {
     }
 }
 
-/// What was read, and what for.
+/// The recordings and what each was used for.
 pub(super) fn recordings(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.recordings.is_empty() {

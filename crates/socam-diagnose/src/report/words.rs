@@ -2,6 +2,7 @@
 
 pub(crate) use socam_plot::words::{minus, power, unit};
 
+use maud::{Markup, html};
 use socam_model::effects;
 
 use crate::document::{Finding, UNEXPLAINED};
@@ -25,7 +26,7 @@ pub(crate) fn level(value: Option<f64>) -> String {
     }
 }
 
-/// Zeros at the end of decimals say nothing where no digits are promised.
+/// A number without zeros at the end of its decimals, for numbers without an interval.
 fn without_zeros(number: &str) -> String {
     let (mantissa, power) = number.split_once('×').unwrap_or((number, ""));
     let mantissa =
@@ -33,12 +34,12 @@ fn without_zeros(number: &str) -> String {
     if power.is_empty() { mantissa.to_owned() } else { format!("{mantissa}×{power}") }
 }
 
-/// A number with two digits, for sizes that are not known better.
+/// A number with two digits, for sizes that are known roughly.
 pub(crate) fn rough(value: f64) -> String {
     if value.is_finite() { rounded(value, resolution(value, 2)) } else { "–".to_owned() }
 }
 
-/// A number to the digits that its interval warrants.
+/// A number with the digits that its interval justifies.
 pub(crate) fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     match value.filter(|value| value.is_finite()) {
         Some(value) if width(value, ci95) > 0.0 => rounded(value, warranted(value, ci95)),
@@ -47,7 +48,7 @@ pub(crate) fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     }
 }
 
-/// An interval to the digits that it warrants; nothing where both ends are open.
+/// An interval with the digits that its width justifies; empty where both ends are open.
 pub(crate) fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     let ends = ci95.map(|end| end.filter(|end| end.is_finite()));
     let around = value.or(ends[0]).or(ends[1]).unwrap_or(0.0);
@@ -61,18 +62,18 @@ pub(crate) fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     }
 }
 
-/// Power of ten of the last digit worth showing.
+/// Power of ten of the last digit that an interval's width justifies.
 fn warranted(value: f64, ci95: [Option<f64>; 2]) -> i32 {
     let width = width(value, ci95);
     if width.is_finite() && width > 0.0 {
-        // More than eight digits of anything are not read.
+        // At most eight digits are shown.
         resolution(width, 2).max(resolution(value, 8))
     } else {
         resolution(value, DIGITS)
     }
 }
 
-/// Half-width of an interval, or what there is of it; zero where there is none.
+/// Half-width of an interval, or the distance of its one end; zero where there is no interval.
 fn width(value: f64, ci95: [Option<f64>; 2]) -> f64 {
     match ci95 {
         [Some(low), Some(high)] => 0.5 * (high - low).abs(),
@@ -81,11 +82,12 @@ fn width(value: f64, ci95: [Option<f64>; 2]) -> f64 {
     }
 }
 
+/// Power of ten of the last of this many digits.
 fn resolution(value: f64, digits: i32) -> i32 {
     if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 - digits + 1 }
 }
 
-/// A number to a power of ten, with its own power of ten where it would need many zeros.
+/// A number rounded to a power of ten; in scientific notation where it would need many zeros.
 fn rounded(value: f64, resolution: i32) -> String {
     let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     let plain = (-3..=5).contains(&exponent) || exponent < resolution;
@@ -95,7 +97,7 @@ fn rounded(value: f64, resolution: i32) -> String {
     if exponent == 0 { mantissa } else { format!("{mantissa}×{}", power(exponent)) }
 }
 
-/// A share as a percentage that never pretends to be 0 or 100.
+/// A share as a percentage; shares near 0 and 1 are shown as bounds.
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {
@@ -106,7 +108,7 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// A chance.
+/// A p-value.
 pub(crate) fn chance(p: Option<f64>) -> String {
     match p.filter(|p| p.is_finite()) {
         None => "–".to_owned(),
@@ -129,7 +131,7 @@ pub(crate) fn effect_within(finding: &Finding) -> String {
     name(&finding.effect)
 }
 
-/// What an id stands for; ids that this catalogue does not know, in words.
+/// Name of an effect; for an unknown id, the id with spaces.
 fn name(id: &str) -> String {
     match effects::find(id) {
         _ if id == UNEXPLAINED => "unexplained misfit".to_owned(),
@@ -138,12 +140,21 @@ fn name(id: &str) -> String {
     }
 }
 
-/// A list as people say it.
+/// A list in words.
 pub(crate) fn and(items: &[String]) -> String {
     match items {
         [] => String::new(),
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// A sentence as HTML: names in backticks become code.
+pub(super) fn prose(sentence: &str) -> Markup {
+    html! {
+        @for (index, part) in sentence.split('`').enumerate() {
+            @if index % 2 == 1 { code { (part) } } @else { (part) }
+        }
     }
 }
 

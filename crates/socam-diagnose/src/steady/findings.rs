@@ -1,15 +1,11 @@
-//! What a document says of a tie that breaks, and of one that holds.
+//! What the document says about a violated parity relation, and about one that holds.
 
 use socam_model::{
     Model,
     effects::{CATALOGUE, Form, Steady},
 };
 
-use super::{
-    Outcome,
-    explain::{Explanation, FittedModel},
-    ties::Kind,
-};
+use super::{explain::Explanation, least_squares::ResidualFit, outcome::Outcome, parity::Kind};
 use crate::{
     document::{
         ChannelFit, Curve, EffectParameter, Finding, FindingEvidence, NotFound, Over, ParameterChange,
@@ -18,20 +14,22 @@ use crate::{
     words,
 };
 
-/// Fall of the sum of squares at which an effect would have been seen.
-const SEEN: f64 = 25.0;
-/// Weight of a rival that is worth naming.
+/// Fall of the sum of squares at which an effect counts as detectable.
+const DETECTABLE: f64 = 25.0;
+/// Least weight of a competing explanation that is listed.
 const LEAST_WEIGHT: f64 = 1e-2;
 
+/// Least and greatest finite value; `None` where there is none.
 fn range(values: &[f64]) -> Option<[f64; 2]> {
     let known = || values.iter().copied().filter(|value| value.is_finite());
     let ends = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
     (ends[0] <= ends[1]).then_some(ends)
 }
 
+/// The finding of a violated relation.
 pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Finding {
-    let Outcome { tie, readings, base, .. } = outcome;
-    let torque = if tie.kind == Kind::Speeds { None } else { range(&readings.second) };
+    let Outcome { relation, readings, base, .. } = outcome;
+    let torque = if relation.kind == Kind::Speeds { None } else { range(&readings.second) };
     let region = Region {
         speed_rad_s: range(&readings.speed),
         torque_nm: torque,
@@ -82,7 +80,8 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
     }
 }
 
-fn estimate(model: &Model, own: &Explanation, fitted: &FittedModel) -> EffectParameter {
+/// Estimate of an explanation's parameter.
+fn estimate(model: &Model, own: &Explanation, fitted: &ResidualFit) -> EffectParameter {
     let (value, ci95) = own.estimate(fitted);
     EffectParameter {
         name: own.parameter.into(),
@@ -92,19 +91,20 @@ fn estimate(model: &Model, own: &Explanation, fitted: &FittedModel) -> EffectPar
     }
 }
 
+/// Unit of an explanation's parameter.
 fn unit(model: &Model, own: &Explanation) -> String {
     let parameter = own.effect.parameters.iter().find(|known| known.name == own.parameter);
     parameter.map_or("", |p| model.unit_at(p.kind, &own.place)).into()
 }
 
-/// What the table says, in its own numbers.
+/// The observation in the table's own numbers.
 fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
-    let tie = outcome.tie;
-    let (first, second) = (&model.channels[tie.first].name, &model.channels[tie.second].name);
+    let relation = outcome.relation;
+    let (first, second) = (&model.channels[relation.first].name, &model.channels[relation.second].name);
     let list =
         |values: &[f64]| values.iter().map(|value| words::short(*value)).collect::<Vec<_>>().join(", ");
-    let ratio = words::short(tie.ratio);
-    match tie.kind {
+    let ratio = words::short(relation.ratio);
+    match relation.kind {
         Kind::Speeds => format!(
             "`{first}` / `{second}` is {}, where in a steady state gears and couplings allow {ratio} only",
             list(&outcome.shares())
@@ -113,18 +113,19 @@ fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
         Kind::Load => format!(
             "`{first}` is {} {} at {} rad/s",
             list(&outcome.readings.first),
-            model.channels[tie.first].unit,
+            model.channels[relation.first].unit,
             list(&outcome.readings.speed)
         ),
     }
 }
 
+/// Why no effect of the catalogue explains a violated relation.
 fn without_a_name(model: &Model, outcome: &Outcome<'_>) -> String {
     let chance = |is_it: fn(&Form) -> bool| {
         let own = outcome.ranked.iter().filter(|(own, _)| is_it(&own.effect.form));
         own.map(|(_, fitted)| fitted.p_value).fold(0.0, f64::max)
     };
-    match outcome.tie.kind {
+    match outcome.relation.kind {
         Kind::Speeds => format!(
             "they scatter beyond any one gain (chance {:.0e}) and any one offset (chance {:.0e}) of either sensor, so neither corrects \
              them, and whatever is worked out from both is uncertain by as much",
@@ -134,35 +135,36 @@ fn without_a_name(model: &Model, outcome: &Outcome<'_>) -> String {
         Kind::Torques => "no loss, drag, gain or offset of the catalogue takes as much at every point".into(),
         Kind::Load => {
             let viscous =
-                if outcome.case.base.is_empty() { "nothing in the model" } else { "no viscous drag" };
+                if outcome.test.base.is_empty() { "nothing in the model" } else { "no viscous drag" };
             let place = unexplained_at(model, outcome);
             format!("{viscous} at {place} does that, nor does any constant or quadratic drag")
         }
     }
 }
 
+/// Place of a violation that nothing explains.
 fn unexplained_at(model: &Model, outcome: &Outcome<'_>) -> String {
-    let tie = outcome.tie;
-    let bearing = tie.bearings.last().map(|(bearing, _)| model.bearings[*bearing].name.clone());
-    let gear = tie.gears.first().map(|gear| model.gears[*gear].name.clone());
-    let place = match tie.kind {
+    let relation = outcome.relation;
+    let bearing = relation.bearings.last().map(|(bearing, _)| model.bearings[*bearing].name.clone());
+    let gear = relation.gears.first().map(|gear| model.gears[*gear].name.clone());
+    let place = match relation.kind {
         Kind::Speeds => None,
         Kind::Torques => gear.or(bearing),
         Kind::Load => bearing,
     };
-    place.unwrap_or_else(|| model.channels[tie.second].name.clone())
+    place.unwrap_or_else(|| model.channels[relation.second].name.clone())
 }
 
-/// The error point by point, over speed.
+/// The relation's error at each point, over speed.
 fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
-    let Outcome { tie, readings, case, .. } = outcome;
-    let second = &model.channels[tie.second];
-    let error = |k: usize| match tie.kind {
-        // As an error of the second sensor.
-        Kind::Speeds => readings.second[k] * (1.0 - case.error[k].exp()),
-        _ => case.error[k],
+    let Outcome { relation, readings, test, .. } = outcome;
+    let second = &model.channels[relation.second];
+    let error = |k: usize| match relation.kind {
+        // Expressed as an error of the second sensor.
+        Kind::Speeds => readings.second[k] * (1.0 - test.error[k].exp()),
+        _ => test.error[k],
     };
-    let mut all: Vec<(f64, f64)> = (0..case.error.len())
+    let mut all: Vec<(f64, f64)> = (0..test.error.len())
         .map(|k| (readings.speed[k], error(k)))
         .filter(|(x, y)| x.is_finite() && y.is_finite())
         .collect();
@@ -177,14 +179,14 @@ fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
     }
 }
 
-/// What explains it too, by its likelihood beside the best.
+/// Competing explanations, weighted by their likelihood.
 fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Vec<Rival> {
     let best = outcome.ranked[0].1.chi2;
     let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.good]
         .iter()
         .map(|(own, fitted)| (own.effect.id.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
         .collect();
-    if outcome.tie.kind == Kind::Speeds {
+    if outcome.relation.kind == Kind::Speeds {
         all.extend(slip(model, outcome, points));
     }
     let total: f64 = all.iter().map(|(.., weight)| weight).sum();
@@ -195,28 +197,29 @@ fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> 
         .collect()
 }
 
-/// A coupling may run at two speeds only while it slips, and then passes on the same torque at every speed: it is a rival where no
-/// torque was measured that says otherwise.
+/// A slipping coupling as a competing explanation of two speeds. A coupling that slips transmits the same torque at every speed, so it competes
+/// only where no measured torque changes.
 fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Option<(String, String, f64)> {
-    let spring = outcome.tie.springs.first().map(|spring| model.springs[*spring].name.clone())?;
+    let spring = outcome.relation.springs.first().map(|spring| model.springs[*spring].name.clone())?;
     let torque = model.channels.iter().position(|channel| channel.quantity == socam_model::Quantity::Torque);
     let read: Vec<f64> = points.iter().filter_map(|point| point[torque?]).collect();
     let [least, most] = range(&read).unwrap_or([1.0, 1.0]);
     let changes = (most - least).abs() > 0.05 * most.abs().max(least.abs());
-    // As Akaike counts: a slip of its own at every point, against one gain.
+    // Akaike weight: one slip at each point has n - 1 parameters more than one gain.
     let slips = CATALOGUE.iter().find(|effect| effect.steady == Steady::Slips).filter(|_| !changes)?;
-    Some((slips.id.into(), spring, (-(outcome.case.error.len() as f64 - 1.0)).exp()))
+    Some((slips.id.into(), spring, (-(outcome.test.error.len() as f64 - 1.0)).exp()))
 }
 
+/// Root mean square errors of a relation, before and after the explanation.
 pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) {
-    let tie = outcome.tie;
-    // The error of speeds is a share of them.
-    let scale = |k: usize| if tie.kind == Kind::Speeds { outcome.readings.second[k] } else { 1.0 };
+    let relation = outcome.relation;
+    // The error of speeds is relative.
+    let scale = |k: usize| if relation.kind == Kind::Speeds { outcome.readings.second[k] } else { 1.0 };
     let rms = |values: &[f64]| {
         let sum: f64 = values.iter().enumerate().map(|(k, value)| (value * scale(k)).powi(2)).sum();
         Some((sum / values.len() as f64).sqrt()).filter(|rms| rms.is_finite())
     };
-    // Uncertainty is what is left over what that is in its units.
+    // The uncertainty of a point is its residual over its residual in units of the uncertainty.
     let sigma: Vec<f64> = outcome.base.residual.iter().zip(&outcome.base.left).map(|(r, l)| r / l).collect();
     let held = |explanation: Option<&Explanation>| {
         let left = outcome.left_out(model, explanation)?;
@@ -229,22 +232,22 @@ pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) 
         rms_after: rms(own.map_or(&outcome.base.residual, |(_, fitted)| &fitted.residual)),
         holdout_rms_before: held(None),
         holdout_rms_after: held(own.map(|(own, _)| own)),
-        unit: model.channels[tie.second].unit.into(),
+        unit: model.channels[relation.second].unit.into(),
     };
-    let name = &model.channels[tie.second].name;
-    let of = match tie.kind {
+    let name = &model.channels[relation.second].name;
+    let of = match relation.kind {
         Kind::Load => format!("{name} by drag"),
-        _ => format!("{name} by {}", model.channels[tie.first].name),
+        _ => format!("{name} by {}", model.channels[relation.first].name),
     };
     (of, fit)
 }
 
-/// Dampings that steady states determine; all else of the model they do not.
+/// All parameters of the model. Steady states determine free dampings only.
 pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<ParameterChange> {
     let each = model.parameters.iter().enumerate().map(|(index, parameter)| {
-        let find = |outcome: &Outcome<'_>, fitted: &FittedModel| {
+        let find = |outcome: &Outcome<'_>, fitted: &ResidualFit| {
             outcome
-                .case
+                .test
                 .dampings(fitted)
                 .into_iter()
                 .find(|(own, ..)| *own == index)
@@ -253,7 +256,7 @@ pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<Paramet
         let before = outcomes.iter().find_map(|outcome| find(outcome, &outcome.base));
         let after = outcomes.iter().find_map(|outcome| match outcome.named() {
             Some((_, fitted)) => find(outcome, fitted),
-            None if outcome.broken => None,
+            None if outcome.violated => None,
             None => find(outcome, &outcome.base),
         });
         let determined = after.filter(|(value, ends)| ends[1] - ends[0] <= value.abs());
@@ -274,12 +277,13 @@ pub(super) fn parameters(model: &Model, outcomes: &[Outcome<'_>]) -> Vec<Paramet
     each.collect()
 }
 
-pub(super) fn unseen(model: &Model, outcome: &Outcome<'_>) -> Vec<NotFound> {
+/// Explanations of a relation that holds, with the smallest size that would have been detected.
+pub(super) fn not_found(model: &Model, outcome: &Outcome<'_>) -> Vec<NotFound> {
     let each = outcome.ranked.iter().map(|(own, fitted)| NotFound {
         effect: own.effect.id.into(),
         location: own.place.clone(),
         parameter: own.parameter.into(),
-        smallest_detectable: Some(SEEN.sqrt() * own.resolution(fitted)).filter(|size| size.is_finite()),
+        smallest_detectable: Some(DETECTABLE.sqrt() * own.resolution(fitted)).filter(|size| size.is_finite()),
         unit: unit(model, own),
     });
     each.collect()

@@ -1,11 +1,11 @@
-//! What the elements of the drawing look like, around the point (0, 0) of the wire that runs through them.
+//! Symbols of the drawing's elements. The origin (0, 0) is a point of the wire that runs through them.
 
 use maud::{Markup, html};
 use socam_model::{Motion, Quantity, Role, layout::ElementKind};
 
 use crate::report::words;
 
-/// How far a symbol reaches to either side; the wire begins there.
+/// Half the width of a symbol; the wire begins there.
 pub(super) fn half_width(kind: ElementKind) -> f64 {
     match kind {
         ElementKind::Motor => 21.0,
@@ -19,7 +19,7 @@ pub(super) fn half_width(kind: ElementKind) -> f64 {
     }
 }
 
-/// How far it reaches down.
+/// Distance from the wire to a symbol's lower edge.
 pub(super) fn reach(kind: ElementKind) -> f64 {
     match kind {
         ElementKind::Motor => 21.0,
@@ -90,7 +90,7 @@ pub(super) fn grounded(kind: ElementKind) -> Markup {
     }
 }
 
-/// What a channel is, in words.
+/// Quantity and role of a channel in words.
 pub(super) fn measures(quantity: Quantity, role: Role, motion: Motion) -> String {
     let rotates = motion == Motion::Rotation;
     let quantity = match quantity {

@@ -1,34 +1,34 @@
-//! What mean speeds and torques of a steady state must obey, read off the model's network.
+//! Parity relations: equations between mean speeds and torques that every steady state satisfies, from the model's network.
 //!
-//! While nothing winds up or speeds up, springs and shafts carry no difference of speed, gears keep their ratio, and a torque
-//! changes between two sensors only by what bearings and meshes take in between.
+//! In a steady state both ends of a spring or shaft have one speed, gears keep their ratio, and the torque changes between two sensors only
+//! by the drag of bearings and the losses of meshes in between.
 
 use socam_model::{Channel, Model, Quantity, Role, Take};
 
-/// What is tied to what.
+/// Which readings a parity relation compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Two speeds, by the gears between them.
+    /// Two speeds, related by the gears between them.
     Speeds,
-    /// Two torques, by drag and losses between them.
+    /// Two torques, related by drag and losses between them.
     Torques,
-    /// One torque, by the drag of all that it turns.
+    /// One torque, which equals the drag of everything that it turns.
     Load,
 }
 
-/// Readings that belong together: `first = ratio * second` for speeds, `ratio * first = second + drag` for torques.
+/// A parity relation: `first = ratio * second` for speeds, `ratio * first = second + drag` for torques.
 #[derive(Debug, Clone)]
-pub(super) struct Tie {
+pub(super) struct ParityRelation {
     pub(super) kind: Kind,
-    /// Index into the model's channels.
+    /// Index of the first reading's channel in the model.
     pub(super) first: usize,
-    /// Likewise; the same as `first` where one torque meets drag only.
+    /// Index of the second reading's channel; equal to `first` for one torque against drag.
     pub(super) second: usize,
-    /// Speed at the first over speed at the second.
+    /// Speed at the first reading over speed at the second.
     pub(super) ratio: f64,
-    /// Bearings in between, and speed there over speed at the second.
+    /// Bearings in between, and the speed of each over the speed at the second reading.
     pub(super) bearings: Vec<(usize, f64)>,
-    /// Nodes in between, likewise.
+    /// Nodes in between, and the speed of each over the speed at the second reading.
     pub(super) nodes: Vec<(usize, f64)>,
     /// Gears in between.
     pub(super) gears: Vec<usize>,
@@ -36,14 +36,14 @@ pub(super) struct Tie {
     pub(super) springs: Vec<usize>,
 }
 
-/// Speed of every node where that of the first is one; `None` for what is not connected to it.
+/// Speed of every node relative to the first node; `None` for nodes that are not connected to it.
 pub(super) fn speeds(model: &Model) -> Vec<Option<f64>> {
     let mut speeds = vec![None; model.nodes.len()];
     if let Some(first) = speeds.first_mut() {
         *first = Some(1.0);
     }
     let edges = edges(model);
-    // As often as there are nodes: no path is longer.
+    // No path through the network has more edges than there are nodes.
     for _ in 0..model.nodes.len() {
         for edge in &edges {
             let (a, b, ratio) = (edge.from, edge.to, edge.ratio);
@@ -57,6 +57,7 @@ pub(super) fn speeds(model: &Model) -> Vec<Option<f64>> {
     speeds
 }
 
+/// A connection that fixes the ratio of two nodes' mean speeds.
 struct Edge {
     from: usize,
     to: usize,
@@ -64,6 +65,7 @@ struct Edge {
     spring: Option<usize>,
 }
 
+/// All such connections of a model.
 fn edges(model: &Model) -> Vec<Edge> {
     let springs = model.springs.iter().enumerate().filter_map(|(index, spring)| {
         Some(Edge { from: spring.from, to: spring.to?, ratio: 1.0, spring: Some(index) })
@@ -83,8 +85,8 @@ fn edges(model: &Model) -> Vec<Edge> {
     springs.chain(shafts).chain(gears).collect()
 }
 
-/// All that are tied by the model, where a channel is read as it is.
-pub(super) fn ties(model: &Model, speeds: &[Option<f64>]) -> Vec<Tie> {
+/// All parity relations of a model between channels that are read without transform or free gain. `speeds` are from [`speeds`].
+pub(super) fn relations(model: &Model, speeds: &[Option<f64>]) -> Vec<ParityRelation> {
     let plain = |channel: &&(usize, &Channel)| channel.1.take == Take::Value && channel.1.gain.is_none();
     let channels: Vec<(usize, &Channel)> = model.channels.iter().enumerate().collect();
     let node = |channel: &Channel| model.nodes.iter().position(|node| node.name == channel.at);
@@ -94,13 +96,13 @@ pub(super) fn ties(model: &Model, speeds: &[Option<f64>]) -> Vec<Tie> {
         .filter(|(_, channel)| channel.quantity == Quantity::Speed)
         .filter_map(|(index, channel)| Some((*index, speeds[node(channel)?]?)))
         .collect();
-    let mut all: Vec<Tie> = turning
+    let mut all: Vec<ParityRelation> = turning
         .windows(2)
         .map(|pair| {
             let ([(first, fast), (second, slow)], none) = ([pair[0], pair[1]], Vec::new);
             let springs = (0..model.springs.len()).collect();
             let ratio = fast / slow;
-            Tie {
+            ParityRelation {
                 kind: Kind::Speeds,
                 first,
                 second,
@@ -121,16 +123,16 @@ pub(super) fn ties(model: &Model, speeds: &[Option<f64>]) -> Vec<Tie> {
         .collect();
     sensors.sort_by_key(|(_, _, far)| std::cmp::Reverse(far.iter().filter(|is| **is).count()));
     for (place, (first, near, far)) in sensors.iter().enumerate() {
-        // The next one down the chain is the largest that lies within.
+        // The next sensor down the chain is the one with the largest far side within this one's.
         let within =
             |other: &&(usize, usize, Vec<bool>)| other.2.iter().zip(far).all(|(own, far)| !own || *far);
         let next = sensors[place + 1..].iter().find(within);
-        all.extend(torque(model, speeds, (*first, *near, far), next));
+        all.extend(torque_relation(model, speeds, (*first, *near, far), next));
     }
     all
 }
 
-/// Nodes that a spring turns; `None` where it lies in a loop or holds to the ground.
+/// Nodes on a spring's far side; `None` where the spring lies in a loop or is connected to the ground.
 fn far_side(model: &Model, spring: usize) -> Option<Vec<bool>> {
     let mut far = vec![false; model.nodes.len()];
     far[model.springs[spring].to?] = true;
@@ -144,12 +146,14 @@ fn far_side(model: &Model, spring: usize) -> Option<Vec<bool>> {
     (!far[model.springs[spring].from]).then_some(far)
 }
 
-fn torque(
+/// The relation of a torque sensor with the next one, or with drag alone where there is no next one. `None` where an input acts in between or a
+/// node in between is connected to the ground by a spring.
+fn torque_relation(
     model: &Model,
     speeds: &[Option<f64>],
     (first, near, far): (usize, usize, &[bool]),
     next: Option<&(usize, usize, Vec<bool>)>,
-) -> Option<Tie> {
+) -> Option<ParityRelation> {
     let (kind, second, end) = match next {
         Some((second, end, _)) => (Kind::Torques, *second, *end),
         None => (Kind::Load, first, near),
@@ -162,14 +166,13 @@ fn torque(
         let node = model.nodes.iter().position(|node| node.name == channel.at);
         channel.role == Role::Input && node.is_some_and(between)
     };
-    // What drives in between, or holds, makes the sum another one.
     if (0..model.nodes.len()).any(|node| between(node) && held(node)) || model.channels.iter().any(is_driven)
     {
         return None;
     }
     let bearings = model.bearings.iter().enumerate().filter(|(_, bearing)| between(bearing.node));
     let known = |node: usize| Some(speeds[node]? / at_end);
-    Some(Tie {
+    Some(ParityRelation {
         kind,
         first,
         second,

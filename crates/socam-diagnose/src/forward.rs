@@ -1,0 +1,189 @@
+//! Forward stepwise selection: score test, choice of one effect, its addition, until no candidate predicts better.
+
+use socam_identify::{
+    IdentifyError, NoiseLevels,
+    comparison::{self, NoiseModel},
+};
+use socam_model::{Model, effects::Rig};
+
+use crate::{
+    candidate::Candidate,
+    candidates,
+    choice::{self, Choice},
+    context::{Context, FittedModel},
+    criterion, halving, nonparametric,
+    plausibility::PriorKnowledge,
+    scales::Scales,
+    score_test,
+    selection::{DISPLACED, Path},
+};
+
+/// Number of steps beyond the largest number of effects, for further orders of periodic effects: all orders at one place are one effect.
+const MORE_ORDERS: usize = 8;
+
+/// Runs the selection from a base model, its fitted `values` (SI) and noise levels. `None` where the base model's prediction overflows.
+pub(crate) fn run(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Option<Path>, IdentifyError> {
+    let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
+    let priors = PriorKnowledge { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
+    let mut path = Path {
+        last: base.clone(),
+        base,
+        terms: Vec::new(),
+        priors,
+        noise,
+        tests: Vec::new(),
+        unexplained: None,
+    };
+    for _ in 0..context.options.most_effects + MORE_ORDERS {
+        if !path.extend(context)? {
+            break;
+        }
+    }
+    Ok(Some(path))
+}
+
+/// The base model at its fit under its own noise model.
+fn base(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Option<(FittedModel, NoiseModel)>, IdentifyError> {
+    let sensor = context.sensor_noise(model, values, levels.clone())?;
+    let problem = context.problem(model)?;
+    let Some(first) = comparison::measure(&problem, &sensor, values)? else { return Ok(None) };
+    let Some(noise) = context.noise_at(model, &first, levels)? else { return Ok(None) };
+    let Some(base) = context.fitted(model, values, Some((model, &first)), &noise)? else { return Ok(None) };
+    let noise = context.noise_at(model, &base.at, noise.levels())?.unwrap_or(noise);
+    Ok(context.refitted(&base, &noise)?.map(|base| (base, noise)))
+}
+
+impl Path {
+    /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added.
+    fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
+        let scales = self.test(context)?;
+        if self.tests.is_empty() {
+            return Ok(false);
+        }
+        let tried = self.worth_trying(context.options.false_alarm_rate);
+        let mut named = choice::best(context, self, &tried, Some(&scales))?;
+        let is_suspicious = !tried.is_empty();
+        self.unexplained = nonparametric::competing(context, self, &scales, named.as_ref(), is_suspicious)?;
+        if let Some(curve) = &self.unexplained {
+            let mut overlooked = self.overlooked(curve, &tried);
+            // The effect that was chosen before competes again.
+            let is_chosen = |candidate: &Candidate| {
+                named.as_ref().is_some_and(|one| one.term.candidate.is_same(candidate))
+            };
+            overlooked.extend(tried.iter().filter(|(candidate, _)| is_chosen(candidate)).cloned());
+            let late = choice::best(context, self, &overlooked, None)?;
+            named = match late {
+                Some(late) if !curve.beats(context, self, &late)? => Some(late),
+                _ => None,
+            };
+            if named.is_none() {
+                self.replace_by_curve(context)?;
+                return Ok(false);
+            }
+            self.unexplained = None;
+        }
+        let Some(choice) = named else { return Ok(false) };
+        if self.is_remainder(context, &choice)? {
+            return Ok(false);
+        }
+        self.add(context, choice)?;
+        Ok(true)
+    }
+
+    /// Score test of all candidates that were not added yet. Returns the sizes of motions and torques.
+    fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
+        let FittedModel { model, at, .. } = &self.last;
+        let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
+        if self.terms.is_empty() {
+            self.priors.rig = scales.rig.clone();
+        }
+        let mut all = candidates::all(model, &scales);
+        // Effects that are observationally equivalent to an added one are not tested either.
+        let known: Vec<Candidate> =
+            (0..self.terms.len()).flat_map(|index| self.equivalent(context, index)).collect();
+        let is_known = |candidate: &Candidate| {
+            known.iter().any(|known| known.is_same(candidate))
+                || self.terms.iter().any(|term| term.candidate.repeats(candidate))
+        };
+        all.retain(|candidate| !is_known(candidate));
+        if self.effects() >= context.options.most_effects {
+            all.retain(|candidate| self.has(candidate));
+        }
+        self.tests =
+            score_test::run(model, context.training, &context.fit, &self.noise, at, (&scales, &all))?;
+        Ok(scales)
+    }
+
+    /// Score test of the last model, unless it was made.
+    pub(crate) fn test_last(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        if self.tests.is_empty() {
+            self.test(context)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a choice gains no more than the discrepancy of an earlier term's law can make: a real effect differs from its law by a share of
+    /// its contribution, and most of that difference appears at its own place.
+    fn is_remainder(&self, context: &Context<'_>, choice: &Choice) -> Result<bool, IdentifyError> {
+        for index in 0..self.terms.len() {
+            let is_there = self.terms[index].candidate.place == choice.term.candidate.place;
+            let discrepancy = if is_there { criterion::by_law } else { criterion::by_law_elsewhere };
+            let without = self.evaluated_without(context, index, &choice.noise)?;
+            let Some((_, without)) = without else { continue };
+            let earlier = 0.5 * (without.total() - choice.before.deviance());
+            if choice.term.gain.log_score < discrepancy(earlier) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Adds the chosen term, estimates the noise again, and tries nested laws and elimination.
+    fn add(&mut self, context: &Context<'_>, choice: Choice) -> Result<(), IdentifyError> {
+        let was = self.noise.excess();
+        self.terms.push(choice.term);
+        self.noise = choice.noise;
+        self.last = if was < DISPLACED { choice.fitted } else { restarted(context, self, choice.fitted)? };
+        self.renew_noise(context)?;
+        self.upgrade(context)?;
+        self.simplify(context, self.terms.len() - 1)?;
+        self.tests.clear();
+        self.eliminate(context, self.terms.len() - 1)
+    }
+
+    /// Estimates sensor noise and discrepancy from the last model's residuals, and fits the last model under them.
+    pub(crate) fn renew_noise(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        let noise = context.noise_at(&self.last.model, &self.last.at, self.noise.levels())?;
+        let Some(noise) = noise else { return Ok(()) };
+        if let Some(again) = context.refitted(&self.last, &noise)? {
+            (self.last, self.noise) = (again, noise);
+        }
+        Ok(())
+    }
+}
+
+/// A fit whose base parameters start again at the file's values, if it is better than `fitted`. Missing physics displaces the base parameters,
+/// and a fit that starts at the displaced values may not return. Parameters of effects in the base model start at the file's values here,
+/// but at their fitted values in `halving`.
+fn restarted(context: &Context<'_>, path: &Path, fitted: FittedModel) -> Result<FittedModel, IdentifyError> {
+    let mut values = fitted.at.values.clone();
+    for parameter in &path.base.model.parameters {
+        if let Some(index) = fitted.model.parameter(&parameter.name) {
+            values[index] = parameter.value;
+        }
+    }
+    let trial = halving::descend_from_afar(context, &fitted.model, &values, &path.noise, &fitted.at.chi2)?;
+    let Some(trial) = trial else { return Ok(fitted) };
+    let other = context.fitted(&fitted.model, &trial.values, Some((&fitted.model, &trial)), &path.noise)?;
+    Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))
+}
