@@ -16,9 +16,9 @@ pub(crate) fn alike(
     sample_time_s: f64,
 ) -> Vec<Candidate> {
     let each = own.effect.equivalents.iter().flat_map(|other| match other.holds {
-        Condition::InARow => in_a_row(model, own, |_, _| true),
+        Condition::InSeries => in_a_row(model, own, |_, _| true),
         // The springs' own stiffness has to change places with it.
-        Condition::InARowOfFreeStiffness => in_a_row(model, own, |a, b| can_swap(model, a, b)),
+        Condition::InSeriesWithFreeStiffness => in_a_row(model, own, |a, b| can_swap(model, a, b)),
         Condition::ShorterThanSamples(share) => {
             let is_short = strength.is_some_and(|time_s| time_s < share * sample_time_s);
             let effect = effects::find(other.effect).filter(|_| is_short);

@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model, Motion, Prior,
-    effects::{self, Amplitude, Coordinate, Effect, Form, Linearisation, REFINED, Rig, Sizes, Values},
+    effects::{self, Amplitude, Coordinate, Effect, Form, Linearisation, REFINED, Rig, FittedValues, Values},
 };
 
 use crate::{scales::Scales, score_test::A_LITTLE, selection::Path};
@@ -121,7 +121,7 @@ impl Candidate {
 
     /// Of a parameter that a file must give, SI; NaN for any other.
     pub(crate) fn value(&self, name: &str) -> f64 {
-        Sizes(&self.values).get(name)
+        FittedValues(&self.values).get(name)
     }
 
     pub(crate) fn with(&self, name: &str, value: f64) -> Self {
@@ -272,7 +272,7 @@ impl Candidate {
     pub(crate) fn in_place_of(&self, simpler: &Self, fitted: &[(&str, f64)], model: &Model) -> Vec<Self> {
         let own = self.effect.replaces.iter().find(|own| own.law == simpler.effect.id);
         let Some(own) = own.filter(|_| self.place == simpler.place) else { return Vec::new() };
-        let starts = (own.starts)(&Rig::of_model(model, &model.values()), &Sizes(fitted));
+        let starts = (own.starts)(&Rig::of_model(model, &model.values()), &FittedValues(fitted));
         let all = starts.iter().map(|values| self.with_all(values));
         all.filter(|start| start.values.iter().all(|(_, value)| value.is_finite())).collect()
     }

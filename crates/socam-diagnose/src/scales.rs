@@ -5,7 +5,7 @@ use socam_identify::{
     comparison::{self, Evaluation, Innovations, NoiseModel, Traces},
 };
 use socam_model::{
-    Channel, Model, Quantity, Role, Take,
+    Channel, Model, Quantity, Role, ChannelTransform,
     effects::{self, ActsAt, Rig},
 };
 
@@ -199,7 +199,7 @@ fn add_torques(rig: &mut Rig, read: &[Traces], (model, values): (&Model, &[f64])
     rig.spread_torques(model);
 }
 
-/// Sizes of what channels read, and how fast that changes.
+/// FittedValues of what channels read, and how fast that changes.
 fn add_channels(rig: &mut Rig, read: &[Traces], model: &Model) {
     let names = model.channels.iter().map(|channel| channel.name.as_str());
     for (own, name) in rig.channels.iter_mut().zip(names) {
@@ -277,7 +277,7 @@ fn sensor(at: &str, quantity: Quantity) -> Channel {
         role: Role::Output,
         quantity,
         at: at.to_owned(),
-        take: Take::Value,
+        take: ChannelTransform::Value,
         scale: 1.0,
         offset: 0.0,
         gain: None,

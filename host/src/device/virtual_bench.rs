@@ -21,7 +21,7 @@ pub(crate) struct BenchArgs {
     /// Another number, other noise of the sensors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Take all noise from the sensors
+    /// ChannelTransform all noise from the sensors
     #[arg(long)]
     pub(crate) no_noise: bool,
 }

@@ -30,7 +30,7 @@ pub(crate) struct FrequencyArgs {
     /// Orders of the transfer function, NUMERATOR/DENOMINATOR [default: the advised ones; those of the model for coefficient-match]
     #[arg(long, value_name = "B/A", value_parser = orders)]
     pub(super) orders: Option<socam_frequency::rational::Orders>,
-    /// Take only transfer functions with stable poles
+    /// ChannelTransform only transfer functions with stable poles
     #[arg(long)]
     pub(super) stable: bool,
     /// Write a page with its pictures and numbers into this folder
