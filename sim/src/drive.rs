@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use socam_core::scaling::MotorCalibration;
-use socam_model::{Equations, Model, Quantity, Take};
+use socam_model::{ChannelTransform, Equations, Model, Quantity};
 
 /// Speed follows its command within this time (first order, 80 Hz): fast enough to excite the couplings' resonances.
 const SPEED_LAG_S: f64 = 2e-3;
@@ -146,7 +146,7 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
         port_force: e.port_force.clone(),
         ports: e.ports.clone(),
         state_names: e.state_names.iter().cloned().chain(drive_states).collect(),
-        takes: vec![Take::Value; 2],
+        transforms: vec![ChannelTransform::Value; 2],
     }
 }
 

@@ -5,7 +5,7 @@ mod start;
 
 use std::str::FromStr;
 
-use socam_model::{Channel, Intersample, Model, Quantity, Role, Since, Take};
+use socam_model::{Channel, ChannelTransform, Intersample, Model, Quantity, Role, TransformStart};
 use socam_recording::{Channel as Column, Dataset, Segment};
 
 use crate::plant::{Effort, Plant, Trajectory};
@@ -248,7 +248,7 @@ impl Replay {
         let simulated = model.outputs().zip(&predicted);
         let channels: Vec<_> = driven.chain(simulated).collect();
         let named = |channel: &Channel| {
-            Column::from_column_name(&channel.column).filter(|_| channel.take == Take::Value)
+            Column::from_column_name(&channel.column).filter(|_| channel.transform == ChannelTransform::Value)
         };
         let raw = |channel: &Channel, values: &[f64]| {
             values.iter().map(|v| (v - channel.offset) / channel.scale).collect()
@@ -277,7 +277,7 @@ fn torque_on(disturbance: &Disturbance) -> Channel {
         role: Role::Input,
         quantity: Quantity::Torque,
         at: disturbance.place.clone(),
-        take: Take::Value,
+        transform: ChannelTransform::Value,
         scale: 1.0,
         offset: 0.0,
         noise_std: None,
@@ -305,7 +305,11 @@ impl Feed {
             feed.time_s.extend_from_slice(&block.time_s);
             for ((column, channel), measured) in outputs.iter().zip(&mut feed.measured) {
                 if let (Some(column), Some(measured)) = (column, measured) {
-                    measured.extend(channel.read(block.columns[*column].values(), step_s, Since::default()));
+                    measured.extend(channel.read(
+                        block.columns[*column].values(),
+                        step_s,
+                        TransformStart::default(),
+                    ));
                 }
             }
         }
@@ -329,10 +333,10 @@ fn mixed(data: &Dataset, mix: &Mix) -> Result<Vec<f64>, SimError> {
     for (values, (_, channel)) in recorded.iter().zip(mix) {
         let mut angle = 0.0;
         for segment in data.segments() {
-            let from = Since { time_s: segment.start_s, angle };
+            let from = TransformStart { time_s: segment.start_s, angle };
             let read = channel.read(&values[segment_rows(segment)], segment.sample_time_s, from);
             // What a shaft turned while nothing was recorded is not known here.
-            if channel.take == Take::Turned {
+            if channel.transform == ChannelTransform::Integral {
                 angle = read.last().map_or(angle, |last| last / channel.scale);
             }
             sum[segment_rows(segment)].iter_mut().zip(read).for_each(|(sum, value)| *sum += value);

@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model,
-    effects::{Coordinate, Effect, Form, Linearisation, Rig, Sizes, Values},
+    effects::{Coordinate, Effect, FittedValues, Form, Linearisation, Rig, Values},
 };
 
 /// Share of the linearly predicted amplitude at which a fit starts. The full amplitude would fit only once all other parameters had
@@ -123,7 +123,7 @@ impl Candidate {
 
     /// Value of a parameter that a model file must give, SI; NaN for any other name.
     pub(crate) fn value(&self, name: &str) -> f64 {
-        Sizes(&self.values).get(name)
+        FittedValues(&self.values).get(name)
     }
 
     /// The candidate with one value changed.
@@ -148,7 +148,7 @@ impl Candidate {
     pub(crate) fn in_place_of(&self, simpler: &Self, fitted: &[(&str, f64)], model: &Model) -> Vec<Self> {
         let own = self.effect.replaces.iter().find(|own| own.law == simpler.effect.id);
         let Some(own) = own.filter(|_| self.place == simpler.place) else { return Vec::new() };
-        let starts = (own.starts)(&Rig::of_model(model, &model.values()), &Sizes(fitted));
+        let starts = (own.starts)(&Rig::of_model(model, &model.values()), &FittedValues(fitted));
         let all = starts.iter().map(|values| self.with_all(values));
         all.filter(|start| start.values.iter().all(|(_, value)| value.is_finite())).collect()
     }

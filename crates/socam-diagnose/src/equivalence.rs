@@ -17,9 +17,9 @@ pub(crate) fn equivalents(
     sample_time_s: f64,
 ) -> Vec<Candidate> {
     let each = own.effect.equivalents.iter().flat_map(|other| match other.holds {
-        Condition::InARow => in_series(model, own, |_, _| true),
+        Condition::InSeries => in_series(model, own, |_, _| true),
         // Equivalent only if the two springs' stiffnesses can be exchanged along with the effect.
-        Condition::InARowOfFreeStiffness => in_series(model, own, |a, b| can_swap(model, a, b)),
+        Condition::InSeriesWithFreeStiffness => in_series(model, own, |a, b| can_swap(model, a, b)),
         Condition::ShorterThanSamples(share) => {
             let is_short = amplitude.is_some_and(|time_s| time_s < share * sample_time_s);
             let effect = effects::find(other.effect).filter(|_| is_short);

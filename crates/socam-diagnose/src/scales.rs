@@ -5,7 +5,7 @@ use socam_identify::{
     comparison::{self, Evaluation, Innovations, NoiseModel, Traces},
 };
 use socam_model::{
-    Channel, Model, Quantity, Role, Take,
+    Channel, ChannelTransform, Model, Quantity, Role,
     effects::{self, ActsAt, Rig},
 };
 
@@ -287,7 +287,7 @@ fn sensor(at: &str, quantity: Quantity) -> Channel {
         role: Role::Output,
         quantity,
         at: at.to_owned(),
-        take: Take::Value,
+        transform: ChannelTransform::Value,
         scale: 1.0,
         offset: 0.0,
         gain: None,

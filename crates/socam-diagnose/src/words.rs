@@ -1,6 +1,6 @@
 //! Sentences of the document.
 
-use socam_model::effects::{Effect, Sizes};
+use socam_model::effects::{Effect, FittedValues};
 
 use crate::{
     document::{Curve, EffectParameter, Over},
@@ -19,7 +19,7 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
     let size = if size.is_empty() { String::new() } else { format!(" ({})", size.join(", ")) };
     let known = parameters.iter().filter_map(|parameter| Some((parameter.name.as_str(), parameter.value?)));
     let known: Vec<(&str, f64)> = known.collect();
-    let sentence = (effect.sentence)(&Sizes(&known));
+    let sentence = (effect.sentence)(&FittedValues(&known));
     format!("At {}: {}{size}", place.replace('_', " "), lower_first(sentence.trim_end_matches('.')))
 }
 

@@ -6,7 +6,7 @@
 
 use faer::{Mat, linalg::solvers::SolveLstsqCore};
 use nalgebra::DVector;
-use socam_model::{Equations, Model, Quantity, Take, effects::ActsAt};
+use socam_model::{ChannelTransform, Equations, Model, Quantity, effects::ActsAt};
 use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -134,7 +134,11 @@ impl<'m> Axis<'m> {
         if !model.outputs().any(|channel| channel.quantity == Quantity::Angle && channel.at == inputs[0].at) {
             return Err(unsuited("it needs the angle or position measured where the torque or force acts"));
         }
-        if model.channels.iter().any(|channel| channel.gain.is_some() || channel.take != Take::Value) {
+        if model
+            .channels
+            .iter()
+            .any(|channel| channel.gain.is_some() || channel.transform != ChannelTransform::Value)
+        {
             return Err(unsuited(
                 "it reads channels as recorded, without `gain` or `take`; use output-error",
             ));

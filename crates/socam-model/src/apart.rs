@@ -4,12 +4,12 @@ use nalgebra::DMatrix;
 
 use crate::{
     Equations, Port,
-    equations::Rows,
+    equations::SystemRows,
     jet::{Jet, Scalar},
 };
 
 impl Port {
-    /// Whether its law is a gear's play: constant while teeth touch, and just what takes their contact back while they do not.
+    /// Whether its law is a gear's play: constant while teeth touch, and just what transforms their contact back while they do not.
     #[must_use]
     pub fn is_play(&self) -> bool {
         self.effect.is_play()
@@ -17,7 +17,7 @@ impl Port {
 }
 
 impl Equations {
-    /// The motion while the teeth at the gear of `port` (the first of its law) are apart: what else takes their contact's torque
+    /// The motion while the teeth at the gear of `port` (the first of its law) are apart: what else transforms their contact's torque
     /// back is done by the network, and the law's force is zero. `derivatives` are those of these equations with respect to the
     /// parameters `wrt` at `values`; the answer has them too.
     ///
@@ -57,10 +57,11 @@ impl Equations {
         let torque = released.times(&seen);
         let rates = rates.plus(&by_force(&rates).times(&torque));
         let observed = observed.plus(&by_force(&observed).times(&torque));
-        let rows = Rows { rates, observed, seen };
+        let rows = SystemRows { rates, observed, seen };
         let (apart, derivatives) = rows.split([states, inputs, ports]);
-        let (ports, state_names, takes) = (self.ports.clone(), self.state_names.clone(), self.takes.clone());
-        Some((Self { ports, state_names, takes, ..apart }, derivatives))
+        let (ports, state_names, transforms) =
+            (self.ports.clone(), self.state_names.clone(), self.transforms.clone());
+        Some((Self { ports, state_names, transforms, ..apart }, derivatives))
     }
 }
 

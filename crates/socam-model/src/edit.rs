@@ -2,10 +2,52 @@
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
 
-use crate::{Intersample, Model, ModelError, Parameter, Prior, Update, effects};
+use crate::{Intersample, Model, ModelError, Parameter, Prior, Role, Update, effects};
+
+impl Model {
+    /// The file's text with some parameters' values replaced; comments, order and all else stay.
+    pub fn text_with(&self, updates: &[Update]) -> Result<String, ModelError> {
+        write(&self.text, &self.parameters, updates)
+    }
+
+    /// The file's text with priors of some parameters; they also become the values from which a search starts.
+    ///
+    /// # Errors
+    /// For a parameter that the file does not have.
+    pub fn text_with_priors(&self, priors: &[(&str, Prior)], source: &str) -> Result<String, ModelError> {
+        write_priors(&self.text, &self.parameters, priors, source)
+    }
+
+    /// Says what an input does between its samples, in the file's text too; `None`: what its kind of input does.
+    ///
+    /// # Errors
+    /// For an input that the file does not have.
+    pub fn set_intersample(&mut self, input: &str, between: Option<Intersample>) -> Result<(), ModelError> {
+        let text = write_intersample(&self.text, input, between)?;
+        let named = self.channels.iter_mut().filter(|c| c.role == Role::Input && c.name == input);
+        named.for_each(|channel| channel.between = between);
+        self.text = text;
+        Ok(())
+    }
+
+    /// The model with one effect more, as a model file; its parameters are named after place and effect.
+    ///
+    /// # Errors
+    /// As for a file with a wrong entry: a place or parameter that does not exist, a value that makes no sense.
+    pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
+        let mut grown = Self::parse(&add_effect(self, effect, place, values)?)?;
+        // What was changed since the file was read stays changed.
+        for parameter in &mut grown.parameters {
+            if let Some(known) = self.parameter(&parameter.name) {
+                *parameter = self.parameters[known].clone();
+            }
+        }
+        Ok(grown)
+    }
+}
 
 /// The text with updated parameters, values in the file's own units.
-pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
+fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
     for update in updates {
         let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else {
@@ -41,7 +83,7 @@ pub(crate) fn write(text: &str, parameters: &[Parameter], updates: &[Update]) ->
 }
 
 /// The text with priors, from which searches then start too.
-pub(crate) fn write_priors(
+fn write_priors(
     text: &str,
     parameters: &[Parameter],
     priors: &[(&str, Prior)],
@@ -66,11 +108,7 @@ pub(crate) fn write_priors(
 }
 
 /// The text with what an input does between its samples, or without a word about it.
-pub(crate) fn write_intersample(
-    text: &str,
-    channel: &str,
-    between: Option<Intersample>,
-) -> Result<String, ModelError> {
+fn write_intersample(text: &str, channel: &str, between: Option<Intersample>) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
     let entry = document["channels"].get_mut(channel).and_then(Item::as_table_like_mut);
     let entry = entry.ok_or_else(|| fault(format!("there is no channel {channel}")))?;
@@ -82,7 +120,7 @@ pub(crate) fn write_intersample(
 }
 
 /// The text with an effect and its parameters added.
-pub(crate) fn add_effect(
+fn add_effect(
     model: &Model,
     effect: &str,
     place: &str,

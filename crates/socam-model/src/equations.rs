@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::{
-    Take,
+    ChannelTransform,
     effects::{Effect, Law, Response},
     jet::Jet,
 };
@@ -84,8 +84,8 @@ pub struct Equations {
     pub ports: Vec<Port>,
     /// What each state is, for reports.
     pub state_names: Vec<String>,
-    /// What each input takes of its column: how that one's noise enters.
-    pub takes: Vec<Take>,
+    /// What each input transforms of its column: how that one's noise enters.
+    pub transforms: Vec<ChannelTransform>,
 }
 
 impl Equations {
@@ -105,7 +105,7 @@ impl Equations {
 }
 
 /// The same as rows over [states | inputs | ports], with their derivatives.
-pub(crate) struct Rows {
+pub(crate) struct SystemRows {
     /// Of the states.
     pub(crate) rates: Jet,
     pub(crate) observed: Jet,
@@ -113,7 +113,7 @@ pub(crate) struct Rows {
     pub(crate) seen: Jet,
 }
 
-impl Rows {
+impl SystemRows {
     /// The equations, without what is no matrix, and their derivatives.
     pub(crate) fn split(&self, [states, inputs, ports]: [usize; 3]) -> (Equations, Vec<Equations>) {
         let part = |derivative: Option<usize>| {
@@ -140,7 +140,7 @@ impl Rows {
                 port_force,
                 ports: Vec::new(),
                 state_names: Vec::new(),
-                takes: Vec::new(),
+                transforms: Vec::new(),
             }
         };
         let derivatives = (0..self.rates.derivatives.len()).map(|index| part(Some(index))).collect();

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::{Channel, Quantity, Take};
+use crate::{ChannelTransform, Quantity};
 
 /// How an input moves between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -35,9 +35,9 @@ impl Intersample {
     /// What an input of this kind does when nobody says: a motion has inertia, and a wave made of an angle moves as that does;
     /// a torque, a force or a reference is what a drive was told, which it ramps.
     #[must_use]
-    pub const fn of(quantity: Quantity, take: Take) -> Self {
+    pub const fn of(quantity: Quantity, take: ChannelTransform) -> Self {
         match (quantity, take) {
-            (Quantity::Torque, Take::Cos(_) | Take::Sin(_)) => Self::BandLimited,
+            (Quantity::Torque, ChannelTransform::Cos(_) | ChannelTransform::Sin(_)) => Self::BandLimited,
             (Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Change, _) => Self::Linear,
             (Quantity::Speed | Quantity::Angle | Quantity::Acceleration | Quantity::Turned, _) => {
                 Self::BandLimited
@@ -54,13 +54,5 @@ impl FromStr for Intersample {
             .into_iter()
             .find(|kind| kind.name() == text)
             .ok_or_else(|| format!("expected hold, linear or band-limited, not `{text}`"))
-    }
-}
-
-impl Channel {
-    /// How it moves between its samples, as an input.
-    #[must_use]
-    pub fn intersample(&self) -> Intersample {
-        self.between.unwrap_or(Intersample::of(self.quantity, self.take))
     }
 }

@@ -20,6 +20,12 @@ pub(crate) struct Scalar {
 }
 
 impl Scalar {
+    /// The value of one of a model's parameters, with its derivatives with respect to the parameters `wrt`.
+    pub(crate) fn parameter(values: &[f64], wrt: &[usize], index: usize) -> Self {
+        let derivatives = wrt.iter().map(|other| f64::from(*other == index)).collect();
+        Self { value: values[index], derivatives }
+    }
+
     pub(crate) fn constant(value: f64, count: usize) -> Self {
         Self { value, derivatives: vec![0.0; count] }
     }

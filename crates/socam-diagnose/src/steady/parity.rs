@@ -3,7 +3,7 @@
 //! In a steady state both ends of a spring or shaft have one speed, gears keep their ratio, and the torque changes between two sensors only
 //! by the drag of bearings and the losses of meshes in between.
 
-use socam_model::{Channel, Model, Quantity, Role, Take};
+use socam_model::{Channel, ChannelTransform, Model, Quantity, Role};
 
 /// Which readings a parity relation compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,9 @@ fn edges(model: &Model) -> Vec<Edge> {
 
 /// All parity relations of a model between channels that are read without transform or free gain. `speeds` are from [`speeds`].
 pub(super) fn relations(model: &Model, speeds: &[Option<f64>]) -> Vec<ParityRelation> {
-    let plain = |channel: &&(usize, &Channel)| channel.1.take == Take::Value && channel.1.gain.is_none();
+    let plain = |channel: &&(usize, &Channel)| {
+        channel.1.transform == ChannelTransform::Value && channel.1.gain.is_none()
+    };
     let channels: Vec<(usize, &Channel)> = model.channels.iter().enumerate().collect();
     let node = |channel: &Channel| model.nodes.iter().position(|node| node.name == channel.at);
     let turning: Vec<(usize, f64)> = channels

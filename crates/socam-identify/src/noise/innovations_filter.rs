@@ -303,7 +303,7 @@ impl NoiseModel {
         let state = equations.state.select_rows(&seen).select_columns(&seen);
         let kinds: Vec<Intersample> = noisy.iter().map(|input| intersample[*input]).collect();
         let (step, taps) = response(&state, &drive, sample_time_s, &kinds);
-        let kernels: Vec<Vec<f64>> = noisy.iter().map(|input| equations.takes[*input].noise()).collect();
+        let kernels: Vec<Vec<f64>> = noisy.iter().map(|input| equations.transforms[*input].noise()).collect();
         let (n, m, p) = (step.nrows(), noisy.len(), units.len());
         // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
         // last sample that matters for the coming interval.

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use socam_model::{Channel, Model, Take};
+use socam_model::{Channel, ChannelTransform, Model};
 use socam_recording::Dataset;
 
 use crate::{
@@ -108,7 +108,11 @@ fn linear(model: &Model) -> Model {
     for (index, channel) in model.channels.iter_mut().enumerate() {
         (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
         channel.column = format!("channel_{index}_1");
-        channel.take = if channel.take == Take::Rate { Take::Rate } else { Take::Value };
+        channel.transform = if channel.transform == ChannelTransform::Rate {
+            ChannelTransform::Rate
+        } else {
+            ChannelTransform::Value
+        };
     }
     model
 }
@@ -126,7 +130,7 @@ fn impulse(
     let named = all.into_iter().enumerate().filter_map(|(index, channel)| {
         let mut values = vec![0.0; rows];
         if index == jumping {
-            values[IMPULSE_ROW] = size / channel.take.amplification(sample_time_s);
+            values[IMPULSE_ROW] = size / channel.transform.amplification(sample_time_s);
         }
         Some((socam_recording::Channel::from_column_name(&channel.column)?, values))
     });

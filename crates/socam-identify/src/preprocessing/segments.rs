@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use socam_model::{Channel, Model, Since, Take};
+use socam_model::{Channel, ChannelTransform, Model, TransformStart};
 use socam_recording::Dataset;
 
 use crate::{IdentifyError, Intersample, prediction::intersample, preprocessing::mask::Mask};
@@ -161,7 +161,7 @@ pub(crate) fn read(
     let columns = columns.collect::<Result<Vec<_>, _>>()?;
     let inputs = model.inputs().count();
     // A spline or a rate needs the samples before and after; a piece of a run has those of its neighbours.
-    let taken = channels.iter().map(|channel| channel.take.reach()).max().unwrap_or(0);
+    let taken = channels.iter().map(|channel| channel.transform.reach()).max().unwrap_or(0);
     let around = intersample.iter().map(|kind| intersample::reach(*kind)).max().unwrap_or(0);
     let reach = (around + taken) as u64;
     let end = segment.first_row + segment.rows;
@@ -169,7 +169,7 @@ pub(crate) fn read(
     let last = segment.run.end.min(end + reach);
     let mut angles = vec![0.0; channels.len()];
     for (angle, (channel, column)) in angles.iter_mut().zip(channels.iter().zip(&columns)) {
-        if channel.take == Take::Turned {
+        if channel.transform == ChannelTransform::Integral {
             *angle = turned_before(dataset, *column, first)?;
         }
     }
@@ -197,7 +197,7 @@ pub(crate) fn read(
         let read = channels.iter().zip(&window).zip(&angles);
         let si: Vec<_> = read
             .map(|((channel, values), angle)| {
-                channel.read(values, segment.sample_time_s, Since { time_s, angle: *angle })
+                channel.read(values, segment.sample_time_s, TransformStart { time_s, angle: *angle })
             })
             .collect();
         let part =
@@ -213,7 +213,7 @@ pub(crate) fn read(
         next = ready;
         let keep = next.saturating_sub(reach).max(start);
         for ((channel, angle), values) in channels.iter().zip(&mut angles).zip(&si) {
-            if channel.take == Take::Turned {
+            if channel.transform == ChannelTransform::Integral {
                 *angle = values[(keep - start) as usize] / channel.scale;
             }
         }
@@ -241,7 +241,7 @@ fn turned_before(dataset: &Dataset, column: usize, row: u64) -> Result<f64, Iden
 
 #[cfg(test)]
 mod tests {
-    use socam_model::{Role, Take};
+    use socam_model::{ChannelTransform, Role};
     use socam_recording::{Channel, Unit};
 
     use super::*;
@@ -327,13 +327,13 @@ mod tests {
         let (mut model, data) = numbered(20_000, |row| row == 12_000, |row| row == 15_000 || row == 15_005);
         let one = std::slice::from_ref(&data);
         let all = [
-            (Take::Value, Intersample::Linear),
-            (Take::Value, Intersample::BandLimited),
-            (Take::Rate, Intersample::BandLimited),
+            (ChannelTransform::Value, Intersample::Linear),
+            (ChannelTransform::Value, Intersample::BandLimited),
+            (ChannelTransform::Rate, Intersample::BandLimited),
         ];
         for (take, intersample) in all {
             let input = model.channels.iter().position(|channel| channel.role == Role::Input).unwrap();
-            model.channels[input].take = take;
+            model.channels[input].transform = take;
             let whole = segments(&model, one, u64::MAX, &mut Vec::new()).unwrap();
             assert_eq!(whole.iter().map(|s| s.rows).collect::<Vec<_>>(), [12_000, 2999, 4994]);
             let expected = read_all(&model, &data, &whole, intersample);

@@ -1,6 +1,6 @@
 //! Check of the intersample assumption: whether another one moves an estimate out of its interval, and whether the recordings contradict it.
 
-use socam_model::{Channel, Intersample, Take};
+use socam_model::{Channel, ChannelTransform, Intersample};
 
 use crate::optimiser::{factors, nuisance};
 use crate::{
@@ -50,7 +50,9 @@ pub(crate) fn warnings(
 
 /// Other intersample assumptions that are possible for a channel.
 fn others(channel: &Channel, kind: Intersample) -> &'static [Intersample] {
-    if channel.quantity.is_clock() || matches!(channel.take, Take::Cos(_) | Take::Sin(_)) {
+    if channel.quantity.is_clock()
+        || matches!(channel.transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_))
+    {
         return &[];
     }
     match kind {

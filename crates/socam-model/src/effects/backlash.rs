@@ -1,10 +1,14 @@
 //! Play in a gear.
 
 use super::{
-    Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment,
+    kinds::CONTACT_DAMPING,
+    shape,
 };
-use crate::model::CONTACT_DAMPING;
 
 /// The mesh's contact carries nothing within the gap: beside a stiff spring and damper at the mesh acts what takes their torque
 /// back there. The contact's damping says how a knock rebounds: hardly at all at its usual value, the more the less it is.
@@ -67,4 +71,11 @@ fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
             -rate * inside.by_x,
         ],
     )
+}
+
+impl Effect {
+    /// Whether it is play: its law is linear in three regimes, between which teeth meet and part.
+    pub(crate) fn is_play(&self) -> bool {
+        self.id == EFFECT.id
+    }
 }

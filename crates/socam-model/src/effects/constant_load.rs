@@ -1,8 +1,11 @@
 //! A torque from outside that never changes: weight, belt pull, the offset of a drive.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, Linearisation, Places, Prior, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, Linearisation, Places, Prior, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -torque: positive values load the node against positive motion.

@@ -1,8 +1,10 @@
 //! Dry friction of constant size that opposes the motion.
 
 use super::{
-    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    definition::{
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
     experiment, shape,
 };
 

@@ -1,9 +1,12 @@
 //! A coupling that slips above a torque.
 
 use super::{
-    Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
-    Equivalent, Form, Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady,
-    begin_with_little, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
+        Equivalent, Form, Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady,
+        begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// The spring winds up only as far as its torque stays below `torque`: what twists it further slips. T = k (d - s), and
@@ -49,7 +52,7 @@ pub(super) const EFFECT: Effect = Effect {
         "assumed: a coupling slides by another law than a smoothed step",
     )],
     replaces: &[],
-    equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InARow }],
+    equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InSeries }],
     steady: Steady::Slips,
     equation: "|T| <= T_slip",
     sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",

@@ -1,8 +1,11 @@
 //! A bearing's viscous damping that changes while it runs.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
+        LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -damping rate time speed, beside the bearing's own -damping speed.

@@ -1,9 +1,11 @@
 //! A bearing that drags differently forward and backward.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment,
-    shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -(torque_difference tanh²(speed / transition_speed) + damping_difference |speed|) / 2: differences are forward minus

@@ -1,8 +1,11 @@
 //! A gain that is another one way than the other.
 
 use super::{
-    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation,
-    Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// reading = truth + difference |truth| / 2: the difference is that of the gains for positive and negative values; their mean is left to

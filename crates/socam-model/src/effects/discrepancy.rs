@@ -1,8 +1,6 @@
 //! How nearly a law is obeyed. No machine obeys a law exactly: what a law leaves out moves its parameters alike in all recordings, so
 //! that neither noise nor differences between recordings show it. Each level is a lower bound of an interval's half width.
 
-use super::Effect;
-
 /// Model discrepancy of one parameter of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
@@ -47,24 +45,6 @@ impl Discrepancy {
     pub(super) const fn phase_of_turn(parameter: &'static str) -> Self {
         let source = "angles are integrals of a measured speed, and its ripple is in them: 0.01 rad";
         Self { parameter, share: 0.0, absolute: 1e-2, upper_factor: 1.0, source }
-    }
-}
-
-impl Effect {
-    /// Least half width of a parameter's 95 % interval at a fitted value, SI.
-    #[must_use]
-    pub fn least_half_width(&self, parameter: &str, value: f64) -> f64 {
-        let is_amplitude = self.amplitude.parameters.contains(&parameter);
-        let null = if is_amplitude && self.amplitude.null.is_finite() { self.amplitude.null } else { 0.0 };
-        let own = self.discrepancy.iter().filter(|own| own.parameter == parameter);
-        own.map(|own| own.share * (value - null).abs() + own.absolute).fold(0.0, f64::max)
-    }
-
-    /// See [`Discrepancy::upper_factor`]; one where nothing is known of it.
-    #[must_use]
-    pub fn upper_factor(&self, parameter: &str) -> f64 {
-        let own = self.discrepancy.iter().find(|own| own.parameter == parameter);
-        own.map_or(1.0, |own| own.upper_factor)
     }
 }
 

@@ -1,8 +1,11 @@
 //! A torque from outside that swings at a frequency of its own.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, shape, wave,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, wave,
+    },
+    experiment, shape,
 };
 
 /// T = torque sin(2 pi frequency time + phase), time counted from where the recording began.

@@ -1,9 +1,11 @@
 //! A load whose centre of mass is off its axis.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
-    shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -torque sin(angle + phase), the angle counted from where the recording began.

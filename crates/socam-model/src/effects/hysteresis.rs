@@ -1,9 +1,11 @@
 //! Friction inside a coupling: it follows another way back than it went.
 
 use super::{
-    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
-    presliding, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+    },
+    experiment, presliding, shape,
 };
 
 /// Least deflection at yield, rad (m).
@@ -72,7 +74,7 @@ pub(super) const EFFECT: Effect = Effect {
         ),
     ],
     replaces: &[],
-    equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InARowOfFreeStiffness }],
+    equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,
     equation: "T = T_y z/d_y, z' = v - |v| z/d_y",
     sentence: |_| "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",

@@ -27,9 +27,12 @@ impl EffectParameter {
     }
 }
 
-/// Bounds of what can have either sign.
+/// Name of the damping parameter of the spring that stands in for a gear's mesh, in effects and in the network.
+pub(crate) const CONTACT_DAMPING: &str = "contact_damping";
+
+/// Bounds of a parameter of either sign.
 pub(super) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-/// Bounds of what cannot be negative.
+/// Bounds of a parameter that cannot be negative.
 pub(super) const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
 /// Kinds of quantity that parameters have.

@@ -1,8 +1,11 @@
 //! A reduction that does not roll true.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment, shape, wave,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, wave,
+    },
+    experiment, shape,
 };
 
 /// The slow side is ahead by amplitude sin(order angle of the fast side + phase): a torque on a stiff spring at the mesh

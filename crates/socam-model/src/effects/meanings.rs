@@ -1,6 +1,9 @@
 //! What the parameters of the catalogue's effects mean, for people who write model files.
 
-use super::{CATALOGUE, Effect, EffectParameter, REFINED};
+use super::{
+    catalogue::{CATALOGUE, REFINED},
+    definition::{Effect, EffectParameter},
+};
 
 /// Of any effect that has a parameter of this name.
 const COMMON: &[(&str, &str)] = &[

@@ -1,8 +1,11 @@
 //! A part of the transmitted torque that a mesh eats.
 
 use super::{
-    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// A share of the torque that enters the mesh, from whichever side, on the slow side, whose speed and torque are meant. While the fast side

@@ -1,8 +1,11 @@
 //! A shaft that was taken to be rigid and is not.
 
 use super::{
-    ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Linearisation, POSITIVE,
-    Places, Prior, Steady, experiment,
+    definition::{
+        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Linearisation,
+        POSITIVE, Places, Prior, Steady,
+    },
+    experiment,
 };
 
 /// A spring and damper in the shaft's place.

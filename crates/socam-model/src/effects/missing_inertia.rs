@@ -1,8 +1,11 @@
 //! Inertia that nobody counted.
 
 use super::{
-    ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Linearisation, Places, Prior, Steady, experiment,
+    definition::{
+        ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Linearisation, Places, Prior, Steady,
+    },
+    experiment,
 };
 
 /// More inertia at a node (less, where it is negative: then the drawing's value is too large).

@@ -1,7 +1,36 @@
-//! Where a diagnosis looks for an effect.
+//! Kinds of places, and which of them a diagnosis looks at.
 
-use super::{ActsAt, Effect};
-use crate::{Model, Quantity, Role};
+/// Where an effect can sit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ActsAt {
+    /// A bearing: friction and drag between a node and the ground.
+    Bearing,
+    /// A node: a torque that acts on it from outside, or its inertia.
+    Node,
+    /// A spring: a coupling or an elastic shaft.
+    Spring,
+    /// A gear.
+    Gear,
+    /// A rigid shaft.
+    Shaft,
+    /// A channel: what its sensor does to the truth.
+    Channel,
+}
+
+impl ActsAt {
+    /// What such a place is called.
+    #[must_use]
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Bearing => "a bearing",
+            Self::Node => "a node",
+            Self::Spring => "a spring",
+            Self::Gear => "a gear",
+            Self::Shaft => "a rigid shaft",
+            Self::Channel => "a channel",
+        }
+    }
+}
 
 /// Which of the places at which an effect may act are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,39 +56,4 @@ pub enum Places {
 #[must_use]
 pub fn is_part(place: &str) -> bool {
     !place.ends_with(".contact")
-}
-
-impl Effect {
-    /// Places of a model at which a diagnosis looks for it.
-    #[must_use]
-    pub fn places_in(&self, model: &Model) -> Vec<String> {
-        let moves = |input: &crate::Channel| !input.quantity.is_clock();
-        let driven = |name: &str| model.inputs().any(|input| moves(input) && input.at == name);
-        let prescribed =
-            |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
-        let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
-        let name = |node: usize| model.nodes[node].name.as_str();
-        let behind_drive = |place: &str| {
-            let mut joined =
-                model.springs.iter().filter_map(|spring| Some((name(spring.from), name(spring.to?))));
-            massive(place)
-                && joined.any(|(a, b)| (a == place && prescribed(b)) || (b == place && prescribed(a)))
-        };
-        let channel = |name: &str| model.channels.iter().find(|channel| channel.name == name);
-        let all = model.places(self).into_iter().filter(|place| is_part(place));
-        let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
-        let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
-        let kept: Vec<&str> = match self.places {
-            Places::Every | Places::Channels | Places::Inputs => all.collect(),
-            Places::Load => all.rfind(|place| massive(place) && !prescribed(place)).into_iter().collect(),
-            Places::Driven => {
-                all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()
-            }
-            Places::Free => all.filter(|place| !prescribed(place)).collect(),
-            Places::Sensors => {
-                all.filter(|place| channel(place).is_some_and(|c| c.role == Role::Output)).collect()
-            }
-        };
-        kept.into_iter().map(str::to_owned).collect()
-    }
 }

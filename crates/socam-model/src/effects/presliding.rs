@@ -2,9 +2,12 @@
 //! standstill, C. Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995, but for the bristles' own damping).
 
 use super::{
-    Acts, ActsAt, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation, POSITIVE,
-    Places, Prior, Replaces, Rig, Sizes, Steady, Values, begin_with_little, coulomb_friction, experiment,
-    shape, stribeck_friction,
+    coulomb_friction,
+    definition::{
+        Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Kind, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, Replaces, Rig, Steady, Values, begin_with_little,
+    },
+    experiment, shape, stribeck_friction,
 };
 
 /// Coulomb friction: T = -torque z / deflection, z' = w - |w| z / deflection. `deflection` is the angle by which bristles give until two
@@ -166,7 +169,7 @@ fn with_deflections(rig: &Rig, starts: Vec<Values>) -> Vec<Values> {
 }
 
 /// Starts of a law that gives, beside what is carried over from one that does not: as far as is known already, if it is.
-fn giving(rig: &Rig, fitted: &Sizes<'_>) -> Vec<Values> {
+fn giving(rig: &Rig, fitted: &FittedValues<'_>) -> Vec<Values> {
     let known = fitted.get("deflection");
     if known.is_finite() {
         return vec![vec![("deflection", known)]];

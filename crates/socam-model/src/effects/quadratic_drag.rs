@@ -1,8 +1,11 @@
 //! Drag that grows with the square of speed.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -coefficient speed |speed|.

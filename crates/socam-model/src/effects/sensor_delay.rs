@@ -1,9 +1,13 @@
 //! A sensor that reports late.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, all_zero, begin_with_little, experiment,
-    sensor_lag::SHORT, shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, all_zero, begin_with_little,
+    },
+    experiment,
+    sensor_lag::SHORT,
+    shape,
 };
 
 /// A delay's all-pass of eighth order (Padé, [8/8]) as four of second order, (s² - p s + q)/(s² + p s + q) with s in units of the

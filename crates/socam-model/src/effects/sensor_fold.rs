@@ -1,8 +1,11 @@
 //! A sensor that counts whatever the direction.
 
 use super::{
-    Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput, Linearisation,
-    Places, Prior, Response, Steady, all_zero, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, Places, Prior, Response, Steady, all_zero,
+    },
+    experiment, shape,
 };
 
 /// reading = truth + share (|truth| - truth): with a share of one the reading is |truth|.

@@ -1,8 +1,11 @@
 //! A sensor that reads too much or too little.
 
 use super::{
-    ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Linearisation, Places, Prior, Steady, begin_with_little, experiment,
+    definition::{
+        ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Linearisation, Places, Prior, Steady, begin_with_little,
+    },
+    experiment,
 };
 
 /// reading = gain truth: 0.98 reads 2 % low.

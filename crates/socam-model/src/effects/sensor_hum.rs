@@ -1,8 +1,11 @@
 //! A sensor that picks up the mains.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, shape, wave,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, wave,
+    },
+    experiment, shape,
 };
 
 /// reading = truth + amplitude sin(2 pi frequency time + phase), time counted from where the recording began.

@@ -1,8 +1,11 @@
 //! A sensor that follows slowly.
 
 use super::{
-    ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment,
+    definition::{
+        ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little,
+    },
+    experiment,
 };
 
 /// time_constant reading' + reading = truth.

@@ -1,8 +1,11 @@
 //! A sensor whose zero is off.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
-    Places, Prior, Steady, all_zero, begin_with_little, experiment, shape,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
+        Places, Prior, Steady, all_zero, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// reading = truth + offset.

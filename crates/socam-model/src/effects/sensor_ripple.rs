@@ -1,9 +1,11 @@
 //! A sensor that swings with the angle of its shaft.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, experiment, shape,
-    wave,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, wave,
+    },
+    experiment, shape,
 };
 
 /// reading = truth + amplitude sin(order angle + phase), the angle counted from where the recording began.

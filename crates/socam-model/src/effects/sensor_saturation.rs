@@ -1,8 +1,11 @@
 //! A sensor that cannot read more.
 
 use super::{
-    Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-    Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment, shape,
+    definition::{
+        Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// reading = truth, but within -limit .. limit.

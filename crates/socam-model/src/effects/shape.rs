@@ -1,6 +1,6 @@
 //! Smooth stand-ins for corners and jumps, and the bookkeeping of derivatives.
 
-use super::{MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
+use super::law::{MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 
 /// Nowhere sharply bent.
 pub(super) fn no_transition(_: &[f64]) -> f64 {

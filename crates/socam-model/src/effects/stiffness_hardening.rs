@@ -1,8 +1,11 @@
 //! A coupling that stiffens, or softens, as it winds up.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
-    Form, Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
+        Form, Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero,
+        begin_with_little,
+    },
     experiment, shape,
 };
 
@@ -34,7 +37,7 @@ pub(super) const EFFECT: Effect = Effect {
     },
     discrepancy: &[Discrepancy::amplitude("cubic")],
     replaces: &[],
-    equivalents: &[Equivalent { effect: "stiffness_hardening", holds: Condition::InARowOfFreeStiffness }],
+    equivalents: &[Equivalent { effect: "stiffness_hardening", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,
     equation: "T = k d (1 + a d^2)",
     sentence: |fitted| {

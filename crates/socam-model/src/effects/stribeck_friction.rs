@@ -1,9 +1,12 @@
 //! Dry friction that is larger at standstill than in motion.
 
 use super::{
-    Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind, Law,
-    LawInput, Linearisation, POSITIVE, Places, Prior, Replaces, Response, Steady, begin_with_little,
-    coulomb_friction::FRICTION, experiment, shape,
+    coulomb_friction::FRICTION,
+    definition::{
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Replaces, Response, Steady, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -(torque + (static_torque - torque) exp(-(speed / stribeck_speed)²)) tanh(speed / transition_speed).

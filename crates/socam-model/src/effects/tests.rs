@@ -183,7 +183,7 @@ fn every_effect_says_where_to_start_and_what_is_plausible() {
                 effect.id
             );
         }
-        assert!((effect.sentence)(&Sizes(&[])).ends_with('.') && !effect.equation.is_empty());
+        assert!((effect.sentence)(&FittedValues(&[])).ends_with('.') && !effect.equation.is_empty());
     }
 }
 
@@ -208,7 +208,7 @@ fn what_no_machine_does_has_no_prior() {
 /// A sentence must be true over the whole range of its law.
 #[test]
 fn sentences_follow_the_fitted_values() {
-    let says = |id: &str, values: &[(&str, f64)]| (find(id).unwrap().sentence)(&Sizes(values));
+    let says = |id: &str, values: &[(&str, f64)]| (find(id).unwrap().sentence)(&FittedValues(values));
     let low = says("stribeck_friction", &[("torque", 0.5), ("static_torque", 0.3)]);
     let high = says("stribeck_friction", &[("torque", 0.5), ("static_torque", 0.9)]);
     assert!(!low.contains("sticks harder") && high.contains("sticks harder"));

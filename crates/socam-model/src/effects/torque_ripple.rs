@@ -1,9 +1,12 @@
 //! A motor whose torque swings with its angle.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, experiment,
-    shape, wave,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+        wave,
+    },
+    experiment, shape,
 };
 
 /// T = torque sin(order angle + phase), the angle counted from where the recording began. Where the motor's speed is

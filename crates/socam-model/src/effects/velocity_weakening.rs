@@ -1,9 +1,12 @@
 //! Friction that falls with speed, on a machine that turns one way.
 
 use super::{
-    ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-    Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
-    coulomb_friction::FRICTION, experiment, shape,
+    coulomb_friction::FRICTION,
+    definition::{
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+    },
+    experiment, shape,
 };
 
 /// T = -torque exp(-(speed / fall_speed)²): at standstill `torque` more than far above the fall speed. Its sign is that of the torque and

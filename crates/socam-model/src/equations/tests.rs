@@ -1,8 +1,11 @@
-//! The embedded models against the thesis' printed equations and against independent algebra.
+//! Equations of the embedded models against closed forms and differences.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::{Model, Quantity, Take};
+use crate::Model;
+
+mod channels;
+mod errors;
 
 /// Parameters of the thesis model by name.
 fn p(model: &Model, name: &str) -> f64 {
@@ -230,84 +233,6 @@ fn derivatives_agree_with_differences() {
     }
 }
 
-/// A gain counts once on the way in and once on the way out, and its derivatives are what it multiplies.
-#[test]
-fn a_gain_multiplies_its_channel_alone() {
-    let plain = Model::builtin("two-mass").unwrap();
-    let parameter = |name| format!("{name} = {{ value = 1.25, unit = \"1\" }}\n\n[[nodes]]");
-    let text = plain.text.replacen("[[nodes]]", &parameter("drive"), 1);
-    let text = text.replacen("[[nodes]]", &parameter("tacho"), 1);
-    let text = text.replacen("[channels.motor_torque]", "[channels.motor_torque]\ngain = \"drive\"", 1);
-    let model =
-        Model::parse(&text.replacen("[channels.load_speed]", "[channels.load_speed]\ngain = \"tacho\"", 1));
-    let model = model.unwrap();
-    let wrt = ["drive", "tacho"].map(|name| model.parameter(name).unwrap());
-    let (scaled, derivatives) = model.equations_with_derivatives(&model.values(), &wrt).unwrap();
-    let plain = plain.equations(&plain.values()).unwrap();
-    let gains = nalgebra::DVector::from_row_slice(&[1.0, 1.25]);
-    let output = nalgebra::DMatrix::from_diagonal(&gains) * &plain.output;
-    assert!((&scaled.input - &plain.input * 1.25).amax() < 1e-9 && (&scaled.output - output).amax() < 1e-12);
-    assert_eq!(scaled.state, plain.state);
-    assert!((&derivatives[0].input - &plain.input).amax() < 1e-9 && derivatives[0].output.amax() == 0.0);
-    assert!(
-        (derivatives[1].output.row(1) - plain.output.row(1)).amax() < 1e-12
-            && derivatives[1].input.amax() == 0.0
-    );
-    let other_unit = text.replacen("\"drive\"", "\"stiffness\"", 1);
-    assert!(Model::parse(&other_unit).unwrap_err().to_string().contains("stiffness"));
-}
-
-#[test]
-fn a_wrong_file_gets_line_key_and_what_was_expected() {
-    let good = crate::BUILTIN[0].1;
-    let cases: &[(&str, &str, &[&str])] = &[
-        ("socam.model/1", "socam.model/9", &["line 3", "socam.model/1"]),
-        (
-            "unit = \"N m/deg\", bounds = [0.01, 100], source = \"catalogue, table 2.1\" }\nk2",
-            "unit = \"furlong\" }\nk2",
-            &["line 9", "k1.unit", "furlong", "N m/rad"],
-        ),
-        ("k1 = { value = 1.24, unit = \"N m/deg\"", "k1 = { value = 1.24", &["line 9", "unit"]),
-        ("J2 = { value = 1.2875022e-4", "J2 = { value = -1.2875022e-4", &["line 28", "J2", "positive"]),
-        ("stiffness = \"k1\"", "stiffness = \"k9\"", &["no parameter \"k9\""]),
-        ("stiffness = \"k1\"", "stiffness = \"J2\"", &["J2", "N m/rad"]),
-        ("to = \"cam_shaft\"", "to = \"crankshaft\"", &["no node \"crankshaft\"", "cam_shaft"]),
-        ("name = \"coupling_2\"", "name = \"coupling_1\"", &["there already"]),
-        ("damping = \"c5\"", "dampening = \"c5\"", &["dampening", "expected"]),
-        ("role = \"input\"", "role = \"inlet\"", &["inlet", "input"]),
-        (
-            "c5 = { value = 0.05, unit = \"N m s/rad\", bounds = [1e-5, 5], source = \"assumed\" }",
-            "c5 = \"soft\"",
-            &["line 16", "value = 1.2"],
-        ),
-        ("bounds = [10, 1e4]", "bounds = [1e5, 10]", &["k3.bounds", "low < high"]),
-        ("at = \"roller_pins\"", "at = \"mesh\"", &["torque_out", "mesh"]),
-        ("[channels.motor_speed]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"", "", &["no input"]),
-        ("damping = \"c3\"", "", &[]),
-    ];
-    for (from, to, expected) in cases {
-        assert!(good.contains(from), "{from} is not in the model file");
-        match Model::parse(&good.replacen(from, to, 1)) {
-            Ok(_) => assert!(expected.is_empty(), "{to} was accepted"),
-            Err(error) => {
-                let text = error.to_string();
-                assert!(!expected.is_empty(), "{to} was refused: {text}");
-                for word in *expected {
-                    assert!(text.contains(word), "{to}: \"{text}\" lacks \"{word}\"");
-                }
-                assert_eq!(text.lines().count(), 1, "one sentence: {text}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_node_that_nothing_holds_is_named() {
-    let loose = crate::BUILTIN[1].1.replace("[[springs]]", "[[nodes]]\nname = \"adrift\"\n\n[[springs]]");
-    let text = Model::parse(&loose).unwrap_err().to_string();
-    assert!(text.contains("adrift"), "{text}");
-}
-
 #[test]
 fn what_gears_fix_between_two_places() {
     let bench = Model::builtin("speed-o-cam").unwrap();
@@ -322,115 +247,6 @@ fn what_gears_fix_between_two_places() {
         "[[springs]]\nname = \"anchor\"\nfrom = \"load\"\nto = \"ground\"\nstiffness = \"k4\"\n\n[[gears]]";
     let anchored = Model::parse(&bench.text.replacen("[[gears]]", anchor, 1)).unwrap();
     assert_eq!(anchored.rigid_ratio("motor", "load"), None);
-}
-
-#[test]
-fn values_and_channels_that_cannot_be_are_refused() {
-    let two_mass = crate::BUILTIN[1].1;
-    let refused =
-        |from: &str, to: &str| Model::parse(&two_mass.replacen(from, to, 1)).unwrap_err().to_string();
-    // A torque that acts on a spring would be lost without a word.
-    let torque = "quantity = \"torque\"\nat = \"motor\"";
-    assert!(two_mass.contains(torque));
-    assert!(refused(torque, "quantity = \"torque\"\nat = \"shaft\"").contains("needs a node"));
-    for scale in ["0", "nan", "inf"] {
-        assert!(refused("role = \"input\"", &format!("role = \"input\"\nscale = {scale}")).contains("scale"));
-    }
-    let model = Model::builtin("speed-o-cam").unwrap();
-    let mut values = model.values();
-    values[model.parameter("N").unwrap()] = 0.0;
-    assert!(model.equations(&values).unwrap_err().to_string().contains("parameter N"));
-    let model = Model::builtin("emps").unwrap();
-    let mut values = model.values();
-    values[model.parameter("guide.transition_speed").unwrap()] = 0.0;
-    assert!(model.equations(&values).unwrap_err().to_string().contains("transition_speed"));
-}
-
-#[test]
-fn an_input_may_be_made_of_an_angle() {
-    let plain = Model::builtin("speed-o-cam").unwrap();
-    assert!(plain.channels.iter().all(|channel| channel.take == Take::Value));
-    let at = "[channels.motor_speed]\nrole = \"input\"\n";
-    assert!(plain.text.contains(at));
-    let with = |lines: &str| Model::parse(&plain.text.replacen(at, &format!("{at}{lines}\n"), 1));
-    let model = with("column = \"encoder_rad\"\ntake = \"rate\"").unwrap();
-    let input = model.inputs().next().unwrap();
-    assert_eq!((input.column.as_str(), input.take), ("encoder_rad", Take::Rate));
-    // Angles that laws ask for are then the encoder's own, and count on from one recording to the next.
-    let eccentric = [("order", 1.0), ("amplitude", 1e-3), ("phase", 0.0)];
-    let clock = |model: &Model| {
-        let grown = model.with_effect("kinematic_error", "mesh", &eccentric).unwrap();
-        let clock = grown.inputs().find(|input| input.quantity == Quantity::Turned).unwrap();
-        (clock.column.clone(), clock.take)
-    };
-    assert_eq!(clock(&model), ("encoder_rad".into(), Take::Value));
-    assert_eq!(clock(&plain), ("motor_speed_rad_s".into(), Take::Turned));
-    let wave = with("column = \"encoder_rad\"\ntake = { sin = 2 }").unwrap();
-    assert_eq!(wave.inputs().next().unwrap().take, Take::Sin(2.0));
-    assert_eq!(clock(&wave), ("output_speed_rad_s".into(), Take::Turned));
-    // A model that is written keeps it.
-    let update = crate::Update { name: "k4".into(), value: 100.0, ci95: None, source: "test".into() };
-    let written = Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
-    assert_eq!(written.channels, model.channels);
-
-    let refused = |lines: &str, words: &[&str]| {
-        let text = with(lines).unwrap_err().to_string();
-        assert!(words.iter().all(|word| text.contains(word)) && text.lines().count() == 1, "{lines}: {text}");
-    };
-    refused("take = \"rate\"", &["motor_speed.take", "angle", "column ="]);
-    refused("column = \"tacho_rad_s\"\ntake = \"rate\"", &["motor_speed.take", "angle"]);
-    refused("column = \"encoder_rad\"\ntake = \"mean\"", &["mean", "rate", "cos", "sin"]);
-    refused("column = \"encoder_rad\"\ntake = { cos = 0 }", &["order", "other than zero"]);
-    refused("column = \"encoder_rad\"\ntake = { sin = inf }", &["order", "finite"]);
-    let output = "[channels.output_speed]\nrole = \"output\"\n";
-    let text = plain.text.replacen(output, &format!("{output}column = \"x_rad\"\ntake = \"rate\"\n"), 1);
-    assert!(Model::parse(&text).unwrap_err().to_string().contains("output is read as recorded"));
-}
-
-#[test]
-fn an_angle_that_is_put_into_a_spring_twists_it() {
-    let text = crate::BUILTIN[1].1;
-    let error = "[channels.error]\nrole = \"input\"\nquantity = \"angle\"\nat = \"shaft\"\ngain = \"size\"\n\
-                 [channels.shaft_torque]\nrole = \"output\"\nquantity = \"torque\"\nat = \"shaft\"\n";
-    let size = "[parameters]\nsize = { value = 0.5, unit = \"1\" }";
-    let model = Model::parse(&format!("{}{error}", text.replacen("[parameters]", size, 1))).unwrap();
-    let values = model.values();
-    let k = model.parameter("stiffness").unwrap();
-    let (e, derivatives) =
-        model.equations_with_derivatives(&values, &[k, model.parameter("size").unwrap()]).unwrap();
-    let plain = Model::parse(text).unwrap().equations(&Model::parse(text).unwrap().values()).unwrap();
-    assert_eq!((&e.state, e.input.column(0)), (&plain.state, plain.input.column(0)));
-    // States: wind-up of the load, speed of the motor, speed of the load. Input 1 is the angle, output 2 the shaft's torque.
-    let pull = 0.5 * p(&model, "stiffness");
-    let expected = [0.0, -pull / p(&model, "motor_inertia"), pull / p(&model, "load_inertia")];
-    for (row, expected) in expected.iter().enumerate() {
-        assert!((e.input[(row, 1)] - expected).abs() < 1e-9 * pull / 1e-3, "{row}: {}", e.input);
-    }
-    assert_eq!(e.feedthrough[(2, 1)], pull);
-    // Twist by wind-up or by the input is the same to the shaft.
-    assert!((e.output[(2, 0)] * 0.5 + e.feedthrough[(2, 1)]).abs() < 1e-12 * pull, "{}", e.output);
-    assert_eq!((derivatives[0].feedthrough[(2, 1)], derivatives[1].feedthrough[(2, 1)]), (0.5, 2.0 * pull));
-    assert!((derivatives[1].input.column(1) * 0.5 - e.input.column(1)).amax() < 1e-9);
-    let text =
-        model.text.replacen("quantity = \"angle\"\nat = \"shaft\"", "quantity = \"angle\"\nat = \"load\"", 1);
-    let refused = Model::parse(&text).unwrap_err().to_string();
-    assert!(refused.contains("error") && refused.contains("twist of a spring"), "{refused}");
-}
-
-#[test]
-fn a_model_written_at_its_bounds_is_read_again() {
-    for high in [4.5, 6.5, 9.0, 10.9, 12.9, 14.9] {
-        let text = crate::BUILTIN[0].1.replace(
-            "k4 = { value = 1.92, unit = \"N m/deg\", bounds = [0.01, 100]",
-            &format!("k4 = {{ value = 0.1, unit = \"N m/deg\", bounds = [0.01, {high}]"),
-        );
-        let model = Model::parse(&text).unwrap();
-        let k4 = &model.parameters[model.parameter("k4").unwrap()];
-        for value in [k4.bounds.0, k4.bounds.1] {
-            let update = crate::Update { name: "k4".into(), value, ci95: None, source: "test".into() };
-            Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
-        }
-    }
 }
 
 #[test]

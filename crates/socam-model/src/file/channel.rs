@@ -3,11 +3,11 @@
 use toml::Spanned;
 
 use super::{
-    Reader,
     raw::{Name, RawChannel},
+    reader::Reader,
 };
 use crate::{
-    Channel, ModelError, Quantity, Role, Take,
+    Channel, ChannelTransform, ModelError, Quantity, Role,
     effects::Kind,
     units::{self, Dimension},
 };
@@ -65,7 +65,7 @@ impl Reader<'_> {
                 let by_name = raw.column.as_ref().is_some_and(|column| is_angle(column.get_ref()));
                 self.take(label, raw.role, by_name || raw.unit.is_some(), take)?
             }
-            None => Take::Value,
+            None => ChannelTransform::Value,
         };
         let gain = raw.gain.as_ref().map(|gain| self.parameter("gain", gain, Kind::Ratio)).transpose()?;
         let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
@@ -78,7 +78,7 @@ impl Reader<'_> {
             role: raw.role,
             quantity: raw.quantity,
             at: raw.at.into_inner(),
-            take,
+            transform: take,
             scale: factor * raw.scale.unwrap_or(1.0),
             offset: raw.offset,
             gain,
@@ -89,35 +89,25 @@ impl Reader<'_> {
         })
     }
 
-    /// SI units that one unit of what is taken of the column is worth, before `scale`.
-    fn factor(&self, name: &Name, raw: &RawChannel, take: Take, unit: &str) -> Result<f64, ModelError> {
+    /// Factor from the column, transformed, to SI, before `scale`.
+    fn factor(
+        &self,
+        name: &Name,
+        raw: &RawChannel,
+        transform: ChannelTransform,
+        unit: &str,
+    ) -> Result<f64, ModelError> {
         let label = name.get_ref();
         let (what, column) = (quantity_name(raw.quantity, self.rotational), raw.column.as_ref());
         let own = column.and_then(|column| column_unit(column.get_ref()));
-        let wave = matches!(take, Take::Cos(_) | Take::Sin(_));
+        let is_wave = matches!(transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_));
         let Some(given) = &raw.unit else {
-            // Who gives the number by which the column is to be multiplied has thought of its unit.
-            let fits = |own: &str| own != "1" && dimension_of(own, take) == dimension_of(unit, Take::Value);
-            let (Some(column), Some(own)) =
-                (column, own.filter(|own| !wave && raw.scale.is_none() && !fits(own)))
-            else {
-                return Ok(1.0);
-            };
-            let (read, of) = match (own, take) {
-                ("1", _) => ("without a unit".to_owned(), "count".to_owned()),
-                (_, Take::Rate) => {
-                    (format!("in {own}, of which it takes the rate"), format!("{own} per second"))
-                }
-                _ => (format!("in {own}"), own.to_owned()),
-            };
-            let or = if own == "1" { "unit = \"...\" with what it counts, or " } else { "" };
-            let message = format!(
-                "channels.{label} reads the column \"{}\" {read}, but {what} is in {unit}; write {or}scale = X, where one {of} is X {unit}",
-                column.get_ref()
-            );
-            return self.fail(column, message);
+            if !is_wave && raw.scale.is_none() {
+                self.check_suffix(label, what, column.zip(own), transform, unit)?;
+            }
+            return Ok(1.0);
         };
-        if wave {
+        if is_wave {
             let message = format!(
                 "channels.{label}.unit has no meaning for a wave; take = {{ cos = .. }} reads an angle in rad"
             );
@@ -133,11 +123,18 @@ impl Reader<'_> {
             return self.fail(given, message);
         }
         match units::parse(given.get_ref()) {
-            Some(parsed) if dimension_of(given.get_ref(), take) == dimension_of(unit, Take::Value) => {
+            Some(parsed)
+                if dimension_of(given.get_ref(), transform)
+                    == dimension_of(unit, ChannelTransform::Value) =>
+            {
                 Ok(parsed.factor)
             }
             _ => {
-                let before = if take == Take::Rate { "the rate of the column is taken, and " } else { "" };
+                let before = if transform == ChannelTransform::Rate {
+                    "the rate of the column is taken, and "
+                } else {
+                    ""
+                };
                 let message = format!(
                     "channels.{label}.unit is \"{}\", but {before}{what} is in {unit}; write a unit that can be converted to that",
                     given.get_ref()
@@ -147,14 +144,43 @@ impl Reader<'_> {
         }
     }
 
+    /// Whether a column's suffix names a unit of the dimension that the channel's quantity has. A file that gives a `scale` is not
+    /// checked: the scale may convert between dimensions.
+    fn check_suffix(
+        &self,
+        label: &str,
+        what: &str,
+        column: Option<(&Name, &'static str)>,
+        transform: ChannelTransform,
+        unit: &str,
+    ) -> Result<(), ModelError> {
+        let fits = |own: &str| {
+            own != "1" && dimension_of(own, transform) == dimension_of(unit, ChannelTransform::Value)
+        };
+        let Some((column, own)) = column.filter(|(_, own)| !fits(own)) else { return Ok(()) };
+        let (read, of) = match (own, transform) {
+            ("1", _) => ("without a unit".to_owned(), "count".to_owned()),
+            (_, ChannelTransform::Rate) => {
+                (format!("in {own}, of which it takes the rate"), format!("{own} per second"))
+            }
+            _ => (format!("in {own}"), own.to_owned()),
+        };
+        let or = if own == "1" { "unit = \"...\" with what it counts, or " } else { "" };
+        let message = format!(
+            "channels.{label} reads the column \"{}\" {read}, but {what} is in {unit}; write {or}scale = X, where one {of} is X {unit}",
+            column.get_ref()
+        );
+        self.fail(column, message)
+    }
+
     /// What a channel takes of its column. Noise of an output is that of its sensor, so outputs are read as recorded.
     fn take(
         &self,
         label: &str,
         role: Role,
         is_angle: bool,
-        take: &Spanned<Take>,
-    ) -> Result<Take, ModelError> {
+        take: &Spanned<ChannelTransform>,
+    ) -> Result<ChannelTransform, ModelError> {
         if role == Role::Output {
             return self
                 .fail(take, format!("channels.{label}.take is for inputs; an output is read as recorded"));
@@ -166,7 +192,9 @@ impl Reader<'_> {
             return self.fail(take, message);
         }
         match *take.get_ref() {
-            Take::Cos(order) | Take::Sin(order) if !order.is_finite() || order == 0.0 => {
+            ChannelTransform::Cos(order) | ChannelTransform::Sin(order)
+                if !order.is_finite() || order == 0.0 =>
+            {
                 self.fail(take, format!("channels.{label}.take needs a finite order other than zero"))
             }
             taken => Ok(taken),
@@ -180,9 +208,9 @@ fn is_angle(column: &str) -> bool {
 }
 
 /// Dimension of what is taken of values in a unit; `None` for a temperature.
-fn dimension_of(unit: &str, take: Take) -> Option<Dimension> {
+fn dimension_of(unit: &str, take: ChannelTransform) -> Option<Dimension> {
     let mut dimension = units::parse(unit)?.dimension;
-    dimension[2] -= i8::from(take == Take::Rate);
+    dimension[2] -= i8::from(take == ChannelTransform::Rate);
     Some(dimension)
 }
 

@@ -8,7 +8,7 @@ use serde::{
 };
 use toml::Spanned;
 
-use crate::{Intersample, Motion, Quantity, Role, Take};
+use crate::{ChannelTransform, Intersample, Motion, Quantity, Role};
 
 /// A table whose entries keep the order and the places that they have in the file.
 pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
@@ -236,7 +236,7 @@ pub(super) struct RawChannel {
     pub(super) at: Name,
     pub(super) column: Option<Name>,
     pub(super) unit: Option<Name>,
-    pub(super) take: Option<Spanned<Take>>,
+    pub(super) take: Option<Spanned<ChannelTransform>>,
     pub(super) scale: Option<f64>,
     #[serde(default)]
     pub(super) offset: f64,

@@ -1,7 +1,7 @@
 //! What a network cannot be: parts that no input reaches, springs that cannot twist. What is merely odd is in
 //! [`Model::warnings`](crate::Model::warnings).
 
-use super::Reader;
+use super::reader::Reader;
 use crate::{Model, ModelError, Site};
 
 impl Reader<'_> {

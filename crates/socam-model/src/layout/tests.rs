@@ -1,6 +1,7 @@
 use std::collections::HashSet;
 
 use super::*;
+use crate::{Quantity, Role};
 
 const AALTO: &str = include_str!("../../../../tests/models/aalto.toml");
 

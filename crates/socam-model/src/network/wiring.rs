@@ -1,6 +1,6 @@
 //! What is odd about a network: it can be computed, and hardly what was meant.
 
-use super::{Assembly, Class};
+use super::assembly::{Assembly, Class};
 use crate::{Channel, Model, Motion, Quantity, Role};
 
 /// Relative difference of two motions that is more than rounding.

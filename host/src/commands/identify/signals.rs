@@ -5,7 +5,7 @@ use socam_frequency::{
     prepare::{self, Butterworth},
     response::Signals,
 };
-use socam_model::{Channel, Model, Role, Since, Take};
+use socam_model::{Channel, ChannelTransform, Model, Role, TransformStart};
 use socam_recording::Dataset;
 
 use crate::output::{self, WrongArguments};
@@ -111,7 +111,7 @@ fn read(
     stretches: &mut Vec<Stretch>,
 ) -> anyhow::Result<()> {
     for channel in [pair.input, pair.output] {
-        if channel.take != Take::Value && channel.take != Take::Rate {
+        if channel.transform != ChannelTransform::Value && channel.transform != ChannelTransform::Rate {
             anyhow::bail!(
                 "the channel {} takes a wave of its column, which has no frequency response; use --method output-error",
                 channel.name
@@ -131,8 +131,9 @@ fn read(
                 own.extend_from_slice(column.values());
             }
         }
-        let si =
-            |channel: &Channel, column: &[f64]| channel.read(column, segment.sample_time_s, Since::default());
+        let si = |channel: &Channel, column: &[f64]| {
+            channel.read(column, segment.sample_time_s, TransformStart::default())
+        };
         let (input, output) = (si(pair.input, &values[0]), si(pair.output, &values[1]));
         let command = values.get(2);
         for rows in complete(&values) {

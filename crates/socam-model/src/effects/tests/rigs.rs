@@ -2,7 +2,7 @@
 
 use crate::{
     Model, Quantity,
-    effects::{self, Effect, Rig, Sizes},
+    effects::{self, Effect, FittedValues, Rig},
 };
 
 fn evaluate(effect: &Effect, law_inputs: &[f64], parameters: &[f64]) -> f64 {
@@ -87,7 +87,7 @@ fn inputs_clip_and_are_late() {
     assert_eq!(10.0 - evaluate(law, &[300.0], &[-2e-3]), 9.4);
     // At an output it is what it was.
     assert!(base.with_effect("sensor_delay", "output_speed", &[("delay", -2e-3)]).is_err());
-    assert!((law.sentence)(&Sizes(&[("delay", -2e-3)])).contains("early"));
+    assert!((law.sentence)(&FittedValues(&[("delay", -2e-3)])).contains("early"));
 }
 
 const PRESCRIBED: &str = r#"
@@ -131,7 +131,7 @@ fn cogging_is_looked_for_where_the_motion_is_prescribed() {
     let mut rig = Rig::of_model(&model, &model.values());
     rig.nodes[1].orders = vec![7.0, 28.0, 14.0, 12.0];
     let orders: Vec<f64> =
-        (ripple.starts)(&rig, "rotor").iter().map(|start| Sizes(start).get("order")).collect();
+        (ripple.starts)(&rig, "rotor").iter().map(|start| FittedValues(start).get("order")).collect();
     assert_eq!(orders[..4], [7.0, 28.0, 14.0, 12.0]);
     assert_eq!(orders.iter().filter(|order| **order == 7.0).count(), 1);
     let cogging =

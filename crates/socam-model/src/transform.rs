@@ -3,15 +3,13 @@
 //! A bench with encoders records angles; that its motor's speed is prescribed, or that a mesh pushes once per turn of a shaft, is
 //! made of them here, so that no recording has to be rewritten.
 
-use crate::Channel;
-
 /// Samples to either side that a rate is made of.
 const REACH: usize = 8;
 
 /// What a channel takes of its column.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Take {
+pub enum ChannelTransform {
     /// The values.
     #[default]
     #[serde(skip)]
@@ -29,16 +27,16 @@ pub enum Take {
     Elapsed,
     /// Their integral since then, to fourth order.
     #[serde(skip)]
-    Turned,
+    Integral,
 }
 
-impl Take {
+impl ChannelTransform {
     /// Samples to either side of one that it is made of.
     #[must_use]
     pub const fn reach(self) -> usize {
         match self {
             Self::Rate => REACH,
-            Self::Turned => 2,
+            Self::Integral => 2,
             Self::Value | Self::Cos(_) | Self::Sin(_) | Self::Elapsed => 0,
         }
     }
@@ -64,36 +62,25 @@ impl Take {
         weights(REACH).iter().map(|weight| 2.0 * weight * weight).sum::<f64>().sqrt() / sample_time_s
     }
 
-    fn apply(self, column: &[f64], sample_time_s: f64, from: Since) -> Vec<f64> {
+    pub(crate) fn apply(self, column: &[f64], sample_time_s: f64, from: TransformStart) -> Vec<f64> {
         match self {
             Self::Value => column.to_vec(),
             Self::Rate => rate(column).into_iter().map(|step| step / sample_time_s).collect(),
             Self::Cos(order) => column.iter().map(|value| (order * value).cos()).collect(),
             Self::Sin(order) => column.iter().map(|value| (order * value).sin()).collect(),
             Self::Elapsed => (0..column.len()).map(|k| from.time_s + k as f64 * sample_time_s).collect(),
-            Self::Turned => turned(column, sample_time_s, from.angle),
+            Self::Integral => turned(column, sample_time_s, from.angle),
         }
     }
 }
 
 /// Where the first of some samples stands in its recording, for what is counted from there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Since {
+pub struct TransformStart {
     /// Time since the recording began, s.
     pub time_s: f64,
-    /// What [`Take::Turned`] has made of the samples before: the integral up to the first of these.
+    /// What [`ChannelTransform::Integral`] has made of the samples before: the integral up to the first of these.
     pub angle: f64,
-}
-
-impl Channel {
-    /// SI values of consecutive samples of its column, NaN where one is missing. Those closer than [`Take::reach`] to an end
-    /// are less exact.
-    #[must_use]
-    pub fn read(&self, column: &[f64], sample_time_s: f64, from: Since) -> Vec<f64> {
-        let mut values = self.take.apply(column, sample_time_s, from);
-        values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
-        values
-    }
 }
 
 /// Integral from the first value on.
@@ -143,7 +130,7 @@ mod tests {
         for (turns, tolerance) in [(0.05, 1e-12), (1.0 / 7.0, 6e-7), (0.25, 1.5e-3)] {
             let x = std::f64::consts::TAU * turns;
             let tone: Vec<f64> = (0..400).map(|k| (x * f64::from(k) + 0.3).sin()).collect();
-            let found = Take::Rate.apply(&tone, 0.01, Since::default());
+            let found = ChannelTransform::Rate.apply(&tone, 0.01, TransformStart::default());
             for (k, value) in found.iter().enumerate().take(392).skip(8) {
                 let expected = 100.0 * x * (x * k as f64 + 0.3).cos();
                 assert!((value - expected).abs() < 100.0 * x * tolerance, "{turns} {k}: {value}, {expected}");
@@ -155,8 +142,8 @@ mod tests {
     fn noise_of_a_rate_is_what_it_makes_of_an_impulse() {
         let mut impulse = [0.0; 65];
         impulse[32] = 1.0;
-        for take in [Take::Value, Take::Rate] {
-            let mut found = take.apply(&impulse, 0.01, Since::default());
+        for take in [ChannelTransform::Value, ChannelTransform::Rate] {
+            let mut found = take.apply(&impulse, 0.01, TransformStart::default());
             // What it does to samples about it, backwards.
             found.reverse();
             let reach = take.reach();

@@ -1,0 +1,83 @@
+//! The list of all effects, and the ways to look one up.
+
+use super::{
+    backlash, constant_load, coulomb_friction, coupling_slip, damping_drift, definition::Effect,
+    direction_dependence, direction_gain, external_disturbance, gravity_unbalance, hysteresis,
+    kinematic_error, mesh_loss, missing_compliance, missing_inertia, presliding, quadratic_drag,
+    sensor_delay, sensor_fold, sensor_gain, sensor_hum, sensor_lag, sensor_offset, sensor_ripple,
+    sensor_saturation, stiffness_hardening, stribeck_friction, torque_ripple, velocity_weakening,
+};
+
+/// Every effect, in the order of the documentation.
+pub const CATALOGUE: &[&Effect] = &[
+    &coulomb_friction::EFFECT,
+    &stribeck_friction::EFFECT,
+    &quadratic_drag::EFFECT,
+    &damping_drift::EFFECT,
+    &direction_dependence::EFFECT,
+    &velocity_weakening::EFFECT,
+    &constant_load::EFFECT,
+    &mesh_loss::EFFECT,
+    &backlash::EFFECT,
+    &kinematic_error::EFFECT,
+    &stiffness_hardening::EFFECT,
+    &hysteresis::EFFECT,
+    &missing_compliance::EFFECT,
+    &missing_inertia::EFFECT,
+    &coupling_slip::EFFECT,
+    &gravity_unbalance::EFFECT,
+    &external_disturbance::EFFECT,
+    &torque_ripple::EFFECT,
+    &sensor_gain::EFFECT,
+    &sensor_offset::EFFECT,
+    &sensor_lag::EFFECT,
+    &sensor_delay::EFFECT,
+    &sensor_saturation::EFFECT,
+    &sensor_fold::EFFECT,
+    &direction_gain::EFFECT,
+    &sensor_hum::EFFECT,
+    &sensor_ripple::EFFECT,
+];
+
+/// Laws that stand for an effect of the catalogue where a parameter is given that it has not, or at a place where it cannot act.
+pub const REFINED: &[&Effect] =
+    &[&presliding::COULOMB, &presliding::STRIBECK, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
+
+/// All laws that are looked for from the beginning.
+pub fn screened() -> impl Iterator<Item = &'static Effect> {
+    let refined = [&presliding::COULOMB, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
+    CATALOGUE.iter().copied().chain(refined)
+}
+
+/// Looks an effect up by its id.
+pub fn find(id: &str) -> Option<&'static Effect> {
+    CATALOGUE.iter().copied().find(|effect| effect.id == id)
+}
+
+/// Looks an effect up by its id and parameters that are given for it: its refined law, where only that knows them all.
+pub fn find_with<'n>(id: &str, given: impl Iterator<Item = &'n str> + Clone) -> Option<&'static Effect> {
+    let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
+    laws_of(id).find(knows).or_else(|| find(id))
+}
+
+/// The same, of those laws that may act at a place.
+pub(crate) fn find_at<'n>(
+    id: &str,
+    given: impl Iterator<Item = &'n str> + Clone,
+    acts_there: impl Fn(&Effect) -> bool,
+) -> Option<&'static Effect> {
+    let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
+    laws_of(id).filter(knows).find(|effect| acts_there(effect)).or_else(|| find_with(id, given))
+}
+
+/// Names of all parameters that may be given for an effect.
+pub fn parameters_of(id: &str) -> Vec<&'static str> {
+    let mut names: Vec<&str> = laws_of(id).flat_map(|effect| effect.parameters).map(|own| own.name).collect();
+    let mut known = std::collections::HashSet::new();
+    names.retain(|name| known.insert(*name));
+    names
+}
+
+fn laws_of(id: &str) -> impl Iterator<Item = &'static Effect> {
+    CATALOGUE.iter().chain(REFINED).copied().filter(move |effect| effect.id == id)
+}

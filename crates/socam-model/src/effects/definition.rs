@@ -1,0 +1,14 @@
+//! What the file of an effect is written with.
+
+pub(super) use super::{
+    amplitude::{Amplitude, Coordinate, Linearisation, Steady},
+    discrepancy::Discrepancy,
+    effect::Effect,
+    kinds::{ANY, EffectParameter, Kind, POSITIVE},
+    law::{Acts, Borrowed, Form, Law, LawInput, Response},
+    places::{ActsAt, Places},
+    prior::Prior,
+    relations::{Condition, Equivalent, FittedValues, Replaces},
+    rig::{Rig, Values},
+    starts::{all_zero, begin_with_little, wave},
+};

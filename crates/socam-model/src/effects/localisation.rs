@@ -1,0 +1,86 @@
+//! Places of a model at which an effect may act, and at which a diagnosis looks for it.
+
+use super::{
+    effect::Effect,
+    kinds::Kind,
+    law::{Borrowed, Form, LawInput},
+    places::{ActsAt, Places, is_part},
+};
+use crate::{Channel, ChannelTransform, Model, Motion, Quantity, Role};
+
+impl Model {
+    /// SI unit of an effect's parameter of some kind at a place: what has no unit of its own has that of its channel.
+    #[must_use]
+    pub fn unit_at(&self, kind: Kind, place: &str) -> &str {
+        match kind.unit(self.motion == Motion::Rotation) {
+            "" => {
+                self.channels.iter().find(|channel| channel.name == place).map_or("1", |channel| channel.unit)
+            }
+            unit => unit,
+        }
+    }
+
+    /// Places at which an effect may act.
+    pub fn places(&self, effect: &Effect) -> Vec<&str> {
+        match effect.acts_at {
+            ActsAt::Bearing => {
+                let needs = effect.borrows == Some(Borrowed::Damping);
+                let bearings = self.bearings.iter().filter(|bearing| !needs || bearing.damping.is_some());
+                bearings.map(|bearing| &*bearing.name).collect()
+            }
+            ActsAt::Node => self.nodes.iter().map(|node| &*node.name).collect(),
+            ActsAt::Spring => self.springs.iter().map(|spring| &*spring.name).collect(),
+            ActsAt::Gear => self.gears.iter().map(|gear| &*gear.name).collect(),
+            ActsAt::Shaft => self.shafts.iter().map(|shaft| &*shaft.name).collect(),
+            ActsAt::Channel => {
+                let of_outputs =
+                    matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(LawInput::Reading);
+                let fits = |channel: &&Channel| match effect.places {
+                    Places::Sensors => channel.role == Role::Output,
+                    Places::Channels => true,
+                    // A rate is made of values, and of no other.
+                    Places::Inputs => {
+                        channel.role == Role::Input && channel.transform == ChannelTransform::Value
+                    }
+                    _ => channel.role == Role::Output || !of_outputs,
+                };
+                self.channels.iter().filter(fits).map(|channel| &*channel.name).collect()
+            }
+        }
+    }
+}
+
+impl Effect {
+    /// Places of a model at which a diagnosis looks for it.
+    #[must_use]
+    pub fn places_in(&self, model: &Model) -> Vec<String> {
+        let moves = |input: &Channel| !input.quantity.is_clock();
+        let driven = |name: &str| model.inputs().any(|input| moves(input) && input.at == name);
+        let prescribed =
+            |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
+        let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
+        let name = |node: usize| model.nodes[node].name.as_str();
+        let behind_drive = |place: &str| {
+            let mut joined =
+                model.springs.iter().filter_map(|spring| Some((name(spring.from), name(spring.to?))));
+            massive(place)
+                && joined.any(|(a, b)| (a == place && prescribed(b)) || (b == place && prescribed(a)))
+        };
+        let channel = |name: &str| model.channels.iter().find(|channel| channel.name == name);
+        let all = model.places(self).into_iter().filter(|place| is_part(place));
+        let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
+        let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
+        let kept: Vec<&str> = match self.places {
+            Places::Every | Places::Channels | Places::Inputs => all.collect(),
+            Places::Load => all.rfind(|place| massive(place) && !prescribed(place)).into_iter().collect(),
+            Places::Driven => {
+                all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()
+            }
+            Places::Free => all.filter(|place| !prescribed(place)).collect(),
+            Places::Sensors => {
+                all.filter(|place| channel(place).is_some_and(|c| c.role == Role::Output)).collect()
+            }
+        };
+        kept.into_iter().map(str::to_owned).collect()
+    }
+}

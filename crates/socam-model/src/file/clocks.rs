@@ -1,0 +1,66 @@
+//! Inputs that no file names: time, turned angle and rate of change, added where a law of the model sees them.
+
+use crate::{Channel, ChannelTransform, Model, Quantity, Role, Site, effects::LawInput};
+
+/// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
+pub(super) fn add_clocks(model: &mut Model) {
+    let asks = |law_input: LawInput| model.effects.iter().any(|used| used.effect.sees(law_input));
+    let tachometer = |role: Role| {
+        let is_one = |c: &&Channel| {
+            c.role == role
+                && c.quantity == Quantity::Speed
+                && matches!(c.transform, ChannelTransform::Value | ChannelTransform::Rate)
+        };
+        model.channels.iter().find(is_one)
+    };
+    let clock = |like: &Channel, name: &str, quantity: Quantity, take: ChannelTransform| Channel {
+        name: name.into(),
+        column: like.column.clone(),
+        role: Role::Input,
+        quantity,
+        at: like.at.clone(),
+        transform: take,
+        scale: if quantity == Quantity::Time { 1.0 } else { like.scale },
+        offset: 0.0,
+        gain: None,
+        noise_std: None,
+        estimate_offset: false,
+        between: None,
+        unit: match quantity {
+            Quantity::Time => "s",
+            Quantity::Change => "1/s",
+            _ => "rad",
+        },
+    };
+    let mut clocks = Vec::new();
+    if asks(LawInput::Time)
+        && let Some(input) = model.channels.iter().find(|channel| channel.role == Role::Input)
+    {
+        clocks.push(clock(input, "time", Quantity::Time, ChannelTransform::Elapsed));
+    }
+    if asks(LawInput::Angle)
+        && let Some(tachometer) = tachometer(Role::Input).or_else(|| tachometer(Role::Output))
+    {
+        // The rate of an encoder's angle: then the angle itself is there, and counts on from one recording to the next.
+        let take = if tachometer.transform == ChannelTransform::Rate {
+            ChannelTransform::Value
+        } else {
+            ChannelTransform::Integral
+        };
+        clocks.push(clock(tachometer, "turned", Quantity::Turned, take));
+    }
+    for used in model.effects.iter().filter(|used| used.effect.sees(LawInput::Change)) {
+        let Site::Channel(channel) = used.at else { continue };
+        let own = &model.channels[channel];
+        let changes = clock(own, &change_of(&own.name), Quantity::Change, ChannelTransform::Rate);
+        if !clocks.contains(&changes) {
+            clocks.push(changes);
+        }
+    }
+    model.channels.extend(clocks);
+}
+
+/// Name of the input that says how fast another one changes.
+pub(crate) fn change_of(channel: &str) -> String {
+    format!("{channel} changes")
+}

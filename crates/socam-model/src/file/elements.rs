@@ -1,0 +1,56 @@
+//! `[[springs]]`, `[[gears]]`, `[[shafts]]`, `[[bearings]]` and `[servo]`.
+
+use super::{
+    raw::{RawBearing, RawGear, RawServo, RawShaft, RawSpring},
+    reader::Reader,
+};
+use crate::{Bearing, Gear, ModelError, Servo, Shaft, Spring, effects::Kind};
+
+impl Reader<'_> {
+    pub(super) fn spring(&mut self, raw: RawSpring) -> Result<Spring, ModelError> {
+        self.declare(&raw.name)?;
+        let to = if raw.to.get_ref() == "ground" { None } else { Some(self.node(&raw.to)?) };
+        let from = self.node(&raw.from)?;
+        if to == Some(from) {
+            return self.fail(&raw.to, "a spring must join two different nodes");
+        }
+        Ok(Spring {
+            name: raw.name.into_inner(),
+            from,
+            to,
+            stiffness: self.positive(&raw.stiffness, Kind::Stiffness)?,
+            damping: raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?,
+        })
+    }
+
+    pub(super) fn gear(&mut self, raw: RawGear) -> Result<Gear, ModelError> {
+        self.declare(&raw.name)?;
+        let ratio = self.parameter("ratio", &raw.ratio, Kind::Ratio)?;
+        if self.parameters[ratio].value == 0.0 {
+            return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
+        }
+        Ok(Gear { from: self.node(&raw.from)?, to: self.node(&raw.to)?, ratio, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn shaft(&mut self, raw: RawShaft) -> Result<Shaft, ModelError> {
+        self.declare(&raw.name)?;
+        Ok(Shaft { nodes: (self.node(&raw.from)?, self.node(&raw.to)?), name: raw.name.into_inner() })
+    }
+
+    pub(super) fn bearing(&mut self, raw: RawBearing) -> Result<Bearing, ModelError> {
+        self.declare(&raw.name)?;
+        let damping = raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?;
+        Ok(Bearing { node: self.node(&raw.at)?, damping, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn servo(&mut self, raw: RawServo) -> Result<Servo, ModelError> {
+        self.declare(&raw.name)?;
+        Ok(Servo {
+            node: self.node(&raw.at)?,
+            position_gain: self.parameter("position_gain", &raw.position_gain, Kind::Gain)?,
+            velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, Kind::Gain)?,
+            drive_gain: self.parameter("drive_gain", &raw.drive_gain, Kind::Gain)?,
+            name: raw.name.into_inner(),
+        })
+    }
+}

@@ -1,0 +1,168 @@
+//! `[parameters.NAME]` and references to parameters by name, their units and signs checked.
+
+use super::{
+    raw::{Name, RawParameter, Reference, Written},
+    reader::Reader,
+};
+use crate::{ModelError, Parameter, Prior, effects::Kind, units};
+
+impl Reader<'_> {
+    pub(super) fn read_parameter(&mut self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
+        let label = name.get_ref();
+        let Some(unit) = units::parse(raw.unit.get_ref()) else {
+            return self.fail(&raw.unit, format!(
+                "parameters.{label}.unit: \"{}\" is no unit; expected something like \"N m/rad\", \"kg m2\" or \"1\"",
+                raw.unit.get_ref(),
+            ));
+        };
+        if !raw.value.get_ref().is_finite() {
+            return self.fail(&raw.value, format!("parameters.{label}.value must be a finite number"));
+        }
+        let [low, high] =
+            raw.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| *bounds.get_ref());
+        let bounds = (low * unit.factor, high * unit.factor);
+        self.bounded.extend(raw.bounds.map(|bounds| (label.clone(), *raw.value.get_ref(), bounds)));
+        let prior = raw.prior.map(|prior| match *prior.std.get_ref() {
+            std if std > 0.0 && std.is_finite() && prior.value.is_finite() => {
+                Ok(Prior { value: prior.value * unit.factor, std: std * unit.factor })
+            }
+            _ => self.fail(
+                &prior.std,
+                format!("parameters.{label}.prior needs a finite value and a positive std"),
+            ),
+        });
+        Ok(Parameter {
+            value: raw.value.get_ref() * unit.factor,
+            name: label.clone(),
+            unit: si_name(unit.dimension, raw.unit.get_ref()),
+            file_unit: raw.unit.into_inner(),
+            file_factor: unit.factor,
+            bounds,
+            fixed: raw.fixed,
+            source: raw.source,
+            prior: prior.transpose()?,
+        })
+    }
+
+    /// Once it is known what parameters are: that an inertia is zero says more than that its bounds exclude it.
+    pub(super) fn check_bounds(&self) -> Result<(), ModelError> {
+        for (name, value, bounds) in &self.bounded {
+            let [low, high] = *bounds.get_ref();
+            if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
+                return self
+                    .fail(bounds, format!("parameters.{name}.bounds must be [low, high] with low < high"));
+            }
+            if !(low..=high).contains(value) {
+                return self.fail(
+                    bounds,
+                    format!(
+                        "parameters.{name}.value is {value}, outside its bounds {low} to {high}; change either"
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The name of the parameter that `key` refers to.
+    fn name_of<'r>(&self, key: &str, reference: &'r Reference, kind: Kind) -> Result<&'r str, ModelError> {
+        let value = match reference.get_ref() {
+            Written::Name(name) => return Ok(name),
+            Written::Number(number) => number.to_string(),
+            Written::Other => "...".into(),
+        };
+        let letter = match kind {
+            Kind::Inertia if self.rotational => "J",
+            Kind::Inertia => "m",
+            Kind::Stiffness => "k",
+            Kind::Damping => "c",
+            Kind::Ratio => "N",
+            _ => "p",
+        };
+        let is_free = |name: &String| !self.parameters.iter().any(|parameter| parameter.name == *name);
+        let name = (1..).map(|number| format!("{letter}{number}")).find(is_free).unwrap_or_default();
+        let unit = kind.unit(self.rotational);
+        let unit = if unit.is_empty() { "1" } else { unit };
+        self.fail(
+            reference,
+            format!(
+                "{key} must be the name of a parameter; write {key} = \"{name}\", and under [parameters] {name} = {{ value = {value}, unit = \"{unit}\" }}"
+            ),
+        )
+    }
+
+    /// Looks a parameter up where a quantity of `kind` is expected, and settles its unit.
+    pub(super) fn parameter(
+        &mut self,
+        key: &str,
+        reference: &Reference,
+        kind: Kind,
+    ) -> Result<usize, ModelError> {
+        let label = self.name_of(key, reference, kind)?;
+        let Some(index) = self.parameters.iter().position(|parameter| parameter.name == *label) else {
+            let unit = kind.unit(self.rotational);
+            let unit = if unit.is_empty() { "1" } else { unit };
+            return self.fail(
+                reference,
+                format!(
+                    "there is no parameter \"{label}\"; declare it under [parameters], as in {label} = {{ value = 1, unit = \"{unit}\" }}"
+                ),
+            );
+        };
+        let Some(expected) = kind.dimension(self.rotational) else { return Ok(index) };
+        let found = units::parse(&self.parameters[index].file_unit).map(|unit| unit.dimension);
+        if found != Some(expected) {
+            let unit = kind.unit(self.rotational);
+            let message = format!(
+                "{key} is parameter \"{label}\" in \"{}\", but here a unit like \"{unit}\" is expected",
+                self.parameters[index].file_unit,
+            );
+            return self.fail(reference, message);
+        }
+        self.parameters[index].unit = kind.unit(self.rotational).into();
+        Ok(index)
+    }
+
+    /// A parameter that cannot be negative; its lower bound is raised to zero where the file gives none.
+    pub(super) fn positive(&mut self, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
+        let key = kind_name(kind);
+        let index = self.parameter(key, reference, kind)?;
+        let parameter = &mut self.parameters[index];
+        parameter.bounds.0 = parameter.bounds.0.max(0.0);
+        let (allowed, instead) = match kind {
+            Kind::Inertia => ("positive", "; a node without inertia has no key inertia"),
+            Kind::Stiffness => ("positive", "; where nothing joins the two nodes, leave the spring out"),
+            _ => ("zero or more", ""),
+        };
+        if parameter.value < 0.0 || (parameter.value == 0.0 && kind != Kind::Damping) {
+            let value = parameter.value / parameter.file_factor;
+            let message = format!(
+                "{key} \"{}\" is {value} {}, but it must be {allowed}{instead}",
+                parameter.name, parameter.file_unit
+            );
+            return self.fail(reference, message);
+        }
+        Ok(index)
+    }
+}
+
+fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Inertia => "inertia",
+        Kind::Stiffness => "stiffness",
+        _ => "damping",
+    }
+}
+
+/// SI name of a parameter that no element has claimed: its own unit where that is SI already.
+fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
+    match units::parse(file_unit) {
+        Some(unit) if unit.factor == 1.0 => file_unit.into(),
+        _ => {
+            let names = ["kg", "m", "s", "A", "V"];
+            let factors = names.iter().zip(dimension).filter(|(_, power)| *power != 0);
+            let text: Vec<_> = factors.map(|(name, power)| format!("{name}^{power}")).collect();
+            if text.is_empty() { "1".into() } else { text.join(" ") }
+        }
+    }
+}

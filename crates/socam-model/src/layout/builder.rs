@@ -1,0 +1,217 @@
+//! Places elements in columns, lanes and rows.
+
+use super::{
+    element::{Element, ElementKind, Joint, Layout},
+    tree::Tree,
+};
+use crate::Model;
+
+/// Where an element stands in its lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Level {
+    /// So many steps above the chain, from 1.
+    Above(usize),
+    Chain,
+    /// So many steps below the chain, from 1.
+    Below(usize),
+}
+
+/// An element before rows are counted.
+#[derive(Debug)]
+struct Placed {
+    element: Element,
+    lane: usize,
+    level: Level,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    placed: Vec<Placed>,
+    joints: Vec<Joint>,
+    lanes: usize,
+    /// Element of each node.
+    node: Vec<usize>,
+}
+
+/// What joins two nodes.
+struct Link<'m> {
+    kind: ElementKind,
+    name: &'m str,
+    ends: (usize, usize),
+}
+
+impl Builder {
+    fn add(&mut self, kind: ElementKind, name: &str, column: usize, lane: usize, level: Level) -> usize {
+        let element = Element { kind, name: name.to_owned(), column, row: 0, line: 0, effects: Vec::new() };
+        self.placed.push(Placed { element, lane, level });
+        self.lanes = self.lanes.max(lane + 1);
+        self.placed.len() - 1
+    }
+
+    /// Adds an element above or below another and joins it.
+    fn attach(&mut self, kind: ElementKind, name: &str, to: usize, above: bool) {
+        let (column, lane) = (self.placed[to].element.column, self.placed[to].lane);
+        let taken = self
+            .placed
+            .iter()
+            .filter(|placed| placed.element.column == column && placed.lane == lane)
+            .filter(|placed| match placed.level {
+                Level::Above(_) => above,
+                Level::Below(_) => !above,
+                Level::Chain => false,
+            })
+            .count();
+        let level = if above { Level::Above(taken + 1) } else { Level::Below(taken + 1) };
+        let added = self.add(kind, name, column, lane, level);
+        self.joints.push(Joint { from: to, to: added });
+    }
+
+    /// Nodes, what joins them, and the servo.
+    pub(super) fn chain(&mut self, model: &Model) {
+        let links = links(model);
+        let start = first_node(model);
+        let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
+        let tree = Tree::grow(model.nodes.len(), &ends, start);
+        let margin = usize::from(model.servo.is_some());
+        let column = |node: usize| 2 * tree.depth[node] + margin;
+
+        for (index, node) in model.nodes.iter().enumerate() {
+            let kind = node_kind(model, &tree, index, start);
+            let element = self.add(kind, &node.name, column(index), tree.lane[index], Level::Chain);
+            self.node.push(element);
+        }
+        for (index, link) in links.iter().enumerate() {
+            let (a, b) = link.ends;
+            // A link that closes a loop stands in a lane of its own beside the nearer of its ends.
+            let (before, after, lane) = match tree.child_of_link[index] {
+                Some(child) => (a + b - child, child, tree.lane[child]),
+                None if tree.depth[b] < tree.depth[a] => (b, a, self.lanes),
+                None => (a, b, self.lanes),
+            };
+            let element = self.add(link.kind, link.name, column(before) + 1, lane, Level::Chain);
+            self.joints.push(Joint { from: self.node[before], to: element });
+            self.joints.push(Joint { from: element, to: self.node[after] });
+        }
+        if let Some(servo) = &model.servo {
+            let node = self.node[servo.node];
+            if servo.node == start {
+                let element = self.add(ElementKind::Servo, &servo.name, 0, tree.lane[start], Level::Chain);
+                self.joints.push(Joint { from: element, to: node });
+            } else {
+                self.attach(ElementKind::Servo, &servo.name, node, false);
+            }
+        }
+    }
+
+    /// Bearings and springs to the ground.
+    pub(super) fn grounded(&mut self, model: &Model) {
+        for bearing in &model.bearings {
+            let kind = ElementKind::Bearing { damped: bearing.damping.is_some() };
+            self.attach(kind, &bearing.name, self.node[bearing.node], false);
+        }
+        for spring in model.springs.iter().filter(|spring| spring.to.is_none()) {
+            let kind = ElementKind::GroundSpring { damped: spring.damping.is_some() };
+            self.attach(kind, &spring.name, self.node[spring.from], false);
+        }
+    }
+
+    pub(super) fn channels(&mut self, model: &Model) {
+        let places = self.placed.len();
+        for channel in model.channels.iter().filter(|channel| !channel.quantity.is_clock()) {
+            let at = self.placed[..places].iter().position(|placed| placed.element.name == channel.at);
+            if let Some(at) = at {
+                let kind = ElementKind::Sensor { role: channel.role, quantity: channel.quantity };
+                self.attach(kind, &channel.name, at, true);
+            }
+        }
+    }
+
+    pub(super) fn effects(&mut self, model: &Model) {
+        for used in &model.effects {
+            let at = self.placed.iter_mut().find(|placed| placed.element.name == used.place);
+            if let Some(at) = at {
+                at.element.effects.push(used.effect.id);
+            }
+        }
+    }
+
+    /// Counts rows: a band of rows for each lane of each line of columns, as high as what stands there.
+    pub(super) fn finish(self, columns: usize) -> Layout {
+        let line = |placed: &Placed| placed.element.column / columns;
+        let lines = self.placed.iter().map(line).max().map_or(0, |last| last + 1);
+        let mut above = vec![vec![None; self.lanes]; lines];
+        let mut below = vec![vec![0; self.lanes]; lines];
+        for placed in &self.placed {
+            let (line, lane) = (line(placed), placed.lane);
+            let (up, down) = match placed.level {
+                Level::Above(steps) => (steps, 0),
+                Level::Chain => (0, 0),
+                Level::Below(steps) => (0, steps),
+            };
+            above[line][lane] = Some(above[line][lane].map_or(up, |most: usize| most.max(up)));
+            below[line][lane] = below[line][lane].max(down);
+        }
+        let mut rows = 0;
+        let mut chain_row = vec![vec![0; self.lanes]; lines];
+        for line in 0..lines {
+            for lane in 0..self.lanes {
+                if let Some(up) = above[line][lane] {
+                    chain_row[line][lane] = rows + up;
+                    rows += up + 1 + below[line][lane];
+                }
+            }
+        }
+        let width =
+            self.placed.iter().map(|placed| placed.element.column + 1).max().unwrap_or(0).min(columns);
+        let elements = self.placed.into_iter().map(|placed| {
+            let line = placed.element.column / columns;
+            let chain = chain_row[line][placed.lane];
+            let row = match placed.level {
+                Level::Above(steps) => chain - steps,
+                Level::Chain => chain,
+                Level::Below(steps) => chain + steps,
+            };
+            Element { column: placed.element.column % columns, row, line, ..placed.element }
+        });
+        Layout { elements: elements.collect(), joints: self.joints, columns: width, rows }
+    }
+}
+
+fn links(model: &Model) -> Vec<Link<'_>> {
+    let springs = model.springs.iter().filter_map(|spring| {
+        let kind = ElementKind::Spring { damped: spring.damping.is_some() };
+        Some(Link { kind, name: &spring.name, ends: (spring.from, spring.to?) })
+    });
+    let gears = model.gears.iter().map(|gear| Link {
+        kind: ElementKind::Gear { ratio: model.parameters[gear.ratio].value },
+        name: &gear.name,
+        ends: (gear.from, gear.to),
+    });
+    let shafts = model.shafts.iter().map(|shaft| Link {
+        kind: ElementKind::Shaft,
+        name: &shaft.name,
+        ends: shaft.nodes,
+    });
+    springs.chain(gears).chain(shafts).collect()
+}
+
+/// Where the drawing starts: at the servo, else at the first node that an input drives, else at the first node.
+fn first_node(model: &Model) -> usize {
+    let driven = |name: &str| model.nodes.iter().position(|node| node.name == name);
+    match &model.servo {
+        Some(servo) => servo.node,
+        None => model.inputs().find_map(|channel| driven(&channel.at)).unwrap_or(0),
+    }
+}
+
+fn node_kind(model: &Model, tree: &Tree, node: usize, start: usize) -> ElementKind {
+    let driven = model.inputs().any(|channel| channel.at == model.nodes[node].name);
+    let massive = model.nodes[node].inertia.is_some();
+    let far_end = tree.lane[node] == tree.lane[start] && tree.is_leaf[node];
+    match () {
+        () if node == start && driven && !far_end => ElementKind::Motor,
+        () if massive && far_end && node != start => ElementKind::Load,
+        () if massive => ElementKind::Inertia,
+        () => ElementKind::Point,
+    }
+}

@@ -1,0 +1,158 @@
+//! Inertia, damping and stiffness matrices of a network's groups.
+
+use super::groups::tie_nodes;
+use crate::{
+    Channel, EffectUse, Model, ModelError, Quantity, Role, Site, Spring,
+    effects::Form,
+    jet::{Jet, Scalar},
+};
+
+/// How a coordinate moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Class {
+    Prescribed,
+    Massive,
+    Damped,
+    Static,
+}
+
+/// What angles are measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reference {
+    /// The prescribed coordinate.
+    Driven(usize),
+    /// A massive coordinate of a drivetrain that floats freely.
+    Massive(usize),
+    /// The ground.
+    Ground,
+}
+
+pub(super) struct Assembly<'m> {
+    pub(super) model: &'m Model,
+    pub(super) values: &'m [f64],
+    pub(super) wrt: &'m [usize],
+    /// Group of each node, and its motion per motion of the group.
+    pub(super) group: Vec<usize>,
+    pub(super) lever: Vec<Scalar>,
+    pub(super) inertia: Jet,
+    pub(super) damping: Jet,
+    pub(super) stiffness: Jet,
+    pub(super) class: Vec<Class>,
+    pub(super) reference: Reference,
+    /// Free rotation of the whole drivetrain, as motion of each group per motion of the reference.
+    pub(super) rigid: Vec<Scalar>,
+}
+
+impl<'m> Assembly<'m> {
+    pub(super) fn new(model: &'m Model, values: &'m [f64], wrt: &'m [usize]) -> Result<Self, ModelError> {
+        let (group, lever, groups) = tie_nodes(model, values, wrt)?;
+        let empty = Jet::zeros(groups, groups, wrt.len());
+        let mut assembly = Self {
+            model,
+            values,
+            wrt,
+            group,
+            lever,
+            inertia: empty.clone(),
+            damping: empty.clone(),
+            stiffness: empty,
+            class: vec![Class::Static; groups],
+            reference: Reference::Ground,
+            rigid: Vec::new(),
+        };
+        assembly.add_elements();
+        assembly.classify()?;
+        assembly.choose_reference();
+        Ok(assembly)
+    }
+
+    pub(super) fn scalar(&self, parameter: usize) -> Scalar {
+        Scalar::parameter(self.values, self.wrt, parameter)
+    }
+
+    /// Motion of node `node` per motion of each group, as a row.
+    pub(super) fn node_row(&self, node: usize) -> Jet {
+        let mut row = Jet::zeros(1, self.class.len(), self.wrt.len());
+        row.add_at(0, self.group[node], &self.lever[node]);
+        row
+    }
+
+    pub(super) fn twist_row(&self, from: usize, to: Option<usize>) -> Jet {
+        match to {
+            Some(to) => self.node_row(from).minus(&self.node_row(to)),
+            None => self.node_row(from),
+        }
+    }
+
+    fn add_elements(&mut self) {
+        let model = self.model;
+        let quadratic = |row: &Jet, parameter: Scalar| row.transpose().times(row).scaled(&parameter);
+        let own = model.nodes.iter().enumerate().filter_map(|(i, n)| Some((i, n.inertia?)));
+        let more = model.effects.iter().filter_map(|used| match (used.effect.form, used.at) {
+            (Form::Inertia, Site::Node(node)) => Some((node, used.parameters[0])),
+            _ => None,
+        });
+        for (node, inertia) in own.chain(more).collect::<Vec<_>>() {
+            let term = quadratic(&self.node_row(node), self.scalar(inertia));
+            self.inertia.add_block(0, 0, &term);
+        }
+        for spring in &model.springs {
+            let row = self.twist_row(spring.from, spring.to);
+            self.stiffness.add_block(0, 0, &quadratic(&row, self.scalar(spring.stiffness)));
+            if let Some(damping) = spring.damping {
+                self.damping.add_block(0, 0, &quadratic(&row, self.scalar(damping)));
+            }
+        }
+        for bearing in &model.bearings {
+            if let Some(damping) = bearing.damping {
+                let term = quadratic(&self.node_row(bearing.node), self.scalar(damping));
+                self.damping.add_block(0, 0, &term);
+            }
+        }
+        if let Some((row, proportional, derivative)) = self.servo_terms() {
+            self.stiffness.add_block(0, 0, &quadratic(&row, proportional));
+            self.damping.add_block(0, 0, &quadratic(&row, derivative));
+        }
+    }
+
+    /// A servo is a spring and a damper to where it is told to go: node row, N m per rad, N m per rad/s.
+    pub(super) fn servo_terms(&self) -> Option<(Jet, Scalar, Scalar)> {
+        let servo = self.model.servo.as_ref()?;
+        let derivative = self.scalar(servo.drive_gain).times(&self.scalar(servo.velocity_gain));
+        let proportional = derivative.times(&self.scalar(servo.position_gain));
+        Some((self.node_row(servo.node), proportional, derivative))
+    }
+
+    pub(super) fn node_named(&self, place: &str, channel: &str) -> Result<usize, ModelError> {
+        self.model.nodes.iter().position(|node| node.name == place).ok_or_else(|| {
+            ModelError::Network(format!("channel {channel} needs a node, and {place} is none"))
+        })
+    }
+
+    /// The spring that an effect acts at.
+    pub(super) fn spring_of(&self, used: &EffectUse) -> Option<&'m Spring> {
+        match used.at {
+            Site::Spring(spring) | Site::Gear { contact: spring, .. } => self.model.springs.get(spring),
+            Site::Node(_) | Site::Channel(_) => None,
+        }
+    }
+
+    /// The node whose shaft a channel's sensor sits on: its own, or the driving end of a spring.
+    pub(super) fn shaft_of(&self, channel: &Channel) -> Option<usize> {
+        let named = |name: &str| self.model.nodes.iter().position(|node| node.name == name);
+        named(&channel.at).or_else(|| {
+            let spring = self.model.springs.iter().find(|spring| spring.name == channel.at)?;
+            Some(spring.from)
+        })
+    }
+
+    /// The spring whose twist an input adds to.
+    pub(super) fn twisted_spring(&self, channel: &Channel) -> Option<&'m Spring> {
+        let twists = channel.role == Role::Input && channel.quantity == Quantity::Angle;
+        self.model.springs.iter().find(|spring| twists && spring.name == channel.at)
+    }
+
+    pub(super) fn groups_of(&self, class: Class) -> Vec<usize> {
+        (0..self.class.len()).filter(|group| self.class[*group] == class).collect()
+    }
+}

@@ -1,0 +1,89 @@
+//! What laws see: a row over states, inputs and ports for each port.
+
+use super::motion::MotionMaps;
+use crate::{EffectUse, ModelError, Quantity, Site, effects::LawInput, file, jet::Jet};
+
+impl MotionMaps<'_, '_> {
+    /// What the law of a port sees.
+    pub(super) fn seen(&self, port: usize) -> Result<Jet, ModelError> {
+        let effect = self.port_owner[port];
+        let used = &self.a.model.effects[effect];
+        let Some(law_input) = self.ports[port].law.law_inputs.get(self.ports[port].law_input) else {
+            return Ok(self.nothing());
+        };
+        let node = match used.at {
+            Site::Node(node) => Some(node),
+            Site::Gear { fast, slow, .. } => Some(if *law_input == LawInput::Angle { fast } else { slow }),
+            Site::Spring(_) => None,
+            Site::Channel(channel) => self.a.shaft_of(&self.a.model.channels[channel]),
+        };
+        let spring = self.a.spring_of(used);
+        let twist = spring.map(|spring| self.a.twist_row(spring.from, spring.to));
+        Ok(match (law_input, node, twist) {
+            (LawInput::Speed, Some(node), _) => {
+                self.require_speed(node, used.effect.id)?;
+                self.node_velocity(node)
+            }
+            (LawInput::Angle, Some(node), _) => self.turned(node, used)?,
+            (LawInput::Twist, _, Some(twist)) => twist.times(&self.angle),
+            (LawInput::TwistRate, _, Some(twist)) => {
+                let ends = spring.into_iter().flat_map(|spring| [Some(spring.from), spring.to]);
+                ends.flatten().try_for_each(|node| self.require_speed(node, used.effect.id))?;
+                twist.times(&self.velocity)
+            }
+            (LawInput::Torque, ..) => {
+                spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring))
+            }
+            (LawInput::Time, ..) => self.clock(Quantity::Time),
+            (LawInput::Change, ..) => self.input_named(&file::change_of(&used.place)),
+            (LawInput::State, ..) => {
+                let mut row = self.nothing();
+                row.add_at(0, self.owned[effect].0, &self.one());
+                row
+            }
+            (LawInput::Reading, ..) => match used.at {
+                Site::Channel(channel) => self.true_reading(&self.a.model.channels[channel])?,
+                _ => self.nothing(),
+            },
+            _ => self.nothing(),
+        })
+    }
+
+    fn node_velocity(&self, node: usize) -> Jet {
+        self.a.node_row(node).times(&self.velocity)
+    }
+
+    fn input_named(&self, name: &str) -> Jet {
+        let mut row = self.nothing();
+        if let Some(index) = self.a.model.inputs().position(|input| input.name == name) {
+            row.add_at(0, self.first_input() + index, &self.one());
+        }
+        row
+    }
+
+    fn clock(&self, quantity: Quantity) -> Jet {
+        let mut row = self.nothing();
+        if let Some(index) = self.a.model.inputs().position(|input| input.quantity == quantity) {
+            row.add_at(0, self.first_input() + index, &self.one());
+        }
+        row
+    }
+
+    /// Angle through which a node has turned: that of the shaft whose turning is an input, and what springs between wind up.
+    fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
+        let angle = |node: usize| self.a.node_row(node).times(&self.angle);
+        let Some(clock) = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned) else {
+            return Ok(angle(node));
+        };
+        let from = self.a.node_named(&clock.at, &clock.name)?;
+        let lost = || {
+            ModelError::Network(format!(
+                "{} at {} needs the angle of {}, which nothing ties to {}",
+                used.effect.id, used.place, self.a.model.nodes[node].name, clock.at
+            ))
+        };
+        let mode = self.a.rigid_mode(self.a.group[from]).ok_or_else(lost)?;
+        let ratio = mode[self.a.group[node]].times(&self.a.lever[node]).over(&self.a.lever[from]);
+        Ok(self.clock(Quantity::Turned).scaled(&ratio).plus(&angle(node)).minus(&angle(from).scaled(&ratio)))
+    }
+}

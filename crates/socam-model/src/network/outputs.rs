@@ -1,0 +1,140 @@
+//! What sensors read: rows of the output equation, and the filters of slow and late sensors.
+
+use super::{assembly::Class, motion::MotionMaps};
+use crate::{
+    Channel, ModelError, Quantity, Role, Spring,
+    effects::{Acts, Form, sensor_delay},
+    jet::{Jet, Scalar},
+};
+
+impl MotionMaps<'_, '_> {
+    /// Speeds of static groups are not states and would need derivatives of the input.
+    pub(super) fn require_speed(&self, node: usize, who: &str) -> Result<(), ModelError> {
+        if self.statics.contains(&self.a.group[node]) {
+            let place = &self.a.model.nodes[node].name;
+            return Err(ModelError::Network(format!(
+                "{who} needs the speed of {place}, which has neither inertia nor damper; give it one"
+            )));
+        }
+        Ok(())
+    }
+
+    fn output_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        let model = self.a.model;
+        if channel.quantity == Quantity::Torque {
+            return self.torque_row(channel);
+        }
+        let node = self.a.node_named(&channel.at, &channel.name)?;
+        let row = self.a.node_row(node);
+        match channel.quantity {
+            Quantity::Speed => {
+                self.require_speed(node, &channel.name)?;
+                Ok(row.times(&self.velocity))
+            }
+            Quantity::Angle => Ok(row.times(&self.angle)),
+            Quantity::Acceleration if self.a.class[self.a.group[node]] == Class::Massive => {
+                Ok(row.times(&self.acceleration))
+            }
+            Quantity::Acceleration => Err(ModelError::Network(format!(
+                "channel {} measures an acceleration, so {} must have an inertia",
+                channel.name, model.nodes[node].name
+            ))),
+            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change => {
+                Err(ModelError::Network(format!(
+                    "channel {} is a reference; that can only be an input",
+                    channel.name
+                )))
+            }
+        }
+    }
+
+    /// Torque through a spring.
+    pub(super) fn spring_torque(&self, spring: &Spring) -> Jet {
+        let model = self.a.model;
+        let twist = self.a.twist_row(spring.from, spring.to);
+        let mut torque = twist.times(&self.angle).scaled(&self.a.scalar(spring.stiffness));
+        if let Some(damping) = spring.damping {
+            torque = torque.plus(&twist.times(&self.velocity).scaled(&self.a.scalar(damping)));
+        }
+        for (index, input) in model.inputs().enumerate() {
+            if self.a.twisted_spring(input).is_some_and(|twisted| twisted.name == spring.name) {
+                torque.add_at(0, self.first_input() + index, &self.twisting(spring, input));
+            }
+        }
+        for (index, used) in model.effects.iter().enumerate() {
+            if self.a.spring_of(used).is_some_and(|own| own.name == spring.name) {
+                for column in self.acting(index, Acts::Torque) {
+                    torque.add_at(0, column, &self.one());
+                }
+            }
+        }
+        torque
+    }
+
+    fn torque_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        let model = self.a.model;
+        if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
+            return Ok(self.spring_torque(spring));
+        }
+        match (&model.servo, self.a.servo_terms()) {
+            (Some(servo), Some((row, proportional, derivative))) if servo.name == channel.at => {
+                let mut torque = Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
+                    .minus(&row.times(&self.angle).scaled(&proportional))
+                    .minus(&row.times(&self.velocity).scaled(&derivative));
+                for (index, input) in model.inputs().enumerate() {
+                    if input.quantity == Quantity::Reference {
+                        let proportional = proportional.times(&self.gain(input));
+                        torque.add_at(0, self.first_input() + index, &proportional);
+                    }
+                }
+                Ok(torque)
+            }
+            _ => Err(ModelError::Network(format!(
+                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known",
+                channel.name, channel.at,
+            ))),
+        }
+    }
+
+    /// What a channel would read were its sensor true but for its gain; its filter and what is added to it come after.
+    pub(super) fn true_reading(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        if channel.role == Role::Input {
+            let mut row = self.nothing();
+            let index = self.a.model.inputs().position(|input| input.name == channel.name);
+            row.add_at(0, self.first_input() + index.unwrap_or(0), &self.one());
+            return Ok(row);
+        }
+        Ok(self.output_row(channel)?.scaled(&self.gain(channel)))
+    }
+
+    /// The sensor's filter: rates of its states in `rates`, and what comes out.
+    pub(super) fn filtered(&self, channel: &Channel, rates: &mut Jet, mut reading: Jet) -> Jet {
+        let effects = self.a.model.effects.iter().zip(&self.owned);
+        for (used, (first, _)) in effects.filter(|(used, _)| used.place == channel.name) {
+            let constant = |value: f64| Scalar::constant(value, self.a.wrt.len());
+            match used.effect.form {
+                Form::Lag => {
+                    let rate = self.one().over(&self.a.scalar(used.parameters[0]));
+                    rates.add_block(*first, 0, &reading.scaled(&rate));
+                    rates.add_at(*first, *first, &rate.times(&constant(-1.0)));
+                    reading = self.nothing();
+                    reading.add_at(0, *first, &self.one());
+                }
+                // Each section: a' = b, b' = q (y - a)/d² - p b/d; out comes y - 2 p/q d b. Scaled: b is stored as d b.
+                Form::Delay => {
+                    let rate = self.one().over(&self.a.scalar(used.parameters[0]));
+                    for (section, (p, q)) in sensor_delay::SECTIONS.into_iter().enumerate() {
+                        let [late, later] = [0, 1].map(|state| first + 2 * section + state);
+                        rates.add_at(late, later, &rate);
+                        rates.add_block(later, 0, &reading.scaled(&rate.times(&constant(q))));
+                        rates.add_at(later, late, &rate.times(&constant(-q)));
+                        rates.add_at(later, later, &rate.times(&constant(-p)));
+                        reading.add_at(0, later, &constant(-2.0 * p / q));
+                    }
+                }
+                _ => {}
+            }
+        }
+        reading
+    }
+}

@@ -1,0 +1,57 @@
+//! Parameter values for which equations can be formed.
+
+use crate::{Model, ModelError, effects::Kind};
+
+impl Model {
+    pub(super) fn check_values(&self, values: &[f64]) -> Result<(), ModelError> {
+        let fail = |index: usize, expected| {
+            Err(ModelError::Value {
+                name: self.parameters[index].name.clone(),
+                value: values[index],
+                expected,
+            })
+        };
+        if values.len() != self.parameters.len() {
+            return Err(ModelError::Network(format!(
+                "{} parameter values for {}",
+                values.len(),
+                self.parameters.len()
+            )));
+        }
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return fail(index, "finite");
+        }
+        let positive =
+            self.nodes.iter().filter_map(|node| node.inertia).chain(self.springs.iter().map(|s| s.stiffness));
+        for index in positive {
+            if values[index] <= 0.0 {
+                return fail(index, "positive");
+            }
+        }
+        if let Some(gear) = self.gears.iter().find(|gear| values[gear.ratio] == 0.0) {
+            return fail(gear.ratio, "anything but zero");
+        }
+        for used in &self.effects {
+            for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
+                // Laws divide by these; a time of either sign is none of them.
+                let scale = matches!(parameter.kind, Kind::Speed)
+                    || (parameter.kind == Kind::Time && parameter.bounds.0 >= 0.0)
+                    || matches!(parameter.name, "deflection" | "limit");
+                if scale && values[*index] <= 0.0 {
+                    return fail(*index, "positive");
+                }
+            }
+        }
+        let dampings = self
+            .springs
+            .iter()
+            .filter_map(|s| s.damping)
+            .chain(self.bearings.iter().filter_map(|b| b.damping));
+        for index in dampings {
+            if values[index] < 0.0 {
+                return fail(index, "zero or more");
+            }
+        }
+        Ok(())
+    }
+}
