@@ -38,7 +38,7 @@ pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<
 pub(super) fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let is_open = |finding: &&Finding| finding.rivals.first().is_some_and(|rival| rival.weight > OPEN);
     match findings.iter().find(is_open) {
-        Some(rivals) => Some(experiment::suggestion(rivals)),
+        Some(open) => experiment::suggestion(open),
         None => findings.iter().find_map(experiment::shape),
     }
 }

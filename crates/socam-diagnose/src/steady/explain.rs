@@ -102,15 +102,15 @@ impl Regression<'_> {
         match (effect.form, relation.kind) {
             (Form::Gain, Kind::Load) => Vec::new(),
             (Form::Gain, kind) => channels.into_iter().zip(self.gains(kind)).collect(),
-            (Form::Laws(laws), kind) if laws[0].acts == Acts::Reading => {
+            (Form::Laws([law, ..]), kind) if law.acts == Acts::Reading => {
                 // A torque against drag alone has one sensor.
                 let [second, first] = self.offsets(kind, effect);
                 let sensors = channels.into_iter().zip([second, first]);
                 sensors.skip(usize::from(kind == Kind::Load)).collect()
             }
             (_, Kind::Speeds) => Vec::new(),
-            (Form::Laws(laws), _) => {
-                let on = if laws[0].law_inputs.contains(&LawInput::Torque) {
+            (Form::Laws([law, ..]), _) => {
+                let on = if law.law_inputs.contains(&LawInput::Torque) {
                     ScaledReading::First
                 } else {
                     ScaledReading::Neither
