@@ -28,8 +28,8 @@ pub(crate) struct Choice {
     pub(crate) noise: NoiseModel,
 }
 
-/// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried too
-/// where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
+/// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried
+/// too where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
 pub(crate) fn best(
     context: &Context<'_>,
     path: &Path,

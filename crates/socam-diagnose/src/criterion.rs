@@ -2,15 +2,16 @@
 //!
 //! Under one noise model (sensor noise and discrepancy) a model's log score is minus half the sum of squared residuals on data that its
 //! parameters were not fitted to. The difference of two models has a standard error from blocks of 1 s. Recordings are strata, not random
-//! draws: they excite different motions by design, so only the scatter within each recording counts (W. G. Cochran, Sampling Techniques, ch. 5). Weights of several models are pseudo-BMA weights with a Bayesian bootstrap over blocks
-//! (Y. Yao et al., Bayesian Analysis 13, 2018).
+//! draws: they excite different motions by design, so only the scatter within each recording counts (W. G. Cochran, Sampling Techniques,
+//! ch. 5). Weights of several models are pseudo-BMA weights with a Bayesian bootstrap over blocks (Y. Yao et al., Bayesian Analysis 13,
+//! 2018).
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, Exp1};
 use socam_identify::comparison::cross_validation::CrossValidation;
 
 /// Largest number of the evaluation's blocks (0.2 s each) in one block of the criterion.
-const TOGETHER: usize = 5;
+const MOST_MERGED: usize = 5;
 /// Least number of blocks that a recording is divided into, if it is long enough.
 const LEAST_BLOCKS: usize = 10;
 /// Draws of the bootstrap.
@@ -21,8 +22,8 @@ const LAW_DISCREPANCY: f64 = 0.08;
 /// Part of that discrepancy that appears at other places, 1.
 const DISCREPANCY_ELSEWHERE: f64 = 0.02;
 
-/// Difference of log scores that the discrepancy of a law can make at its own place, if the law gains `gained` in log score. (A log score is
-/// proportional to the square of the explained signal.) Smaller differences are no evidence for or against a law.
+/// Difference of log scores that the discrepancy of a law can make at its own place, if the law gains `gained` in log score. (A log score
+/// is proportional to the square of the explained signal.) Smaller differences are no evidence for or against a law.
 pub(crate) fn by_law(gained: f64) -> f64 {
     LAW_DISCREPANCY.powi(2) * gained.max(0.0)
 }
@@ -50,10 +51,10 @@ pub(crate) struct Difference {
 /// Log score of `a` minus that of `b`, without priors.
 pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference {
     let strata = a.blocks.iter().zip(&b.blocks).map(|(a, b)| {
-        let together = together(a);
+        let merged_blocks = merged_blocks(a);
         let blocks: Vec<f64> = a
-            .chunks(together)
-            .zip(b.chunks(together))
+            .chunks(merged_blocks)
+            .zip(b.chunks(merged_blocks))
             .map(|(a, b)| -0.5 * (a.iter().sum::<f64>() - b.iter().sum::<f64>()))
             .collect();
         let n = blocks.len() as f64;
@@ -65,8 +66,8 @@ pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference
 }
 
 /// Number of the evaluation's blocks in one block of the criterion: 1 s of them, or fewer where a recording is short.
-fn together(blocks: &[f64]) -> usize {
-    (blocks.len() / LEAST_BLOCKS).clamp(1, TOGETHER)
+fn merged_blocks(blocks: &[f64]) -> usize {
+    (blocks.len() / LEAST_BLOCKS).clamp(1, MOST_MERGED)
 }
 
 /// Divisor of a difference of log scores for a law that gains `gained`: the difference that its discrepancy can make counts as one nat.
@@ -107,7 +108,7 @@ fn reweighted(validation: &CrossValidation, multipliers: &[f64]) -> f64 {
     let mut next = multipliers.iter();
     let each = validation.blocks.iter().map(|blocks| {
         let own: Vec<(f64, f64)> = blocks
-            .chunks(together(blocks))
+            .chunks(merged_blocks(blocks))
             .zip(&mut next)
             .map(|(block, m)| (block.iter().sum(), *m))
             .collect();

@@ -41,8 +41,8 @@ pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher precedence.
-/// `None` where the finding has no competing model.
+/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher
+/// precedence. `None` where the finding has no competing model.
 pub(crate) fn suggestion(finding: &Finding) -> Option<SuggestedExperiment> {
     let rival = finding.rivals.first()?;
     let own = [&finding.effect, &rival.effect].into_iter().filter_map(|id| effects::find(id));

@@ -1,4 +1,5 @@
-//! Diagnosis of a drivetrain model: which physics the model lacks, by recordings of the bench, and whether the corrected model predicts better.
+//! Diagnosis of a drivetrain model: which physics the model lacks, by recordings of the bench, and whether the corrected model predicts
+//! better.
 //!
 //! * [`diagnose`](fn@diagnose) compares a [`socam_model::Model`] with recordings. Its stages are the modules `preprocessing`, `context`
 //!   (cross-validation), `score_test`, `forward` (selection, with `shortlist`, `halving`, `choice` and `criterion`), `nonparametric`,

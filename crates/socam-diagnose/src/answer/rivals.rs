@@ -12,8 +12,8 @@ const LEAST_WEIGHT: f64 = 1e-2;
 /// Least weight of a competing model for which another experiment is suggested.
 const OPEN: f64 = 0.05;
 
-/// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that are
-/// terms of the path are no competitors.
+/// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that
+/// are terms of the path are no competitors.
 pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
     let is_equivalent = |rival: &Candidate| equivalent.iter().any(|other| other.is_same(rival));
     let others: Vec<&(Candidate, f64)> =

@@ -166,8 +166,8 @@ fn frame(element: &Element, rows: &Rows, findings: &[Mark], rival: bool) -> Mark
     }
 }
 
-/// The numbered diamond of a finding, several in a row, on an edge of the frame without a label and away from the diamonds of frames above and
-/// below.
+/// The numbered diamond of a finding, several in a row, on an edge of the frame without a label and away from the diamonds of frames above
+/// and below.
 fn badge(element: &Element, rows: &Rows, place_in_row: usize, mark: Mark) -> Markup {
     let Mark::Finding(number) = mark else {
         return html! {};

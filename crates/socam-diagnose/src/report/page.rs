@@ -26,7 +26,7 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
                 (tables::parameters(diagnosis))
             }
             (next(diagnosis))
-            (unseen(diagnosis))
+            (not_found(diagnosis))
             (pictures(diagnosis, evidence, model))
             (method(diagnosis))
         }
@@ -181,7 +181,7 @@ fn next(diagnosis: &Diagnosis) -> Markup {
 }
 
 /// Effects that were not found, with their smallest detectable sizes.
-fn unseen(diagnosis: &Diagnosis) -> Markup {
+fn not_found(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.not_found.is_empty() {
             section {

@@ -197,8 +197,8 @@ struct Column {
     value: fn(f64) -> f64,
 }
 
-/// Torque of an effect's law in a steady state, at an amplitude of one. A speed that was not measured is taken as positive if the torque does
-/// not depend on its size; otherwise the torque is NaN.
+/// Torque of an effect's law in a steady state, at an amplitude of one. A speed that was not measured is taken as positive if the torque
+/// does not depend on its size; otherwise the torque is NaN.
 fn unit_response(effect: &Effect, torque: f64, speed: f64) -> f64 {
     let Form::Laws([law, ..]) = effect.form else { return f64::NAN };
     let input = |law_input: &LawInput, speed: f64| match law_input {

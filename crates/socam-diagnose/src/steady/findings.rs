@@ -36,7 +36,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
         text: "at every steady state of the table; what happens in between is not in it".into(),
         ..Region::default()
     };
-    let seen = observation(model, outcome);
+    let observed = observation(model, outcome);
     let named = outcome.named();
     let mut proof = FindingEvidence {
         p_value: Some(base.p_value),
@@ -55,7 +55,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
             region,
             evidence: proof,
             rivals: Vec::new(),
-            sentence: format!("{seen}: {}", without_a_name(model, outcome)),
+            sentence: format!("{observed}: {}", without_a_name(model, outcome)),
             equation: String::new(),
         };
     };
@@ -69,7 +69,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
     Finding {
         effect: own.effect.id.into(),
         location: own.place.clone(),
-        sentence: format!("{}. {seen}", words::sentence(own.effect, &own.place, &parameters)),
+        sentence: format!("{}. {observed}", words::sentence(own.effect, &own.place, &parameters)),
         equation: own.effect.equation.into(),
         parameters,
         components: Vec::new(),
@@ -182,7 +182,7 @@ fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
 /// Competing explanations, weighted by their likelihood.
 fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Vec<Rival> {
     let best = outcome.ranked[0].1.chi2;
-    let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.good]
+    let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.sufficient]
         .iter()
         .map(|(own, fitted)| (own.effect.id.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
         .collect();
@@ -197,8 +197,8 @@ fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> 
         .collect()
 }
 
-/// A slipping coupling as a competing explanation of two speeds. A coupling that slips transmits the same torque at every speed, so it competes
-/// only where no measured torque changes.
+/// A slipping coupling as a competing explanation of two speeds. A coupling that slips transmits the same torque at every speed, so it
+/// competes only where no measured torque changes.
 fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Option<(String, String, f64)> {
     let spring = outcome.relation.springs.first().map(|spring| model.springs[*spring].name.clone())?;
     let torque = model.channels.iter().position(|channel| channel.quantity == socam_model::Quantity::Torque);
@@ -220,7 +220,8 @@ pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) 
         Some((sum / values.len() as f64).sqrt()).filter(|rms| rms.is_finite())
     };
     // The uncertainty of a point is its residual over its residual in units of the uncertainty.
-    let sigma: Vec<f64> = outcome.base.residual.iter().zip(&outcome.base.left).map(|(r, l)| r / l).collect();
+    let sigma: Vec<f64> =
+        outcome.base.residual.iter().zip(&outcome.base.normalised).map(|(r, l)| r / l).collect();
     let held = |explanation: Option<&Explanation>| {
         let left = outcome.left_out(model, explanation)?;
         rms(&left.iter().zip(&sigma).map(|(left, sigma)| left.sqrt() * sigma).collect::<Vec<_>>())

@@ -55,7 +55,8 @@ impl<'a> ResidualTest<'a> {
         Self { relation, readings, repeatability, error, base }
     }
 
-    /// Standard uncertainty of each point's error. An explanation with the coefficient `theta` that scales a reading scales its uncertainty too.
+    /// Standard uncertainty of each point's error. An explanation with the coefficient `theta` that scales a reading scales its uncertainty
+    /// too.
     fn uncertainty(&self, on: ScaledReading, theta: f64) -> Vec<f64> {
         let [first, second] = [
             if on == ScaledReading::First { 1.0 - theta } else { 1.0 },
@@ -73,8 +74,8 @@ impl<'a> ResidualTest<'a> {
         sizes.iter().map(|size| self.repeatability * size.max(least).max(f64::MIN_POSITIVE)).collect()
     }
 
-    /// Least squares fit of the dampings, within their bounds, and of an explanation, without one of the points. `None` where the points do not
-    /// determine the coefficients.
+    /// Least squares fit of the dampings, within their bounds, and of an explanation, without one of the points. `None` where the points do
+    /// not determine the coefficients.
     pub(super) fn fit(
         &self,
         model: &Model,
