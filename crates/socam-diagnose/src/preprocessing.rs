@@ -36,23 +36,23 @@ pub(crate) fn connected(
 ) -> Result<(Vec<Dataset>, Vec<String>), RecordingError> {
     let mut notes = Vec::new();
     let each = datasets.iter().map(|dataset| {
-        let stuck = constant_channels(dataset, model.outputs())?;
-        let still: Vec<&str> = constant_channels(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
+        let constant_outputs = constant_channels(dataset, model.outputs())?;
+        let constant_inputs: Vec<&str> = constant_channels(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
         let name = dataset.name();
-        if still.len() == model.inputs().count() {
-            if stuck.len() < model.outputs().count() {
-                let inputs = still.join(", ");
+        if constant_inputs.len() == model.inputs().count() {
+            if constant_outputs.len() < model.outputs().count() {
+                let inputs = constant_inputs.join(", ");
                 notes.push(format!(
                     "{name}: {inputs} never changes although outputs do: is its sensor connected? Without it they cannot be explained"
                 ));
             }
             return Ok(dataset.clone());
         }
-        if stuck.is_empty() || stuck.len() == model.outputs().count() {
+        if constant_outputs.is_empty() || constant_outputs.len() == model.outputs().count() {
             return Ok(dataset.clone());
         }
-        let columns: Vec<&str> = stuck.iter().map(|channel| channel.column.as_str()).collect();
-        for channel in &stuck {
+        let columns: Vec<&str> = constant_outputs.iter().map(|channel| channel.column.as_str()).collect();
+        for channel in &constant_outputs {
             notes.push(format!("{name}: {} never changes and was left out: is its sensor connected?", channel.name));
         }
         let all = 0..dataset.rows();
@@ -111,9 +111,9 @@ pub(crate) fn disconnected(model: &Model, datasets: &[Dataset]) -> Result<Option
         (model.channels.iter().collect(), false);
     for dataset in datasets {
         let all = model.channels.iter().filter(|channel| !channel.quantity.is_clock());
-        let stuck = constant_channels(dataset, all)?;
-        any_changes |= stuck.len() < model.channels.len();
-        constant.retain(|channel| stuck.contains(channel));
+        let own = constant_channels(dataset, all)?;
+        any_changes |= own.len() < model.channels.len();
+        constant.retain(|channel| own.contains(channel));
         for channel in model.inputs() {
             let statistics = &dataset.statistics()[dataset.channel_index(&channel.column)?];
             constant.retain(|own| *own != channel || statistics.max.is_some_and(|value| value != 0.0));

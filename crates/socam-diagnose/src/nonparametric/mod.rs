@@ -62,7 +62,9 @@ pub(crate) fn competing(
             && first.term.is_by_turn()
             && *place == first.term.place
     });
-    if is_one_of_its_orders || named.is_some_and(|named| BEYOND_SCORE * first.score.gain < named.fall) {
+    if is_one_of_its_orders
+        || named.is_some_and(|named| BEYOND_SCORE * first.score.gain < named.deviance_reduction)
+    {
         return Ok(None);
     }
     let curve = fit::fitted(context, path, first)?
@@ -73,7 +75,7 @@ pub(crate) fn competing(
     }
     match named {
         // The curve has more parameters than the effect: unless it fits better, it cannot predict better.
-        Some(named) if path.last.deviance() - curve.fitted.deviance() < named.fall => Ok(None),
+        Some(named) if path.last.deviance() - curve.fitted.deviance() < named.deviance_reduction => Ok(None),
         Some(named) if !curve.beats(context, path, named)? => Ok(None),
         _ => Ok(Some(curve)),
     }

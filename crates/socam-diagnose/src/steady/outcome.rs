@@ -6,7 +6,7 @@ use super::{
     explain::{Explanation, explanations},
     least_squares::ResidualFit,
     options::SteadyOptions,
-    parity::{Kind, ParityRelation},
+    parity::{ParityRelation, RelationKind},
     readings::Readings,
     residual_test::ResidualTest,
 };
@@ -74,7 +74,7 @@ impl Outcome<'_> {
     pub(super) fn shares(&self) -> Vec<f64> {
         let both = self.readings.first.iter().zip(&self.readings.second);
         match self.relation.kind {
-            Kind::Speeds => both.map(|(first, second)| first / second).collect(),
+            RelationKind::Speeds => both.map(|(first, second)| first / second).collect(),
             _ => both.map(|(first, second)| 100.0 * second / (self.relation.ratio * first)).collect(),
         }
     }
