@@ -1,10 +1,10 @@
 //! `diagnose` on recordings as they come: with gaps, saturated, cut short, at other rates. Each ends in an answer or in one sentence.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use socam_tests::{run, socam_host};
+use socam_tests::{Ran, run, socam_host};
 
 /// A recording as rows of text.
 #[derive(Clone)]
@@ -54,31 +54,59 @@ impl Table {
     }
 }
 
-/// What must come out.
-enum Ends<'a> {
-    /// The friction is found, its torque within this of the truth, 1; and warnings have these words.
-    Found(f64, &'a [&'a str]),
+/// Required end of a diagnosis.
+enum Ends {
+    /// The friction is found, its relative error is below this, and warnings contain these words.
+    Found(f64, &'static [&'static str]),
     /// A verdict, and words in its first finding's sentence.
-    Says(&'a str, &'a str),
+    Says(&'static str, &'static str),
     /// An exit code and words of one sentence.
-    Refused(i32, &'a [&'a str]),
+    Refused(i32, &'static [&'static str]),
 }
 
+use Ends::{Found, Refused, Says};
+
+/// Torque of the hidden friction, N m.
 const TRUTH: f64 = 0.3;
 
-#[test]
-fn every_recording_ends_in_an_answer_or_a_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(format!("{name}.csv"));
+/// Names of training recordings, of held-out recordings, and the required end.
+const CASES: [(&[&str], &[&str], Ends); 14] = [
+    // Gaps, an empty stretch, a limit, another rate, and spikes, all at once.
+    (
+        &["damaged", "slow"],
+        &["spiky_reversals"],
+        Found(0.02, &["2 gaps", "torque_out is saturated", "torque_in has outliers in 3 places"]),
+    ),
+    (&["constant", "multisine"], &["reversals"], Found(0.01, &["torque_in never changes and was left out"])),
+    (&["steps"], &[], Found(0.01, &["no recording was held out, so that nothing here is proven"])),
+    (&["multisine@0..1"], &["reversals@0..1"], Says("missing_physics", "At load")),
+    (&["multisine"], &["still"], Says("missing_physics", "At load bearing")),
+    (&["constant"], &[], Refused(1, &["torque_in never changes in any recording", "connected"])),
+    (&["still"], &["reversals"], Refused(1, &["motor_speed never changes in any recording", "connected"])),
+    (&["lacking", "multisine"], &["reversals"], Refused(1, &["lacking.csv", "torque_in_Nm"])),
+    (&["multisine@0..0.01"], &["reversals"], Refused(1, &["10 samples", "at least 20"])),
+    (&["nan"], &["reversals"], Refused(1, &["nan.csv", "line 502", "NaN", "leave the cell empty"])),
+    (&["steps"], &["copy"], Refused(1, &["copy.csv", "the same samples", "steps.csv"])),
+    (&["steps@0..3"], &["steps@2..4"], Refused(2, &["samples in common", "held out"])),
+    (&["empty"], &["reversals"], Refused(1, &["empty.csv", "0 bytes"])),
+    (&["headless"], &["reversals"], Refused(1, &["headless.csv", "no samples"])),
+];
+
+fn path(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.csv"))
+}
+
+/// Simulates recordings with a hidden friction, and writes damaged copies of them.
+fn write_recordings(folder: &Path) {
     for (seed, profile) in ["11", "12", "13"].into_iter().zip(["steps", "multisine", "reversals"]) {
-        let target = path(profile);
+        let target = path(folder, profile);
         let hide = format!("coulomb_friction@load_bearing:torque={TRUTH}");
         let arguments =
             ["simulate", "--profile", profile, "--duration", "4s", "--seed", seed, "--hide", &hide, "-o"];
         assert_eq!(run(arguments.into_iter().chain([target.to_str().unwrap()])).code, Some(0));
     }
     let [steps, multisine, reversals] =
-        ["steps", "multisine", "reversals"].map(|name| Table::read(&path(name)));
+        ["steps", "multisine", "reversals"].map(|name| Table::read(&path(folder, name)));
     let (torque_in, torque_out) = ("torque_in_Nm", "torque_out_Nm");
     let number = |value: f64| value.to_string();
     let spike = |k: usize, value: f64| number(value + if [901, 2000, 3333].contains(&k) { 2.0 } else { 0.0 });
@@ -96,85 +124,73 @@ fn every_recording_ends_in_an_answer_or_a_sentence() {
         ("copy", steps.clone()),
         ("headless", steps.rows(|_| false)),
     ];
-    made.iter().for_each(|(name, table)| table.write(&path(name)));
-    fs::write(path("empty"), "").unwrap();
-    use Ends::{Found, Refused, Says};
-    let cases: [(&[&str], &[&str], Ends<'_>); 14] = [
-        // Gaps, an empty stretch, a limit, another rate, and spikes, all at once.
-        (
-            &["damaged", "slow"],
-            &["spiky_reversals"],
-            Found(0.02, &["2 gaps", "torque_out is saturated", "torque_in has outliers in 3 places"]),
-        ),
-        (
-            &["constant", "multisine"],
-            &["reversals"],
-            Found(0.01, &["torque_in never changes and was left out"]),
-        ),
-        (&["steps"], &[], Found(0.01, &["no recording was held out, so that nothing here is proven"])),
-        (&["multisine@0..1"], &["reversals@0..1"], Says("missing_physics", "At load")),
-        (&["multisine"], &["still"], Says("missing_physics", "At load bearing")),
-        (&["constant"], &[], Refused(1, &["torque_in never changes in any recording", "connected"])),
-        (
-            &["still"],
-            &["reversals"],
-            Refused(1, &["motor_speed never changes in any recording", "connected"]),
-        ),
-        (&["lacking", "multisine"], &["reversals"], Refused(1, &["lacking.csv", "torque_in_Nm"])),
-        (&["multisine@0..0.01"], &["reversals"], Refused(1, &["10 samples", "at least 20"])),
-        (&["nan"], &["reversals"], Refused(1, &["nan.csv", "line 502", "NaN", "leave the cell empty"])),
-        (&["steps"], &["copy"], Refused(1, &["copy.csv", "the same samples", "steps.csv"])),
-        (&["steps@0..3"], &["steps@2..4"], Refused(2, &["samples in common", "held out"])),
-        (&["empty"], &["reversals"], Refused(1, &["empty.csv", "0 bytes"])),
-        (&["headless"], &["reversals"], Refused(1, &["headless.csv", "no samples"])),
-    ];
-    for (training, holdout, ends) in cases {
-        let full = |name: &&str| {
-            let (name, span) =
-                name.split_once('@').map_or((*name, String::new()), |(n, span)| (n, format!("@{span}")));
-            format!("{}{span}", path(name).to_str().unwrap())
-        };
-        let mut arguments: Vec<String> =
-            vec!["diagnose".into(), "--json".into(), "--most".into(), "1".into()];
-        arguments.extend(training.iter().map(full));
-        arguments.extend(holdout.iter().flat_map(|name| ["--holdout".into(), full(name)]));
-        let ran = run(&arguments);
-        let said = format!("{training:?} {holdout:?}: {}", ran.stderr);
-        match ends {
-            Refused(code, words) => {
-                let sentence = ran.refusal(code);
-                assert!(words.iter().all(|word| sentence.contains(word)), "{said}");
-            }
-            Found(within, words) => {
-                let document = ran.json();
-                let found = &document["findings"][0];
-                assert_eq!(found["effect"], "coulomb_friction", "{said}{found}");
-                assert_eq!(found["location"], "load_bearing", "{said}{found}");
-                let torque = found["parameters"][0]["value"].as_f64().unwrap();
-                assert!((torque / TRUTH - 1.0).abs() < within, "{said}{torque}");
-                let warnings = document["warnings"].as_array().unwrap();
-                let is_said = |word: &&str| warnings.iter().any(|own| own.as_str().unwrap().contains(word));
-                assert!(words.iter().all(is_said), "{said}{warnings:?}");
-            }
-            Says(verdict, words) => {
-                let document = ran.json();
-                assert_eq!(document["verdict"], verdict, "{said}");
-                let sentence = document["findings"][0]["sentence"].as_str().unwrap();
-                assert!(sentence.contains(words), "{said}{sentence}");
-            }
+    made.iter().for_each(|(name, table)| table.write(&path(folder, name)));
+    fs::write(path(folder, "empty"), "").unwrap();
+}
+
+/// Diagnoses these recordings, whose names may end in a part such as `@0..1`.
+fn diagnosed(folder: &Path, training: &[&str], holdout: &[&str]) -> Ran {
+    let full = |name: &&str| {
+        let (name, span) =
+            name.split_once('@').map_or((*name, String::new()), |(n, span)| (n, format!("@{span}")));
+        format!("{}{span}", path(folder, name).to_str().unwrap())
+    };
+    let mut arguments: Vec<String> = vec!["diagnose".into(), "--json".into(), "--most".into(), "1".into()];
+    arguments.extend(training.iter().map(full));
+    arguments.extend(holdout.iter().flat_map(|name| ["--holdout".into(), full(name)]));
+    run(&arguments)
+}
+
+fn assert_ends(ran: Ran, ends: &Ends, said: &str) {
+    match ends {
+        Refused(code, words) => {
+            let sentence = ran.refusal(*code);
+            assert!(words.iter().all(|word| sentence.contains(word)), "{said}");
+        }
+        Found(within, words) => {
+            let document = ran.json();
+            let found = &document["findings"][0];
+            assert_eq!(found["effect"], "coulomb_friction", "{said}{found}");
+            assert_eq!(found["location"], "load_bearing", "{said}{found}");
+            let torque = found["parameters"][0]["value"].as_f64().unwrap();
+            assert!((torque / TRUTH - 1.0).abs() < *within, "{said}{torque}");
+            let warnings = document["warnings"].as_array().unwrap();
+            let is_said = |word: &&str| warnings.iter().any(|own| own.as_str().unwrap().contains(word));
+            assert!(words.iter().all(is_said), "{said}{warnings:?}");
+        }
+        Says(verdict, words) => {
+            let document = ran.json();
+            assert_eq!(document["verdict"], *verdict, "{said}");
+            let sentence = document["findings"][0]["sentence"].as_str().unwrap();
+            assert!(sentence.contains(words), "{said}{sentence}");
         }
     }
-    // Neither does the answer depend on how many threads look for it.
+}
+
+/// The answer does not depend on the number of threads.
+fn assert_same_with_any_number_of_threads(folder: &Path) {
     let [one, two] = ["1", "2"].map(|threads| {
         let mut command = socam_host();
         command.env("RAYON_NUM_THREADS", threads).args(["diagnose", "--json", "--most", "1"]);
-        command.arg(path("multisine")).arg("--holdout").arg(path("reversals"));
+        command.arg(path(folder, "multisine")).arg("--holdout").arg(path(folder, "reversals"));
         let output = command.output().unwrap();
         let mut document: Value = serde_json::from_slice(&output.stdout).unwrap();
         document["cpu_s"] = Value::Null;
         document
     });
     assert_eq!(one, two);
+}
+
+#[test]
+fn every_recording_ends_in_an_answer_or_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    write_recordings(folder.path());
+    for (training, holdout, ends) in &CASES {
+        let ran = diagnosed(folder.path(), training, holdout);
+        let said = format!("{training:?} {holdout:?}: {}", ran.stderr);
+        assert_ends(ran, ends, &said);
+    }
+    assert_same_with_any_number_of_threads(folder.path());
 }
 
 /// Angles are counted from where a recording began, also in a part of it that is held out.

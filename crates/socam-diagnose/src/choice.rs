@@ -23,13 +23,13 @@ pub(crate) struct Choice {
     /// The model without the term, at its fit under the same noise model.
     pub(crate) before: FittedModel,
     /// Deviance reduction in training, under the previous noise model.
-    pub(crate) fall: f64,
+    pub(crate) deviance_reduction: f64,
     /// Sensor noise and discrepancy, estimated from the residuals of the candidate with the least deviance.
     pub(crate) noise: NoiseModel,
 }
 
-/// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried too
-/// where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
+/// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried
+/// too where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
 pub(crate) fn best(
     context: &Context<'_>,
     path: &Path,
@@ -82,10 +82,10 @@ pub(crate) fn best(
     let (candidate, p_value) = tried[*index].clone();
     let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
     let finalist = finalists.iter().find(|one| one.index == *index);
-    let fall = finalist.map_or(0.0, |one| path.last.deviance() - one.at.total());
+    let deviance_reduction = finalist.map_or(0.0, |one| path.last.deviance() - one.at.total());
     let term =
         Term { candidate, p_value, rivals, gain: gained, without: None, excess_at_upgrade: f64::INFINITY };
-    Ok(Some(Choice { term, fitted: fitted.clone(), before, fall, noise }))
+    Ok(Some(Choice { term, fitted: fitted.clone(), before, deviance_reduction, noise }))
 }
 
 /// The candidates without their p-values.

@@ -1,7 +1,7 @@
 //! The cross-validation context: training recordings, their folds and fit settings, which all fits of a diagnosis share.
 //!
-//! Data have three roles. Training recordings are fitted. Model selection is cross-validation among them: each whole recording is left out in
-//! turn, or long blocks where there are fewer than [`FEW`] recordings. Held-out recordings are used only in `proof`.
+//! Data have three roles. Training recordings are fitted. Model selection is cross-validation among them: each whole recording is left out
+//! in turn, or long blocks where there are fewer than [`FEW`] recordings. Held-out recordings are used only in `proof`.
 
 use std::ops::Range;
 
@@ -22,8 +22,8 @@ use crate::{
 const FEW: usize = 3;
 /// Number of blocks into which fewer recordings are cut, all together.
 const BLOCKS: usize = 4;
-/// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts are
-/// tried even after an effect was added.
+/// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts
+/// are tried even after an effect was added.
 pub(crate) const FAR_BEYOND_NOISE: f64 = 100.0;
 /// Largest number of iterations of a fit, and of a refit, which starts at an existing fit.
 const ITERATIONS: usize = 25;
@@ -95,8 +95,8 @@ impl<'a> Context<'a> {
         NoiseModel::new(&[&self.problem(model)?], values, levels)
     }
 
-    /// Noise model of sensor noise and model discrepancy, estimated from the residuals of a model at a fit. `before` holds the noise levels from
-    /// which the estimate starts.
+    /// Noise model of sensor noise and model discrepancy, estimated from the residuals of a model at a fit. `before` holds the noise levels
+    /// from which the estimate starts.
     pub(crate) fn noise_at(
         &self,
         model: &Model,
@@ -185,8 +185,8 @@ impl<'a> Context<'a> {
     }
 }
 
-/// A descent in rounds. Each round is a number of iterations, and the largest multiple of `best` that the sum of squares may be after it for
-/// the descent to continue. A descent that converges early must meet the last round's multiple. `None` where the descent was given up.
+/// A descent in rounds. Each round is a number of iterations, and the largest multiple of `best` that the sum of squares may be after it
+/// for the descent to continue. A descent that converges early must meet the last round's multiple. `None` where the descent was given up.
 pub(crate) fn descend_in_rounds(
     problem: &Problem<'_>,
     noise: &NoiseModel,
@@ -223,8 +223,8 @@ fn block_folds(model: &Model, training: &[Dataset]) -> Result<Vec<Fold>, Recordi
     Ok(folds)
 }
 
-/// A recording without the outputs of a block, and the recording with only those. Inputs stay complete in both, so that angles, time and the
-/// start state are those of the whole recording.
+/// A recording without the outputs of a block, and the recording with only those. Inputs stay complete in both, so that angles, time and
+/// the start state are those of the whole recording.
 fn without_block(
     model: &Model,
     dataset: &Dataset,

@@ -1,38 +1,39 @@
-//! The one criterion by which models are compared: the predictive log score, by block.
+//! The criterion by which all models are compared: the difference of predictive log scores, with its standard error.
 //!
-//! Under one noise model (sensor noise and discrepancy) a model's log score is minus half the sum of squares that it leaves on data its
-//! parameters were not fitted to. The difference of two models has a standard error from blocks of a second. Recordings are
-//! strata, not draws: what they excite differs by design, so that only the scatter within each of them counts
-//! (W. G. Cochran, Sampling Techniques, ch. 5). Weights of several models are pseudo-BMA weights with a Bayesian bootstrap over blocks
-//! (Y. Yao et al., Bayesian Analysis 13, 2018).
+//! Under one noise model (sensor noise and discrepancy) a model's log score is minus half the sum of squared residuals on data that its
+//! parameters were not fitted to. The difference of two models has a standard error from blocks of 1 s. Recordings are strata, not random
+//! draws: they excite different motions by design, so only the scatter within each recording counts (W. G. Cochran, Sampling Techniques,
+//! ch. 5). Weights of several models are pseudo-BMA weights with a Bayesian bootstrap over blocks (Y. Yao et al., Bayesian Analysis 13,
+//! 2018).
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, Exp1};
 use socam_identify::comparison::cross_validation::CrossValidation;
 
-/// Blocks of the evaluation (0.2 s each) that are one block here, at most; and blocks that a recording is to have at least.
-const TOGETHER: usize = 5;
+/// Largest number of the evaluation's blocks (0.2 s each) in one block of the criterion.
+const MOST_MERGED: usize = 5;
+/// Least number of blocks that a recording is divided into, if it is long enough.
 const LEAST_BLOCKS: usize = 10;
 /// Draws of the bootstrap.
 const DRAWS: usize = 500;
-/// A law is a simplification: its real counterpart differs from it by about this share of its own contribution to the outputs (tanh against
-/// bristle friction: 2 to 8 %; fixed against load-dependent stiffness likewise).
+/// Discrepancy of a law: the real effect differs from its law by about this share of its contribution to the outputs, 1 (tanh friction from
+/// bristle friction: 2 to 8 %; fixed from load-dependent stiffness likewise).
 const LAW_DISCREPANCY: f64 = 0.08;
-/// The part of that which shows at other places.
+/// Part of that discrepancy that appears at other places, 1.
 const DISCREPANCY_ELSEWHERE: f64 = 0.02;
 
-/// What a law's own discrepancy may make of a difference of log scores, where the law gains so much at its place: a log score goes with the
-/// square of what is explained. Smaller differences say nothing for or against the law.
+/// Difference of log scores that the discrepancy of a law can make at its own place, if the law gains `gained` in log score. (A log score
+/// is proportional to the square of the explained signal.) Smaller differences are no evidence for or against a law.
 pub(crate) fn by_law(gained: f64) -> f64 {
     LAW_DISCREPANCY.powi(2) * gained.max(0.0)
 }
 
-/// The same at other places.
+/// Difference of log scores that the discrepancy of a law can make at other places.
 pub(crate) fn by_law_elsewhere(gained: f64) -> f64 {
     DISCREPANCY_ELSEWHERE.powi(2) * gained.max(0.0)
 }
 
-/// What a comparison needs to know of a model.
+/// A model's cross-validation and prior, for a comparison.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scored<'a> {
     pub(crate) validation: &'a CrossValidation,
@@ -40,20 +41,20 @@ pub(crate) struct Scored<'a> {
     pub(crate) log_prior: f64,
 }
 
-/// By how much one model's log score is above another's.
+/// Difference of two models' log scores, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Difference {
     pub(crate) log_score: f64,
     pub(crate) std: f64,
 }
 
-/// How much better `a` predicts than `b`, priors not counted.
+/// Log score of `a` minus that of `b`, without priors.
 pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference {
     let strata = a.blocks.iter().zip(&b.blocks).map(|(a, b)| {
-        let together = together(a);
+        let merged_blocks = merged_blocks(a);
         let blocks: Vec<f64> = a
-            .chunks(together)
-            .zip(b.chunks(together))
+            .chunks(merged_blocks)
+            .zip(b.chunks(merged_blocks))
             .map(|(a, b)| -0.5 * (a.iter().sum::<f64>() - b.iter().sum::<f64>()))
             .collect();
         let n = blocks.len() as f64;
@@ -64,17 +65,18 @@ pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference
     Difference { log_score: a.log_score() - b.log_score(), std: strata.sum::<f64>().sqrt() }
 }
 
-/// Blocks of a recording that are one: a second, or less where it is short.
-fn together(blocks: &[f64]) -> usize {
-    (blocks.len() / LEAST_BLOCKS).clamp(1, TOGETHER)
+/// Number of the evaluation's blocks in one block of the criterion: 1 s of them, or fewer where a recording is short.
+fn merged_blocks(blocks: &[f64]) -> usize {
+    (blocks.len() / LEAST_BLOCKS).clamp(1, MOST_MERGED)
 }
 
-/// By how much a difference of log scores is divided to be a log likelihood ratio, where a law gains so much: its own discrepancy counts as one.
+/// Divisor of a difference of log scores for a law that gains `gained`: the difference that its discrepancy can make counts as one nat.
 pub(crate) fn temper(gained: f64) -> f64 {
     by_law(gained).max(1.0)
 }
 
-/// Weights of competing models, in their order; they sum to one. `gain` is what the best of them gains in log score over having none.
+/// Weights of competing models, in their order; they sum to one. `gain` is the gain of the best of them in log score over the model without
+/// any.
 pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let temper = temper(gain);
@@ -101,12 +103,12 @@ pub(crate) fn weights(models: &[Scored<'_>], gain: f64, seed: u64) -> Vec<f64> {
     sums.into_iter().map(|sum| sum / DRAWS as f64).collect()
 }
 
-/// Log score with each block counted so many times, normalised within each recording.
+/// Log score with the blocks weighted by `multipliers`, normalised within each recording.
 fn reweighted(validation: &CrossValidation, multipliers: &[f64]) -> f64 {
     let mut next = multipliers.iter();
     let each = validation.blocks.iter().map(|blocks| {
         let own: Vec<(f64, f64)> = blocks
-            .chunks(together(blocks))
+            .chunks(merged_blocks(blocks))
             .zip(&mut next)
             .map(|(block, m)| (block.iter().sum(), *m))
             .collect();
@@ -129,7 +131,7 @@ mod tests {
         CrossValidation { held_out: blocks.iter().map(|b| b.iter().sum()).collect(), blocks }
     }
 
-    /// One recording that shows an effect and others that do not make no scatter by themselves.
+    /// An effect that acts in one recording only makes no scatter within the recordings.
     #[test]
     fn recordings_are_strata() {
         let (with, without) = (model(&[200.0, 200.0, 200.0]), model(&[200.0, 200.0, 230.0]));

@@ -19,8 +19,8 @@ use crate::{
     selection::Path,
 };
 
-/// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing physics,
-/// further iterations move parameters that the recordings hardly determine.
+/// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing
+/// physics, further iterations move parameters that the recordings hardly determine.
 const BASE_ITERATIONS: usize = 20;
 /// Attempted integration steps per sample beyond which a candidate's prediction is given up. Rattling teeth take a few.
 const MOST_STEPS: usize = 64;

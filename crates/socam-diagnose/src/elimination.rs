@@ -16,7 +16,7 @@ const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
 const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
 
 /// Share of the excess at the last attempt below which nested laws are tried again.
-const MUCH_LESS: f64 = 0.5;
+const RETRY_SHARE: f64 = 0.5;
 
 impl Path {
     /// Removes those of the first `first` terms, the latest first, without which the model predicts as well to within a standard error.
@@ -117,19 +117,19 @@ impl Path {
         Ok(())
     }
 
-    /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of the
-    /// same effect.
+    /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of
+    /// the same effect.
     fn least_gain_over(&self, index: usize, other: &Candidate) -> f64 {
         let term = &self.terms[index];
         if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
     }
 
-    /// Replaces terms' laws by laws that contain them where those predict better. The noise is known only once most missing physics was added,
-    /// so a law is tried again when much less is left.
+    /// Replaces terms' laws by laws that contain them where those predict better. The noise is known only once most missing physics was
+    /// added, so a law is tried again when much less is left.
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let excess = self.noise.excess();
-            if excess > MUCH_LESS * self.terms[index].excess_at_upgrade {
+            if excess > RETRY_SHARE * self.terms[index].excess_at_upgrade {
                 continue;
             }
             self.terms[index].excess_at_upgrade = excess;
@@ -170,7 +170,8 @@ impl Path {
         Ok(())
     }
 
-    /// The last model with another law in the place of a term's law, after a few rounds from each of several starts; the least deviance of them.
+    /// The last model with another law in the place of a term's law, after a few rounds from each of several starts; the least deviance of
+    /// them.
     fn best_of(
         &self,
         context: &Context<'_>,

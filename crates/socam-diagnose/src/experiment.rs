@@ -41,20 +41,21 @@ pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher precedence.
-pub(crate) fn suggestion(finding: &Finding) -> SuggestedExperiment {
-    let rival = &finding.rivals[0];
+/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher
+/// precedence. `None` where the finding has no competing model.
+pub(crate) fn suggestion(finding: &Finding) -> Option<SuggestedExperiment> {
+    let rival = finding.rivals.first()?;
     let own = [&finding.effect, &rival.effect].into_iter().filter_map(|id| effects::find(id));
     let experiment = own.map(|effect| effect.experiment).max_by_key(|experiment| experiment.precedence);
     let Experiment { profile, how, .. } = experiment.unwrap_or(LARGE_TORQUE);
-    SuggestedExperiment {
+    Some(SuggestedExperiment {
         profile: profile.into(),
         tells_apart: vec![
             format!("{}@{}", finding.effect, finding.location),
             format!("{}@{}", rival.effect, rival.location),
         ],
         sentence: format!("Record `{profile}` {how}."),
-    }
+    })
 }
 
 /// An experiment that tells apart the competing models of violated parity relations; `None` where no finding has any.

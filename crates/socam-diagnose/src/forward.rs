@@ -72,8 +72,9 @@ impl Path {
         }
         let tried = self.worth_trying(context.options.false_alarm_rate);
         let mut named = choice::best(context, self, &tried, Some(&scales))?;
-        let is_suspicious = !tried.is_empty();
-        self.unexplained = nonparametric::competing(context, self, &scales, named.as_ref(), is_suspicious)?;
+        let is_any_significant = !tried.is_empty();
+        self.unexplained =
+            nonparametric::competing(context, self, &scales, named.as_ref(), is_any_significant)?;
         if let Some(curve) = &self.unexplained {
             let mut overlooked = self.overlooked(curve, &tried);
             // The effect that was chosen before competes again.
@@ -132,8 +133,8 @@ impl Path {
         Ok(())
     }
 
-    /// Whether a choice gains no more than the discrepancy of an earlier term's law can make: a real effect differs from its law by a share of
-    /// its contribution, and most of that difference appears at its own place.
+    /// Whether a choice gains no more than the discrepancy of an earlier term's law can make: a real effect differs from its law by a share
+    /// of its contribution, and most of that difference appears at its own place.
     fn is_remainder(&self, context: &Context<'_>, choice: &Choice) -> Result<bool, IdentifyError> {
         for index in 0..self.terms.len() {
             let is_there = self.terms[index].candidate.place == choice.term.candidate.place;
@@ -172,9 +173,9 @@ impl Path {
     }
 }
 
-/// A fit whose base parameters start again at the file's values, if it is better than `fitted`. Missing physics displaces the base parameters,
-/// and a fit that starts at the displaced values may not return. Parameters of effects in the base model start at the file's values here,
-/// but at their fitted values in `halving`.
+/// A fit whose base parameters start again at the file's values, if it is better than `fitted`. Missing physics displaces the base
+/// parameters, and a fit that starts at the displaced values may not return. Parameters of effects in the base model start at the file's
+/// values here, but at their fitted values in `halving`.
 fn restarted(context: &Context<'_>, path: &Path, fitted: FittedModel) -> Result<FittedModel, IdentifyError> {
     let mut values = fitted.at.values.clone();
     for parameter in &path.base.model.parameters {

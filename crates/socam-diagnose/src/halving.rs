@@ -1,5 +1,5 @@
-//! Successive halving: all candidates are fitted for a few iterations, then only those whose deviance keeps up with the best (K. Jamieson and
-//! A. Talwalkar, AISTATS 2016). Only the training deviance decides which candidates continue.
+//! Successive halving: all candidates are fitted for a few iterations, then only those whose deviance keeps up with the best (K. Jamieson
+//! and A. Talwalkar, AISTATS 2016). Only the training deviance decides which candidates continue.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -17,7 +17,7 @@ use crate::{
 /// Iterations of the first round.
 const FIRST_ROUND: usize = 4;
 /// Iterations of the first round of a candidate whose amplitude sensitivities cannot predict.
-const FAR_ROUND: usize = 10;
+const RESTART_ROUND: usize = 10;
 /// Rounds of a candidate that begins large: iterations, and the largest multiple of the best deviance so far that it may have after them.
 /// With several recordings, the first [`ON_ONE`] of these rounds use one recording.
 const LARGE_ROUNDS: [(usize, f64); 4] = [(10, 30.0), (10, 10.0), (10, 10.0), (20, 2.0)];
@@ -59,8 +59,8 @@ pub(crate) fn run(
     successive_halving(context, before, tried, noise, |candidate| begin(context, before, noise, candidate))
 }
 
-/// Fits each of `tried` from a large amplitude and the file's values of all other parameters. A fit is given up where its deviance stays far
-/// above `best`, the least deviance so far by recording.
+/// Fits each of `tried` from a large amplitude and the file's values of all other parameters. A fit is given up where its deviance stays
+/// far above `best`, the least deviance so far by recording.
 pub(crate) fn run_large(
     context: &Context<'_>,
     before: &FittedModel,
@@ -129,7 +129,7 @@ fn begin(
     }
     let values = carried_over((&before.model, &before.at.values), &grown);
     // Start states are estimated anew: those of the previous fit compensate for the missing physics.
-    let iterations = if is_free { FAR_ROUND } else { FIRST_ROUND };
+    let iterations = if is_free { RESTART_ROUND } else { FIRST_ROUND };
     let round = (comparison::COARSE, iterations);
     let at = comparison::descend(&context.problem(&begun)?, noise, &values, None, round)?;
     Ok(at.map(|at| (grown, at)))

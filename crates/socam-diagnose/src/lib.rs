@@ -1,12 +1,35 @@
-//! Diagnosis: where simulation and recordings part, what physics was left out, and the proof.
+//! Diagnosis of a drivetrain model: which physics the model lacks, by recordings of the bench, and whether the corrected model predicts
+//! better.
 //!
-//! [`diagnose`](fn@diagnose) runs these stages, each in a file of its name: `preprocessing`, the base fit, noise model and discrepancy
-//! (`context`), `score_test` (is anything missing, and what would it gain), `selection` with `halving`, `choice` and `criterion` (which effect to
-//! add), `nonparametric` (what has no name), `elimination`, `intervals`, `proof` (held-out recordings, opened last), `report`.
-//! [`document`] is the answer as other people's scripts read it, [`evidence`] what its pictures are drawn from, and [`report`] the
-//! page that explains both to people.
+//! * [`diagnose`](fn@diagnose) compares a [`socam_model::Model`] with recordings. Its stages are the modules `preprocessing`, `context`
+//!   (cross-validation), `score_test`, `forward` (selection, with `shortlist`, `halving`, `choice` and `criterion`), `nonparametric`,
+//!   `elimination`, `intervals`, `materiality`, `proof` and `answer`.
+//! * [`diagnose_steady`] compares it with tables of steady operating points ([`steady`]).
+//! * [`Options`] and [`SteadyOptions`] hold the false-alarm rate and the limits of the search.
+//! * [`Answer`] holds the [`Diagnosis`], which scripts read ([`document`]), the [`Evidence`] for pictures ([`evidence`]) and the corrected
+//!   model; [`report::write`] makes a page of these.
 //!
-//! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
+//! All quantities are in SI, with the unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
+//!
+//! ```no_run
+//! use socam_diagnose::{Options, diagnose, report};
+//! use socam_model::Model;
+//! use socam_recording::Dataset;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let model = Model::parse(&std::fs::read_to_string("bench.toml")?)?;
+//!     let training = [Dataset::open("steps.mcap")?, Dataset::open("multisine.mcap")?];
+//!     let holdout = [Dataset::open("reversals.mcap")?];
+//!     let options = Options { most_effects: 2, ..Options::default() };
+//!     let answer = diagnose(&model, &training, &holdout, &options)?;
+//!     for finding in &answer.diagnosis.findings {
+//!         println!("{} at {}: {}", finding.effect, finding.location, finding.sentence);
+//!     }
+//!     let directory = std::path::Path::new("report");
+//!     report::write(directory, &answer.diagnosis, &answer.evidence, &model, Some(&answer.model_toml))?;
+//!     Ok(())
+//! }
+//! ```
 
 mod answer;
 mod candidate;

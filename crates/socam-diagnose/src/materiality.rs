@@ -28,7 +28,7 @@ pub(crate) fn largest_change(
     let with = comparison::traces(&context.problem(&path.last.model)?, &path.last.at, None)?;
     let each = path.last.model.outputs().enumerate().filter_map(|(output, channel)| {
         // A change as large as the signal means that the simulation without the term is another motion; larger shares mean no more.
-        let share = (difference(&with, &without, output) / spread(&with, output)).min(1.0);
+        let share = (difference(&with, &without, output) / standard_deviation(&with, output)).min(1.0);
         share.is_finite().then(|| LargestChange { channel: channel.name.clone(), share })
     });
     Ok(each.max_by(|a, b| a.share.total_cmp(&b.share)))
@@ -42,7 +42,7 @@ fn difference(a: &[Traces], b: &[Traces], output: usize) -> f64 {
 }
 
 /// Standard deviation of the measured signal over all recordings.
-fn spread(traces: &[Traces], output: usize) -> f64 {
+fn standard_deviation(traces: &[Traces], output: usize) -> f64 {
     let values: Vec<f64> = traces
         .iter()
         .flat_map(|trace| &trace.measured[output])

@@ -21,9 +21,9 @@ pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Cand
 pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
     let own = &path.terms[term].candidate;
     let fitted = path.fitted_parameters(term);
-    let seen = path.tests.iter().map(|one| &one.start);
+    let tested = path.tests.iter().map(|one| &one.start);
     let mut starts: Vec<Candidate> =
-        seen.flat_map(|start| start.in_place_of(own, &fitted, &path.last.model)).collect();
+        tested.flat_map(|start| start.in_place_of(own, &fitted, &path.last.model)).collect();
     let richer = starts.clone();
     let refined = richer.iter().flat_map(|start| refined_laws(start, &path.base.model)).flatten();
     for start in refined.filter(|start| richer.iter().any(|before| before.is_same(start))) {

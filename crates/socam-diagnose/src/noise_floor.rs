@@ -61,7 +61,8 @@ pub(crate) fn floor(
             return own;
         };
         for (sum, output) in squares.iter_mut().zip(&run.outputs) {
-            let kept = &output[SETTLING..];
+            // A model without inputs has no simulated samples.
+            let Some(kept) = output.get(SETTLING..) else { return own };
             *sum += kept.iter().map(|value| value * value).sum::<f64>() / (kept.len() * DRAWS) as f64;
         }
     }

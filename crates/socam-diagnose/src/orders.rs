@@ -11,7 +11,8 @@ const STANDS_OUT: f64 = 6.0;
 /// Largest number of samples of one series that are used.
 const SAMPLES: usize = 20_000;
 
-/// Orders that stand out in all series together, the strongest first. A series is an angle, rad, and an output's residual at the same samples.
+/// Orders that stand out in all series together, the strongest first. A series is an angle, rad, and an output's residual at the same
+/// samples.
 pub(crate) fn standing_out<'s>(series: impl Iterator<Item = (&'s [f64], &'s [f64])>) -> Vec<f64> {
     let mut sums = [0.0; HIGHEST + 1];
     for (angle, residual) in series {
@@ -45,11 +46,11 @@ fn powers(angle: &[f64], residual: &[f64]) -> [f64; HIGHEST + 1] {
     let mut sums = [[0.0; 2]; HIGHEST + 1];
     for (angle, value) in pairs() {
         let (sin, cos) = angle.sin_cos();
-        let mut turned = [value - mean, 0.0];
+        let mut rotated = [value - mean, 0.0];
         for sum in &mut sums[1..] {
-            turned = [turned[0] * cos - turned[1] * sin, turned[0] * sin + turned[1] * cos];
-            sum[0] += turned[0];
-            sum[1] += turned[1];
+            rotated = [rotated[0] * cos - rotated[1] * sin, rotated[0] * sin + rotated[1] * cos];
+            sum[0] += rotated[0];
+            sum[1] += rotated[1];
         }
     }
     powers.iter_mut().zip(sums).for_each(|(own, [re, im])| *own = (re * re + im * im) / power);

@@ -179,6 +179,7 @@ fn lines(pairs: &[Pair], output: usize, floor: f64) -> Option<Spectrum> {
     let step_s = step_s(&longest.before);
     let (frequency_hz, before) = spectrum::power(&residual(&longest.before, output), step_s);
     let after = longest.after.as_ref().map(|after| spectrum::power(&residual(after, output), step_s).1);
+    let after = after.filter(|after| after.len() == before.len());
     if frequency_hz.len() < 8 {
         return None;
     }

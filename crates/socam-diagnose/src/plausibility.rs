@@ -51,8 +51,8 @@ impl PriorKnowledge {
         each.sum()
     }
 
-    /// Number of frequencies that the recordings resolve within a prior's support. The log prior of a frequency is lowered by the logarithm of
-    /// that number, because the best of so many was chosen.
+    /// Number of frequencies that the recordings resolve within a prior's support. The log prior of a frequency is lowered by the logarithm
+    /// of that number, because the best of so many was chosen.
     fn lines(&self, prior: &Prior) -> f64 {
         let (least, most) = prior.support;
         let most = most.min(0.5 / self.rig.sample_time_s);

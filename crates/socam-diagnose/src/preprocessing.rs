@@ -7,8 +7,8 @@ use socam_recording::{
     check::{Held, HeldAt, held},
 };
 
-/// The recordings with outliers masked, and a list of these. Outliers are found beside the prediction of `model` at `values` (SI). A recording
-/// without outliers is unchanged.
+/// The recordings with outliers masked, and a list of these. Outliers are found beside the prediction of `model` at `values` (SI). A
+/// recording without outliers is unchanged.
 pub(crate) fn preprocessed(
     model: &Model,
     datasets: &[Dataset],
@@ -36,23 +36,23 @@ pub(crate) fn connected(
 ) -> Result<(Vec<Dataset>, Vec<String>), RecordingError> {
     let mut notes = Vec::new();
     let each = datasets.iter().map(|dataset| {
-        let stuck = constant_channels(dataset, model.outputs())?;
-        let still: Vec<&str> = constant_channels(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
+        let constant_outputs = constant_channels(dataset, model.outputs())?;
+        let constant_inputs: Vec<&str> = constant_channels(dataset, model.inputs())?.iter().map(|c| c.name.as_str()).collect();
         let name = dataset.name();
-        if still.len() == model.inputs().count() {
-            if stuck.len() < model.outputs().count() {
-                let inputs = still.join(", ");
+        if constant_inputs.len() == model.inputs().count() {
+            if constant_outputs.len() < model.outputs().count() {
+                let inputs = constant_inputs.join(", ");
                 notes.push(format!(
                     "{name}: {inputs} never changes although outputs do: is its sensor connected? Without it they cannot be explained"
                 ));
             }
             return Ok(dataset.clone());
         }
-        if stuck.is_empty() || stuck.len() == model.outputs().count() {
+        if constant_outputs.is_empty() || constant_outputs.len() == model.outputs().count() {
             return Ok(dataset.clone());
         }
-        let columns: Vec<&str> = stuck.iter().map(|channel| channel.column.as_str()).collect();
-        for channel in &stuck {
+        let columns: Vec<&str> = constant_outputs.iter().map(|channel| channel.column.as_str()).collect();
+        for channel in &constant_outputs {
             notes.push(format!("{name}: {} never changes and was left out: is its sensor connected?", channel.name));
         }
         let all = 0..dataset.rows();
@@ -96,8 +96,8 @@ fn constant_channels<'m>(
 ) -> Result<Vec<&'m model::Channel>, RecordingError> {
     let mut found = Vec::new();
     for channel in channels {
-        let seen = &dataset.statistics()[dataset.channel_index(&channel.column)?];
-        if seen.count > 1 && seen.min == seen.max {
+        let statistics = &dataset.statistics()[dataset.channel_index(&channel.column)?];
+        if statistics.count > 1 && statistics.min == statistics.max {
             found.push(channel);
         }
     }
@@ -107,18 +107,19 @@ fn constant_channels<'m>(
 /// Name of a channel that is constant in all recordings while others change: an output, or an input with a value other than zero. (An input
 /// that is zero throughout is a bench that runs freely.)
 pub(crate) fn disconnected(model: &Model, datasets: &[Dataset]) -> Result<Option<String>, RecordingError> {
-    let (mut dead, mut alive): (Vec<&model::Channel>, bool) = (model.channels.iter().collect(), false);
+    let (mut constant, mut any_changes): (Vec<&model::Channel>, bool) =
+        (model.channels.iter().collect(), false);
     for dataset in datasets {
         let all = model.channels.iter().filter(|channel| !channel.quantity.is_clock());
-        let stuck = constant_channels(dataset, all)?;
-        alive |= stuck.len() < model.channels.len();
-        dead.retain(|channel| stuck.contains(channel));
+        let own = constant_channels(dataset, all)?;
+        any_changes |= own.len() < model.channels.len();
+        constant.retain(|channel| own.contains(channel));
         for channel in model.inputs() {
-            let seen = &dataset.statistics()[dataset.channel_index(&channel.column)?];
-            dead.retain(|own| *own != channel || seen.max.is_some_and(|value| value != 0.0));
+            let statistics = &dataset.statistics()[dataset.channel_index(&channel.column)?];
+            constant.retain(|own| *own != channel || statistics.max.is_some_and(|value| value != 0.0));
         }
     }
-    Ok(dead.first().filter(|_| alive && !datasets.is_empty()).map(|channel| channel.name.clone()))
+    Ok(constant.first().filter(|_| any_changes && !datasets.is_empty()).map(|channel| channel.name.clone()))
 }
 
 /// A recording with these outliers masked.

@@ -47,8 +47,8 @@ struct Gains {
     spectrum: Vec<(f64, f64)>,
 }
 
-/// The region in which `after` explains the residuals of `before`, at the place of the added effect. Without `after`, the region in which the
-/// residuals of `before` are largest. `levels` are the outputs' noise floors, SI.
+/// The region in which `after` explains the residuals of `before`, at the place of the added effect. Without `after`, the region in which
+/// the residuals of `before` are largest. `levels` are the outputs' noise floors, SI.
 pub(crate) fn region(
     context: &Context<'_>,
     before: &FittedModel,
@@ -109,16 +109,18 @@ fn gains(
     let highest_hz = old.iter().map(|trace| 0.5 / spectrum::step_s(trace)).fold(0.0, f64::max);
     for (index, old) in old.iter().enumerate() {
         let new = new.as_ref().and_then(|new| new.get(index));
-        let seen =
-            |output: Option<usize>, row: usize| output.map_or(f64::NAN, |k| motion[index].predicted[k][row]);
+        let signal = |output: Option<usize>, row: usize| {
+            let predicted = output.and_then(|output| motion.get(index)?.predicted.get(output)?.get(row));
+            predicted.copied().unwrap_or(f64::NAN)
+        };
         let mut angle = 0.0;
         for row in 0..old.time_s.len() {
-            let speed = seen(probe.speed, row);
+            let speed = signal(probe.speed, row);
             let step_s = if row > 0 { old.time_s[row] - old.time_s[row - 1] } else { 0.0 };
             angle += speed * step_s;
             samples.push(Sample {
                 speed,
-                torque: seen(probe.torque, row),
+                torque: signal(probe.torque, row),
                 angle: angle.rem_euclid(std::f64::consts::TAU),
                 time_s: old.time_s[row],
                 gain: gain(old, new, row, levels),
@@ -181,7 +183,7 @@ fn probe(model: &Model, values: &[f64], place: &str) -> Probe {
 /// Fall of the squared residuals at one sample in units of the noise floors, or their excess over the noise without a correction.
 fn gain(old: &Traces, new: Option<&Traces>, row: usize, levels: &[f64]) -> f64 {
     let square = |traces: &Traces, output: usize| {
-        let residual = traces.measured[output][row] - traces.predicted[output][row];
+        let residual = traces.measured[output].get(row)? - traces.predicted[output].get(row)?;
         if residual.is_nan() { None } else { Some((residual / levels[output]).powi(2)) }
     };
     let each = (0..levels.len()).filter_map(|output| {

@@ -109,8 +109,8 @@ fn longest_s(read: &[Traces]) -> f64 {
     read.iter().map(|trace| length(trace.recording)).fold(0.0, f64::max)
 }
 
-/// Sets the predicted speeds and angle ranges of nodes and torques of springs. Returns for each spring the index of the recording in which its
-/// torque is largest.
+/// Sets the predicted speeds and angle ranges of nodes and torques of springs. Returns for each spring the index of the recording in which
+/// its torque is largest.
 fn add_motion(
     rig: &mut Rig,
     read: &[Traces],
@@ -118,15 +118,15 @@ fn add_motion(
 ) -> Result<Vec<usize>, IdentifyError> {
     // Additional sensors, because effects may act on the model's own.
     let mut probe = model.clone();
-    let mut seen = Vec::new();
+    let mut sensors = Vec::new();
     let nodes = model.nodes.iter().map(|node| (&node.name, Quantity::Speed));
     for (name, quantity) in nodes.chain(model.springs.iter().map(|s| (&s.name, Quantity::Torque))) {
         let grown = with_sensor(&probe, &at.values, name, quantity);
-        seen.push(grown.is_some().then(|| probe.outputs().count()));
+        sensors.push(grown.is_some().then(|| probe.outputs().count()));
         probe = grown.unwrap_or(probe);
     }
     let traces = comparison::traces(problem, at, Some(&probe))?;
-    let (of_nodes, of_springs) = seen.split_at(model.nodes.len());
+    let (of_nodes, of_springs) = sensors.split_at(model.nodes.len());
     let waves = effects::screened().filter(|effect| effect.acts_at == ActsAt::Node && effect.is_by_turn());
     let waves = waves.filter(|effect| effect.given().any(|own| own.name == "order"));
     let by_turn: Vec<String> = waves.flat_map(|effect| effect.places_in(model)).collect();

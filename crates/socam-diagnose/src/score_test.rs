@@ -1,12 +1,12 @@
 //! The score (Lagrange multiplier) test: whether any candidate is missing from the model, and how much each would gain, without a fit.
 //!
 //! One evaluation with sensitivities gives each candidate's efficient scores by block. A candidate's statistic is the quadratic form of the
-//! sum of its scores in the inverse of their own scatter, so that it is valid for residuals of any size, spectrum and local variance. A wild
-//! bootstrap gives its family-wise p-value: signs of whole blocks are drawn at random, for all candidates together, and the p-value is the
-//! share of draws whose largest statistic exceeds the candidate's (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013;
-//! P. Westfall and S. Young, Resampling-Based Multiple Testing, 1993). Unknown orders, frequencies and time constants are candidates on a
-//! grid, so the p-value holds for these too. A candidate that acts in only a few blocks cannot be significant in this test. For it there is a second test
-//! by the noise model's own scale: its gain must exceed [`INFLATION`] times what that noise would make.
+//! sum of its scores in the inverse of their own scatter, so that it is valid for residuals of any size, spectrum and local variance. A
+//! wild bootstrap gives its family-wise p-value: signs of whole blocks are drawn at random, for all candidates together, and the p-value is
+//! the share of draws whose largest statistic exceeds the candidate's (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013; P.
+//! Westfall and S. Young, Resampling-Based Multiple Testing, 1993). Unknown orders, frequencies and time constants are candidates on a
+//! grid, so the p-value holds for these too. A candidate that acts in only a few blocks cannot be significant in this test. For it there is
+//! a second test by the noise model's own scale: its gain must exceed [`INFLATION`] times what that noise would make.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -28,8 +28,8 @@ use crate::{
 };
 
 /// Number of candidates that share one evaluation: each adds to the cost of a step, and one that acts on a sensor's reading adds less.
-const TOGETHER: usize = 10;
-const TOGETHER_ON_SENSORS: usize = 18;
+const BATCH: usize = 10;
+const SENSOR_BATCH: usize = 18;
 /// Draws of the bootstrap. Its smallest p-value is one over this number plus one.
 const DRAWS: usize = 1999;
 /// Largest ratio of the noise power in the direction in which a candidate acts to that of the noise model, 1.
@@ -68,8 +68,8 @@ pub(crate) fn run(
         laws.into_iter().partition(|candidate| candidate.effect.has_memory());
     let is_on_a_sensor = |one: &&Candidate| model.outputs().any(|output| output.name == one.place);
     let (on_sensors, laws): (Vec<&Candidate>, Vec<&Candidate>) = laws.into_iter().partition(is_on_a_sensor);
-    let mut batches: Vec<Vec<&Candidate>> = laws.chunks(TOGETHER).map(<[_]>::to_vec).collect();
-    batches.extend(on_sensors.chunks(TOGETHER_ON_SENSORS).map(<[_]>::to_vec));
+    let mut batches: Vec<Vec<&Candidate>> = laws.chunks(BATCH).map(<[_]>::to_vec).collect();
+    batches.extend(on_sensors.chunks(SENSOR_BATCH).map(<[_]>::to_vec));
     batches.extend(nonnull.into_iter().chain(with_memory).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
     let whole = Problem::new(model, datasets, options.clone())?;
@@ -182,7 +182,7 @@ fn by_kind(all: Vec<&Candidate>) -> Vec<Vec<&Candidate>> {
                 known.place != candidate.place
                     || (candidate.effect.acts_at == socam_model::effects::ActsAt::Gear)
             });
-            same_kind && other_place && batch.len() < TOGETHER
+            same_kind && other_place && batch.len() < BATCH
         };
         match batches.iter_mut().find(fits) {
             Some(batch) => batch.push(candidate),

@@ -31,8 +31,8 @@ const ITERATIONS: usize = 20;
 /// Largest number of faults of one sensor that are fitted, besides delay and lag.
 const TRIED: usize = 3;
 /// Range of the grid of delays and lags, s. Sensitivities at no delay cannot predict a delay as long as the signal's fastest changes.
-const LATE_S: (f64, f64) = (1e-3, 5e-2);
-const LATE_POINTS: i32 = 24;
+const DELAYS_S: (f64, f64) = (1e-3, 5e-2);
+const DELAY_POINTS: i32 = 24;
 
 impl Path {
     /// Fits of each sensor's faults, from the fit to all other sensors. Empty where `left` is below [`GROSS`]: the least mean square of the
@@ -68,24 +68,25 @@ impl Path {
         let begun = FittedModel { at, ..self.last.clone() };
         let mut all = candidates::all(model, scales);
         all.retain(|candidate| candidate.place == sensor.name);
-        let seen =
+        let ranked =
             score_test::run(model, context.training, &context.fit, &self.noise, &begun.at, (scales, &all))?;
         let mut tried: Vec<(Candidate, f64)> = Vec::new();
-        for one in seen.iter().filter(|one| one.possible && one.p_value < context.options.false_alarm_rate) {
+        for one in ranked.iter().filter(|one| one.possible && one.p_value < context.options.false_alarm_rate)
+        {
             let is_new = tried.iter().all(|(known, _)| !known.is_same(&one.start));
             if is_new && tried.len() < TRIED {
                 tried.push((one.start.clone(), one.p_value));
             }
         }
         let traces = comparison::traces(&problem, &begun.at, None)?;
-        tried.extend(seen.iter().filter_map(|own| {
+        tried.extend(ranked.iter().filter_map(|own| {
             let response: SensorResponse = match own.start.effect.form {
                 Form::Delay => delayed,
                 Form::Lag => lagged,
                 _ => return None,
             };
-            let late_s = nearest(&traces, output, response);
-            Some((own.start.with(own.start.amplitudes[0], late_s), own.p_value))
+            let delay_s = nearest(&traces, output, response);
+            Some((own.start.with(own.start.amplitudes[0], delay_s), own.p_value))
         }));
         let starts: Vec<Candidate> = tried.iter().map(|(candidate, _)| candidate.clone()).collect();
         let fits = halving::run(context, &begun, &starts, &self.noise)?;
@@ -116,20 +117,20 @@ type SensorResponse = fn(&[f64], f64) -> Vec<f64>;
 
 /// Delay or lag of the grid at which the response to the predicted output is nearest to the measured one, s.
 fn nearest(traces: &[Traces], output: usize, response: SensorResponse) -> f64 {
-    let points = (0..LATE_POINTS).map(|k| {
-        let share = f64::from(k) / f64::from(LATE_POINTS - 1);
-        LATE_S.0 * (LATE_S.1 / LATE_S.0).powf(share)
+    let points = (0..DELAY_POINTS).map(|k| {
+        let share = f64::from(k) / f64::from(DELAY_POINTS - 1);
+        DELAYS_S.0 * (DELAYS_S.1 / DELAYS_S.0).powf(share)
     });
-    let missed = |late_s: f64| -> f64 {
+    let missed = |delay_s: f64| -> f64 {
         let each = traces.iter().map(|trace| {
-            let would = response(&trace.predicted[output], late_s / spectrum::step_s(trace));
+            let would = response(&trace.predicted[output], delay_s / spectrum::step_s(trace));
             let squares = trace.measured[output].iter().zip(would).map(|(y, would)| (y - would).powi(2));
             squares.filter(|square| !square.is_nan()).sum::<f64>()
         });
         each.sum()
     };
-    let all = points.map(|late_s| (missed(late_s), late_s));
-    all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(LATE_S.0, |(_, late_s)| late_s)
+    let all = points.map(|delay_s| (missed(delay_s), delay_s));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(DELAYS_S.0, |(_, delay_s)| delay_s)
 }
 
 /// The signal delayed by this many samples, rounded.

@@ -36,8 +36,8 @@ impl Path {
         begun.chain(self.large_starts(false_alarm_rate)).collect()
     }
 
-    /// Starts at usual amplitudes of the candidates with the largest gains, significant or not. Far from the data a small amplitude leads nowhere
-    /// and scores say little. Empty where the model is near the data.
+    /// Starts at usual amplitudes of the candidates with the largest gains, significant or not. Far from the data a small amplitude leads
+    /// nowhere and scores say little. Empty where the model is near the data.
     pub(crate) fn far_starts(&self) -> Vec<(Candidate, f64)> {
         // Added effects have brought the base parameters nearer to the truth.
         let displaced = if self.terms.is_empty() { DISPLACED } else { FAR_BEYOND_NOISE };
@@ -72,8 +72,8 @@ impl Path {
         starts.map(|start| (start, p_value)).collect()
     }
 
-    /// Candidates at the place of a nonparametric term that were not tried yet: their score at the null amplitude may say little about a large
-    /// amplitude.
+    /// Candidates at the place of a nonparametric term that were not tried yet: their score at the null amplitude may say little about a
+    /// large amplitude.
     pub(crate) fn overlooked(
         &self,
         curve: &Unexplained,

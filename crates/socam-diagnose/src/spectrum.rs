@@ -91,8 +91,8 @@ impl Lines {
     }
 }
 
-/// Frequencies at which series have lines above the noise near them, the strongest first, Hz. Series of one frequency grid are summed, so that
-/// a line that is weak in each can be significant in their sum.
+/// Frequencies at which series have lines above the noise near them, the strongest first, Hz. Series of one frequency grid are summed, so
+/// that a line that is weak in each can be significant in their sum.
 pub(crate) fn peaks<'s>(series: impl Iterator<Item = &'s Lines>, most: usize) -> Vec<f64> {
     let mut groups: Vec<Vec<&Lines>> = Vec::new();
     for lines in series {

@@ -12,8 +12,8 @@ const LEAST_WEIGHT: f64 = 1e-2;
 /// Least weight of a competing model for which another experiment is suggested.
 const OPEN: f64 = 0.05;
 
-/// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that are
-/// terms of the path are no competitors.
+/// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that
+/// are terms of the path are no competitors.
 pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
     let is_equivalent = |rival: &Candidate| equivalent.iter().any(|other| other.is_same(rival));
     let others: Vec<&(Candidate, f64)> =
@@ -38,7 +38,7 @@ pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<
 pub(super) fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let is_open = |finding: &&Finding| finding.rivals.first().is_some_and(|rival| rival.weight > OPEN);
     match findings.iter().find(is_open) {
-        Some(rivals) => Some(experiment::suggestion(rivals)),
+        Some(open) => experiment::suggestion(open),
         None => findings.iter().find_map(experiment::shape),
     }
 }

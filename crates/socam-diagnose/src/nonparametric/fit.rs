@@ -88,8 +88,8 @@ pub(super) fn fitted(
 }
 
 impl Unexplained {
-    /// Whether the term predicts better than the chosen effect, by more than a standard error and by more than a law's discrepancy can make.
-    /// Both are compared under the noise model of the one with the smaller excess.
+    /// Whether the term predicts better than the chosen effect, by more than a standard error and by more than a law's discrepancy can
+    /// make. Both are compared under the noise model of the one with the smaller excess.
     pub(crate) fn beats(
         &self,
         context: &Context<'_>,

@@ -1,8 +1,9 @@
-//! The nonparametric (basis-expansion) term: misfit that no effect of the catalogue explains, as a curve at the place that explains it best.
+//! The nonparametric (basis-expansion) term: misfit that no effect of the catalogue explains, as a curve at the place that explains it
+//! best.
 //!
-//! At every place one unknown torque is tried as a smooth function of one quantity: the place's speed, its angle within a turn, a coupling's
-//! twist, or time. A friction torque may depend on time or angle, a coupling's stiffness on time, a sensor's error on its reading or time.
-//! One evaluation with sensitivities gives the score of each; the best one is fitted.
+//! At every place one unknown torque is tried as a smooth function of one quantity: the place's speed, its angle within a turn, a
+//! coupling's twist, or time. A friction torque may depend on time or angle, a coupling's stiffness on time, a sensor's error on its
+//! reading or time. One evaluation with sensitivities gives the score of each; the best one is fitted.
 
 mod basis;
 mod fit;
@@ -30,26 +31,26 @@ use basis::{
 use term::{NonparametricTerm, ScoredTerm, Unexplained};
 
 /// Number of terms that share one evaluation: the basis functions of each add to the cost of a step.
-const TOGETHER: usize = 3;
+const BATCH: usize = 3;
 /// Largest ratio of a fitted term's gain to the gain that its score predicts, 1: a term is linear in its heights.
 const BEYOND_SCORE: f64 = 1.5;
 
-/// The nonparametric term that predicts better than the chosen effect `named`, if there is one. Terms are tried where `named` leaves more than
-/// sensor noise, or where no effect was chosen although a candidate is significant (`is_suspicious`).
+/// The nonparametric term that predicts better than the chosen effect `named`, if there is one. Terms are tried where `named` leaves more
+/// than sensor noise, or where no effect was chosen although a candidate is significant (`is_any_significant`).
 pub(crate) fn competing(
     context: &Context<'_>,
     path: &Path,
     scales: &Scales,
     named: Option<&Choice>,
-    is_suspicious: bool,
+    is_any_significant: bool,
 ) -> Result<Option<Unexplained>, IdentifyError> {
     let excess = named.map_or(path.noise.excess(), |named| named.noise.excess());
-    let is_calm = excess < EXCESS;
-    if is_calm && named.is_some() {
+    let is_explained = excess < EXCESS;
+    if is_explained && named.is_some() {
         return Ok(None);
     }
     let mut terms = all_terms(context, &path.last.model, scales);
-    terms.retain(|term| !is_calm || is_suspicious || term.is_outside_catalogue());
+    terms.retain(|term| !is_explained || is_any_significant || term.is_outside_catalogue());
     let scored = ranked(context, path, &terms)?;
     let Some(first) = scored.first().filter(|first| first.p_value < context.options.false_alarm_rate) else {
         return Ok(None);
@@ -61,25 +62,27 @@ pub(crate) fn competing(
             && first.term.is_by_turn()
             && *place == first.term.place
     });
-    if is_one_of_its_orders || named.is_some_and(|named| BEYOND_SCORE * first.score.gain < named.fall) {
+    if is_one_of_its_orders
+        || named.is_some_and(|named| BEYOND_SCORE * first.score.gain < named.deviance_reduction)
+    {
         return Ok(None);
     }
-    let curve =
-        fit::fitted(context, path, first)?.filter(|curve| is_possible(&curve.curve, most(path, &first.term)));
+    let curve = fit::fitted(context, path, first)?
+        .filter(|curve| is_possible(&curve.curve, largest_height(path, &first.term)));
     let Some(curve) = curve else { return Ok(None) };
     if curve.gain.log_score <= curve.gain.std {
         return Ok(None);
     }
     match named {
         // The curve has more parameters than the effect: unless it fits better, it cannot predict better.
-        Some(named) if path.last.deviance() - curve.fitted.deviance() < named.fall => Ok(None),
+        Some(named) if path.last.deviance() - curve.fitted.deviance() < named.deviance_reduction => Ok(None),
         Some(named) if !curve.beats(context, path, named)? => Ok(None),
         _ => Ok(Some(curve)),
     }
 }
 
 /// Largest height that a curve may have: the largest torque at its place, or the largest reading of its channel, SI.
-fn most(path: &Path, term: &NonparametricTerm) -> f64 {
+fn largest_height(path: &Path, term: &NonparametricTerm) -> f64 {
     let rig = &path.priors.rig;
     match term.effect.acts_at {
         ActsAt::Bearing => rig.bearing(&term.place).1.torque,
@@ -88,10 +91,11 @@ fn most(path: &Path, term: &NonparametricTerm) -> f64 {
     }
 }
 
-/// Whether no point of a curve exceeds `most` by more than two standard errors. Where `most` is not known, every curve is possible.
-fn is_possible(curve: &Curve, most: f64) -> bool {
+/// Whether no point of a curve exceeds `largest` by more than two standard errors. Where `largest` is not known (0), every curve is
+/// possible.
+fn is_possible(curve: &Curve, largest: f64) -> bool {
     let known = curve.torque.iter().zip(&curve.torque_std).filter_map(|(height, std)| height.zip(*std));
-    most <= 0.0 || known.into_iter().all(|(height, std)| height.abs() - 2.0 * std <= most)
+    largest <= 0.0 || known.into_iter().all(|(height, std)| height.abs() - 2.0 * std <= largest)
 }
 
 /// The terms with their scores and p-values, the largest gain first.
@@ -103,7 +107,7 @@ fn ranked(
     // An angle may be measured, and gaps in its readings then become gaps of all terms in the same evaluation.
     let (by_turn, others): (Vec<NonparametricTerm>, Vec<NonparametricTerm>) =
         terms.iter().cloned().partition(NonparametricTerm::is_by_turn);
-    let chunks: Vec<&[NonparametricTerm]> = by_turn.chunks(TOGETHER).chain(others.chunks(TOGETHER)).collect();
+    let chunks: Vec<&[NonparametricTerm]> = by_turn.chunks(BATCH).chain(others.chunks(BATCH)).collect();
     let each = chunks.into_par_iter().map(|terms| fit::scored_batch(context, path, terms));
     let found: Result<Vec<Vec<(NonparametricTerm, CandidateScore)>>, IdentifyError> = each.collect();
     let found: Vec<(NonparametricTerm, CandidateScore)> = found?.into_iter().flatten().collect();
@@ -149,15 +153,15 @@ fn all_terms(context: &Context<'_>, model: &Model, scales: &Scales) -> Vec<Nonpa
         add(&SPRING_STIFFNESS, &spring.name, Over::Time, "s", time_s, 1.0, twist);
     }
     for (output, channel) in model.outputs().enumerate() {
-        let most = scales.reading(output);
+        let reading = scales.reading(output);
         let over = match channel.quantity {
             socam_model::Quantity::Torque => Over::Torque,
             socam_model::Quantity::Speed => Over::Speed,
             _ => Over::Angle,
         };
-        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-most, most), 1.0, 1.0);
+        add(&CHANNEL_READING, &channel.name, over, channel.unit, (-reading, reading), 1.0, 1.0);
         add(&CHANNEL_TIME, &channel.name, Over::Time, "s", time_s, 1.0, 1.0);
-        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", time_s, 1.0, most);
+        add(&CHANNEL_GAIN, &channel.name, Over::Time, "s", time_s, 1.0, reading);
     }
     all
 }

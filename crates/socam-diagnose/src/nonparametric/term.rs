@@ -32,8 +32,8 @@ pub(crate) struct NonparametricTerm {
     pub(super) range: (f64, f64),
     /// Units of the curve's abscissa per unit of the range: a twist is drawn as the torque that belongs to it.
     pub(super) scale: f64,
-    /// Units of the curve's ordinate per unit of a basis function's height: a gain is drawn as the error of the largest reading, a stiffness
-    /// as the torque of the largest twist.
+    /// Units of the curve's ordinate per unit of a basis function's height: a gain is drawn as the error of the largest reading, a
+    /// stiffness as the torque of the largest twist.
     pub(super) height: f64,
 }
 

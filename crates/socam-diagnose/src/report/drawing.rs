@@ -11,14 +11,14 @@ use socam_model::{
     layout::{Element, ElementKind, Joint, Layout},
 };
 
-use grid::{BADGE, CELL, GROUNDED, LINE_HEIGHT, MARGIN, Place, Rows, lines, middle, place};
+use grid::{BADGE, CELL, GROUNDED, LINE_HEIGHT, MARGIN, RowPosition, Rows, lines, middle, row_position};
 
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
 
 /// A mark at an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mark {
+pub(super) enum PlaceMark {
     /// The finding of this number, from 1.
     Finding(usize),
     /// A place where a competing model of a finding acts.
@@ -26,21 +26,24 @@ pub(super) enum Mark {
 }
 
 /// Whether a competing model's mark is visible: its place is in the drawing and has no finding.
-pub(super) fn shows_rivals(model: &Model, marks: &[(&str, Mark)]) -> bool {
+pub(super) fn shows_rivals(model: &Model, marks: &[(&str, PlaceMark)]) -> bool {
     let layout = Layout::of(model);
-    let has_finding = |name: &str| marks.iter().any(|(other, mark)| *other == name && *mark != Mark::Rival);
-    marks.iter().any(|(name, mark)| *mark == Mark::Rival && layout.find(name).is_some() && !has_finding(name))
+    let has_finding =
+        |name: &str| marks.iter().any(|(other, mark)| *other == name && *mark != PlaceMark::Rival);
+    marks
+        .iter()
+        .any(|(name, mark)| *mark == PlaceMark::Rival && layout.find(name).is_some() && !has_finding(name))
 }
 
 /// The bench with marks at places or channels by name. A name that the model does not have is left out.
-pub(super) fn bench(model: &Model, marks: &[(&str, Mark)]) -> Markup {
+pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
     let layout = Layout::wrapped(model, COLUMNS);
     let rows = Rows::new(&layout);
     let width = CELL * layout.columns as f64 + 2.0 * MARGIN;
     let height = rows.bottom();
     let marked = |element: &Element| {
         let of_it = || marks.iter().filter(|(name, _)| *name == element.name).map(|(_, mark)| *mark);
-        let mut findings: Vec<_> = of_it().filter(|mark| *mark != Mark::Rival).collect();
+        let mut findings: Vec<_> = of_it().filter(|mark| *mark != PlaceMark::Rival).collect();
         findings.dedup();
         let rival = findings.is_empty() && of_it().next().is_some();
         (findings, rival)
@@ -100,7 +103,7 @@ fn draw(element: &Element, rows: &Rows, motion: Motion) -> Markup {
             }
             (label(element, upper + 3.0, if role == Role::Input { "said-inside" } else { "said" }))
         },
-        kind if place(kind) == Place::Grounded => html! {
+        kind if row_position(kind) == RowPosition::Grounded => html! {
             g transform=(format!("translate({x} {upper:.1})")) { (symbols::grounded(kind)) }
             (label(element, upper + GROUNDED, "name"))
         },
@@ -116,7 +119,7 @@ fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
     let (Some(from), Some(to)) = (layout.elements.get(joint.from), layout.elements.get(joint.to)) else {
         return html! {};
     };
-    let vertical = place(to.kind) != Place::Chain || from.column == to.column;
+    let vertical = row_position(to.kind) != RowPosition::Chain || from.column == to.column;
     let d = if vertical {
         let x = middle(from);
         let (upper, lower) = if to.row < from.row { (to, from) } else { (from, to) };
@@ -155,7 +158,7 @@ fn continuation(from: &Element, to: &Element, rows: &Rows) -> Markup {
 }
 
 /// The box around a marked element.
-fn frame(element: &Element, rows: &Rows, findings: &[Mark], rival: bool) -> Markup {
+fn frame(element: &Element, rows: &Rows, findings: &[PlaceMark], rival: bool) -> Markup {
     if findings.is_empty() && !rival {
         return html! {};
     }
@@ -166,17 +169,17 @@ fn frame(element: &Element, rows: &Rows, findings: &[Mark], rival: bool) -> Mark
     }
 }
 
-/// The numbered diamond of a finding, several in a row, on an edge of the frame without a label and away from the diamonds of frames above and
-/// below.
-fn badge(element: &Element, rows: &Rows, place_in_row: usize, mark: Mark) -> Markup {
-    let Mark::Finding(number) = mark else {
+/// The numbered diamond of a finding, several in a row, on an edge of the frame without a label and away from the diamonds of frames above
+/// and below.
+fn badge(element: &Element, rows: &Rows, place_in_row: usize, mark: PlaceMark) -> Markup {
+    let PlaceMark::Finding(number) = mark else {
         return html! {};
     };
     let along = 0.5 * CELL - 4.0 - (2.0 * BADGE + 1.0) * place_in_row as f64;
-    let (x, y) = match place(element.kind) {
-        Place::Sensor => (middle(element) + along, rows.upper(element) - BADGE),
-        Place::Chain => (middle(element) + along, rows.lower(element) + 4.0),
-        Place::Grounded => (middle(element) - along, rows.upper(element)),
+    let (x, y) = match row_position(element.kind) {
+        RowPosition::Sensor => (middle(element) + along, rows.upper(element) - BADGE),
+        RowPosition::Chain => (middle(element) + along, rows.lower(element) + 4.0),
+        RowPosition::Grounded => (middle(element) - along, rows.upper(element)),
     };
     html! {
         g transform=(format!("translate({x:.1} {y:.1})")) { (diamond(number)) }

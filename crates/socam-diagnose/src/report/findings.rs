@@ -98,7 +98,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
 
 /// Test results of a finding.
 fn evidence(finding: &Finding) -> Markup {
-    let proof = &finding.evidence;
+    let evidence = &finding.evidence;
     let percent = |value: Option<f64>| match value.filter(|value| value.is_finite()) {
         Some(value) => format!("{} %", words::rough(value)),
         None => "–".to_owned(),
@@ -107,22 +107,22 @@ fn evidence(finding: &Finding) -> Markup {
         h4 { "Why it is believed" }
         dl {
             dt { "Chance of as much by noise alone, p" }
-            dd { (words::chance(proof.p_value)) }
+            dd { (words::chance(evidence.p_value)) }
             dt { "Gain in whitened chi-square, training" }
-            dd { (words::number(proof.chi2_gain)) }
-            @if let Some([gain, std]) = proof.log_score_gain {
+            dd { (words::number(evidence.chi2_gain)) }
+            @if let Some([gain, std]) = evidence.log_score_gain {
                 dt { "Gain in log score, cross-validated" }
                 dd { (words::rough(gain)) " (standard error " (words::rough(std)) ")" }
             }
             dt { "Misfit removed from held-out recordings" }
-            dd { (percent(proof.holdout_gain_percent)) }
-            @if let (Some(share), Some(channel)) = (proof.moves_percent, &proof.moves_channel) {
+            dd { (percent(evidence.holdout_gain_percent)) }
+            @if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
                 dt { "Moves " (channel) " by" }
-                dd { (words::rough(share)) " % of its standard deviation" @if proof.material == Some(false) { ", less than the tolerance" } }
+                dd { (words::rough(share)) " % of its standard deviation" @if evidence.material == Some(false) { ", less than the tolerance" } }
             }
-            @if proof.misfit_percent.is_some() {
+            @if evidence.misfit_percent.is_some() {
                 dt { "Share of the misfit that it carries" }
-                dd { (percent(proof.misfit_percent)) }
+                dd { (percent(evidence.misfit_percent)) }
             }
         }
     }

@@ -37,9 +37,9 @@ pub enum ReportError {
     File(#[from] RecordingError),
 }
 
-/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment is
-/// suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each file is
-/// written completely or not at all, and the page last.
+/// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment
+/// is suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each
+/// file is written completely or not at all, and the page last.
 ///
 /// # Errors
 /// [`ReportError`] with the path.

@@ -19,14 +19,14 @@ pub(super) fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) ->
         (head(diagnosis, model))
         main {
             (bench(diagnosis, model))
-            (found(diagnosis, model))
-            (proof(diagnosis))
+            (missing(diagnosis, model))
+            (before_and_after(diagnosis))
             section {
                 h2 { "Parameters" @if tables::is_corrected(diagnosis) { " before and after" } }
                 (tables::parameters(diagnosis))
             }
             (next(diagnosis))
-            (unseen(diagnosis))
+            (not_found(diagnosis))
             (pictures(diagnosis, evidence, model))
             (method(diagnosis))
         }
@@ -112,11 +112,11 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
 fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
     let findings = diagnosis.findings.iter().enumerate();
     let found =
-        findings.map(|(index, finding)| (finding.location.as_str(), drawing::Mark::Finding(index + 1)));
+        findings.map(|(index, finding)| (finding.location.as_str(), drawing::PlaceMark::Finding(index + 1)));
     let rivals = diagnosis.findings.iter().flat_map(|finding| &finding.rivals);
     let rivals = rivals
         .filter(|rival| rival.weight >= LEAST_WEIGHT)
-        .map(|rival| (rival.location.as_str(), drawing::Mark::Rival));
+        .map(|rival| (rival.location.as_str(), drawing::PlaceMark::Rival));
     let marks: Vec<_> = found.chain(rivals).collect();
     html! {
         section {
@@ -136,7 +136,8 @@ fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
     }
 }
 
-fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
+/// All findings.
+fn missing(diagnosis: &Diagnosis, model: &Model) -> Markup {
     html! {
         @if !diagnosis.findings.is_empty() {
             section {
@@ -149,7 +150,8 @@ fn found(diagnosis: &Diagnosis, model: &Model) -> Markup {
     }
 }
 
-fn proof(diagnosis: &Diagnosis) -> Markup {
+/// Residuals of each channel before and after the correction.
+fn before_and_after(diagnosis: &Diagnosis) -> Markup {
     html! {
         section {
             h2 { @if tables::has_after(diagnosis) { "Before and after" } @else { "How well the model fits" } }
@@ -181,7 +183,7 @@ fn next(diagnosis: &Diagnosis) -> Markup {
 }
 
 /// Effects that were not found, with their smallest detectable sizes.
-fn unseen(diagnosis: &Diagnosis) -> Markup {
+fn not_found(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.not_found.is_empty() {
             section {

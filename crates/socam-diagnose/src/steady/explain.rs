@@ -7,7 +7,7 @@ use socam_model::{
 
 use super::{
     least_squares::ResidualFit,
-    parity::{Kind, ParityRelation},
+    parity::{ParityRelation, RelationKind},
     readings::Readings,
 };
 
@@ -100,17 +100,17 @@ impl Regression<'_> {
         let Self { relation, readings } = self;
         let channels = [relation.second, relation.first].map(|channel| model.channels[channel].name.clone());
         match (effect.form, relation.kind) {
-            (Form::Gain, Kind::Load) => Vec::new(),
+            (Form::Gain, RelationKind::Load) => Vec::new(),
             (Form::Gain, kind) => channels.into_iter().zip(self.gains(kind)).collect(),
-            (Form::Laws(laws), kind) if laws[0].acts == Acts::Reading => {
+            (Form::Laws([law, ..]), kind) if law.acts == Acts::Reading => {
                 // A torque against drag alone has one sensor.
                 let [second, first] = self.offsets(kind, effect);
                 let sensors = channels.into_iter().zip([second, first]);
-                sensors.skip(usize::from(kind == Kind::Load)).collect()
+                sensors.skip(usize::from(kind == RelationKind::Load)).collect()
             }
-            (_, Kind::Speeds) => Vec::new(),
-            (Form::Laws(laws), _) => {
-                let on = if laws[0].law_inputs.contains(&LawInput::Torque) {
+            (_, RelationKind::Speeds) => Vec::new(),
+            (Form::Laws([law, ..]), _) => {
+                let on = if law.law_inputs.contains(&LawInput::Torque) {
                     ScaledReading::First
                 } else {
                     ScaledReading::Neither
@@ -142,7 +142,7 @@ impl Regression<'_> {
                 relation.gears.iter().map(|gear| (model.gears[*gear].name.clone(), 1.0)).collect()
             }
             ActsAt::Bearing => bearings.collect(),
-            ActsAt::Node if relation.kind == Kind::Load => {
+            ActsAt::Node if relation.kind == RelationKind::Load => {
                 let massive = relation.nodes.iter().rfind(|(node, _)| model.nodes[*node].inertia.is_some());
                 massive.map(|(node, weight)| (model.nodes[*node].name.clone(), *weight)).into_iter().collect()
             }
@@ -151,10 +151,10 @@ impl Regression<'_> {
     }
 
     /// Columns of the gain of the second sensor and of the first.
-    fn gains(&self, kind: Kind) -> [Column; 2] {
+    fn gains(&self, kind: RelationKind) -> [Column; 2] {
         let Self { relation, readings } = self;
         let constant = |height: f64| vec![height; readings.first.len()];
-        if kind == Kind::Speeds {
+        if kind == RelationKind::Speeds {
             return [-1.0, 1.0].map(|sign| Column {
                 x: constant(sign),
                 on: ScaledReading::Neither,
@@ -173,11 +173,11 @@ impl Regression<'_> {
     }
 
     /// Columns of the offset of the second sensor and of the first.
-    fn offsets(&self, kind: Kind, effect: &Effect) -> [Column; 2] {
+    fn offsets(&self, kind: RelationKind, effect: &Effect) -> [Column; 2] {
         let Self { relation, readings } = self;
         let own = unit_response(effect, 0.0, 0.0);
         let [second, first]: [Vec<f64>; 2] = match kind {
-            Kind::Speeds => [
+            RelationKind::Speeds => [
                 readings.second.iter().map(|value| -own / value).collect(),
                 readings.first.iter().map(|value| own / value).collect(),
             ],
@@ -197,8 +197,8 @@ struct Column {
     value: fn(f64) -> f64,
 }
 
-/// Torque of an effect's law in a steady state, at an amplitude of one. A speed that was not measured is taken as positive if the torque does
-/// not depend on its size; otherwise the torque is NaN.
+/// Torque of an effect's law in a steady state, at an amplitude of one. A speed that was not measured is taken as positive if the torque
+/// does not depend on its size; otherwise the torque is NaN.
 fn unit_response(effect: &Effect, torque: f64, speed: f64) -> f64 {
     let Form::Laws([law, ..]) = effect.form else { return f64::NAN };
     let input = |law_input: &LawInput, speed: f64| match law_input {

@@ -5,7 +5,7 @@ use socam_model::{
     effects::{CATALOGUE, Form, Steady},
 };
 
-use super::{explain::Explanation, least_squares::ResidualFit, outcome::Outcome, parity::Kind};
+use super::{explain::Explanation, least_squares::ResidualFit, outcome::Outcome, parity::RelationKind};
 use crate::{
     document::{
         ChannelFit, Curve, EffectParameter, Finding, FindingEvidence, NotFound, Over, ParameterChange,
@@ -29,16 +29,16 @@ fn range(values: &[f64]) -> Option<[f64; 2]> {
 /// The finding of a violated relation.
 pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Finding {
     let Outcome { relation, readings, base, .. } = outcome;
-    let torque = if relation.kind == Kind::Speeds { None } else { range(&readings.second) };
+    let torque = if relation.kind == RelationKind::Speeds { None } else { range(&readings.second) };
     let region = Region {
         speed_rad_s: range(&readings.speed),
         torque_nm: torque,
         text: "at every steady state of the table; what happens in between is not in it".into(),
         ..Region::default()
     };
-    let seen = observation(model, outcome);
+    let observed = observation(model, outcome);
     let named = outcome.named();
-    let mut proof = FindingEvidence {
+    let mut evidence = FindingEvidence {
         p_value: Some(base.p_value),
         chi2_gain: Some(base.chi2 - named.map_or(0.0, |(_, fitted)| fitted.chi2)),
         holdout_gain_percent: None,
@@ -53,9 +53,9 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
             components: Vec::new(),
             curve: Some(curve(model, outcome)),
             region,
-            evidence: proof,
+            evidence,
             rivals: Vec::new(),
-            sentence: format!("{seen}: {}", without_a_name(model, outcome)),
+            sentence: format!("{observed}: {}", without_a_name(model, outcome)),
             equation: String::new(),
         };
     };
@@ -63,19 +63,19 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
         let (before, after, count) =
             (before.iter().sum::<f64>(), after.iter().sum::<f64>(), before.len() as f64);
         let gain = before - after;
-        proof.holdout_gain_percent = Some(100.0 * gain / (before - count).max(gain).max(1.0));
+        evidence.holdout_gain_percent = Some(100.0 * gain / (before - count).max(gain).max(1.0));
     }
     let parameters = vec![estimate(model, own, fitted)];
     Finding {
         effect: own.effect.id.into(),
         location: own.place.clone(),
-        sentence: format!("{}. {seen}", words::sentence(own.effect, &own.place, &parameters)),
+        sentence: format!("{}. {observed}", words::sentence(own.effect, &own.place, &parameters)),
         equation: own.effect.equation.into(),
         parameters,
         components: Vec::new(),
         curve: None,
         region,
-        evidence: proof,
+        evidence,
         rivals: rivals(model, outcome, points),
     }
 }
@@ -105,12 +105,14 @@ fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
         |values: &[f64]| values.iter().map(|value| words::short(*value)).collect::<Vec<_>>().join(", ");
     let ratio = words::short(relation.ratio);
     match relation.kind {
-        Kind::Speeds => format!(
+        RelationKind::Speeds => format!(
             "`{first}` / `{second}` is {}, where in a steady state gears and couplings allow {ratio} only",
             list(&outcome.shares())
         ),
-        Kind::Torques => format!("`{second}` is {} % of {ratio} times `{first}`", list(&outcome.shares())),
-        Kind::Load => format!(
+        RelationKind::Torques => {
+            format!("`{second}` is {} % of {ratio} times `{first}`", list(&outcome.shares()))
+        }
+        RelationKind::Load => format!(
             "`{first}` is {} {} at {} rad/s",
             list(&outcome.readings.first),
             model.channels[relation.first].unit,
@@ -126,14 +128,16 @@ fn without_a_name(model: &Model, outcome: &Outcome<'_>) -> String {
         own.map(|(_, fitted)| fitted.p_value).fold(0.0, f64::max)
     };
     match outcome.relation.kind {
-        Kind::Speeds => format!(
+        RelationKind::Speeds => format!(
             "they scatter beyond any one gain (chance {:.0e}) and any one offset (chance {:.0e}) of either sensor, so neither corrects \
              them, and whatever is worked out from both is uncertain by as much",
             chance(|form| matches!(form, Form::Gain)),
             chance(|form| !matches!(form, Form::Gain))
         ),
-        Kind::Torques => "no loss, drag, gain or offset of the catalogue takes as much at every point".into(),
-        Kind::Load => {
+        RelationKind::Torques => {
+            "no loss, drag, gain or offset of the catalogue takes as much at every point".into()
+        }
+        RelationKind::Load => {
             let viscous =
                 if outcome.test.base.is_empty() { "nothing in the model" } else { "no viscous drag" };
             let place = unexplained_at(model, outcome);
@@ -148,9 +152,9 @@ fn unexplained_at(model: &Model, outcome: &Outcome<'_>) -> String {
     let bearing = relation.bearings.last().map(|(bearing, _)| model.bearings[*bearing].name.clone());
     let gear = relation.gears.first().map(|gear| model.gears[*gear].name.clone());
     let place = match relation.kind {
-        Kind::Speeds => None,
-        Kind::Torques => gear.or(bearing),
-        Kind::Load => bearing,
+        RelationKind::Speeds => None,
+        RelationKind::Torques => gear.or(bearing),
+        RelationKind::Load => bearing,
     };
     place.unwrap_or_else(|| model.channels[relation.second].name.clone())
 }
@@ -161,7 +165,7 @@ fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
     let second = &model.channels[relation.second];
     let error = |k: usize| match relation.kind {
         // Expressed as an error of the second sensor.
-        Kind::Speeds => readings.second[k] * (1.0 - test.error[k].exp()),
+        RelationKind::Speeds => readings.second[k] * (1.0 - test.error[k].exp()),
         _ => test.error[k],
     };
     let mut all: Vec<(f64, f64)> = (0..test.error.len())
@@ -182,11 +186,11 @@ fn curve(model: &Model, outcome: &Outcome<'_>) -> Curve {
 /// Competing explanations, weighted by their likelihood.
 fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Vec<Rival> {
     let best = outcome.ranked[0].1.chi2;
-    let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.good]
+    let mut all: Vec<(String, String, f64)> = outcome.ranked[..outcome.sufficient]
         .iter()
         .map(|(own, fitted)| (own.effect.id.into(), own.place.clone(), (-0.5 * (fitted.chi2 - best)).exp()))
         .collect();
-    if outcome.relation.kind == Kind::Speeds {
+    if outcome.relation.kind == RelationKind::Speeds {
         all.extend(slip(model, outcome, points));
     }
     let total: f64 = all.iter().map(|(.., weight)| weight).sum();
@@ -197,8 +201,8 @@ fn rivals(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> 
         .collect()
 }
 
-/// A slipping coupling as a competing explanation of two speeds. A coupling that slips transmits the same torque at every speed, so it competes
-/// only where no measured torque changes.
+/// A slipping coupling as a competing explanation of two speeds. A coupling that slips transmits the same torque at every speed, so it
+/// competes only where no measured torque changes.
 fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Option<(String, String, f64)> {
     let spring = outcome.relation.springs.first().map(|spring| model.springs[*spring].name.clone())?;
     let torque = model.channels.iter().position(|channel| channel.quantity == socam_model::Quantity::Torque);
@@ -214,13 +218,15 @@ fn slip(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option<f64>>]) -> Op
 pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) {
     let relation = outcome.relation;
     // The error of speeds is relative.
-    let scale = |k: usize| if relation.kind == Kind::Speeds { outcome.readings.second[k] } else { 1.0 };
+    let scale =
+        |k: usize| if relation.kind == RelationKind::Speeds { outcome.readings.second[k] } else { 1.0 };
     let rms = |values: &[f64]| {
         let sum: f64 = values.iter().enumerate().map(|(k, value)| (value * scale(k)).powi(2)).sum();
         Some((sum / values.len() as f64).sqrt()).filter(|rms| rms.is_finite())
     };
     // The uncertainty of a point is its residual over its residual in units of the uncertainty.
-    let sigma: Vec<f64> = outcome.base.residual.iter().zip(&outcome.base.left).map(|(r, l)| r / l).collect();
+    let sigma: Vec<f64> =
+        outcome.base.residual.iter().zip(&outcome.base.normalised).map(|(r, l)| r / l).collect();
     let held = |explanation: Option<&Explanation>| {
         let left = outcome.left_out(model, explanation)?;
         rms(&left.iter().zip(&sigma).map(|(left, sigma)| left.sqrt() * sigma).collect::<Vec<_>>())
@@ -236,7 +242,7 @@ pub(super) fn fit(model: &Model, outcome: &Outcome<'_>) -> (String, ChannelFit) 
     };
     let name = &model.channels[relation.second].name;
     let of = match relation.kind {
-        Kind::Load => format!("{name} by drag"),
+        RelationKind::Load => format!("{name} by drag"),
         _ => format!("{name} by {}", model.channels[relation.first].name),
     };
     (of, fit)

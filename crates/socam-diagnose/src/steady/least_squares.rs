@@ -19,7 +19,7 @@ pub(super) struct ResidualFit {
     /// Chance of as large a chi-square by the readings' scatter alone.
     pub(super) p_value: f64,
     /// Residual at each point, in units of its uncertainty.
-    pub(super) left: Vec<f64>,
+    pub(super) normalised: Vec<f64>,
     /// Residual at each point, in units of the error.
     pub(super) residual: Vec<f64>,
 }
@@ -34,8 +34,8 @@ impl ResidualFit {
     ) -> Self {
         let model = |row: usize| columns.iter().zip(&coefficients).map(|(x, c)| x[row] * c).sum::<f64>();
         let residual: Vec<f64> = (0..error.len()).map(|row| error[row] - model(row)).collect();
-        let left: Vec<f64> = residual.iter().zip(sigma).map(|(r, s)| r / s).collect();
-        let chi2: f64 = rows.iter().map(|row| left[*row] * left[*row]).sum();
+        let normalised: Vec<f64> = residual.iter().zip(sigma).map(|(r, s)| r / s).collect();
+        let chi2: f64 = rows.iter().map(|row| normalised[*row] * normalised[*row]).sum();
         let degrees = (rows.len() - free) as f64;
         let p_value = ChiSquared::new(degrees).map_or(1.0, |noise| noise.sf(chi2));
         // Where points scatter more than their uncertainty, intervals are widened by the scatter.
@@ -45,12 +45,12 @@ impl ResidualFit {
         } else {
             1.96
         };
-        Self { coefficients, std, quantile, chi2, p_value, left, residual }
+        Self { coefficients, std, quantile, chi2, p_value, normalised, residual }
     }
 }
 
-/// Coefficients of the columns and their standard errors, for `error` at the points `rows` with uncertainties `sigma`. `None` where the points
-/// do not determine the coefficients.
+/// Coefficients of the columns and their standard errors, for `error` at the points `rows` with uncertainties `sigma`. `None` where the
+/// points do not determine the coefficients.
 pub(super) fn weighted(
     columns: &[&[f64]],
     rows: &[usize],

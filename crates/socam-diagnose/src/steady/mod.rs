@@ -1,8 +1,8 @@
 //! Diagnosis of steady states: tables of operating points, one row each, as in X. Song's thesis (McGill 2002), tables 5.1 to 5.3.
 //!
-//! A mean over a steady state has no time series to whiten or to test by blocks. It is tested against parity relations instead, which follow
-//! from the model ([`parity`]): speeds keep the gears' ratios, and torques balance. Where readings violate a relation by more than their
-//! repeatability, each effect that acts in a steady state is fitted on its own ([`explain`]). Effects that fit equally well compete.
+//! A mean over a steady state has no time series to whiten or to test by blocks. It is tested against parity relations instead, which
+//! follow from the model ([`parity`]): speeds keep the gears' ratios, and torques balance. Where readings violate a relation by more than
+//! their repeatability, each effect that acts in a steady state is fitted on its own ([`explain`]). Effects that fit equally well compete.
 
 mod explain;
 mod findings;
@@ -38,7 +38,7 @@ pub enum SteadyError {
     #[error(
         "{model}: nothing to compare in {tables}; steady states need two speeds, two torques, or a torque and a speed of {channels} at one point at least"
     )]
-    NothingTied {
+    NoTestableRelation {
         /// Name of the model.
         model: String,
         /// Names of the tables.
@@ -61,8 +61,8 @@ pub enum SteadyError {
     Model(#[from] ModelError),
 }
 
-/// Tests which parity relations of `model` the points of `tables` violate, and which effects explain the violations. Returns the document and
-/// the text of the corrected model's file.
+/// Tests which parity relations of `model` the points of `tables` violate, and which effects explain the violations. Returns the document
+/// and the text of the corrected model's file.
 ///
 /// # Assumes
 /// Each row is a mean over a steady state, with a relative uncertainty of [`SteadyOptions::repeatability`]. One effect violates a relation:
@@ -91,7 +91,7 @@ pub fn diagnose_steady(
         .filter_map(|(relation, readings)| outcome(model, relation, readings, options, threshold))
         .collect();
     if outcomes.is_empty() {
-        return Err(nothing_tied(model, tables));
+        return Err(no_testable_relation(model, tables));
     }
     let parameters = findings::parameters(model, &outcomes);
     let model_toml = corrected(model, &outcomes)?.text_with(&updates(&parameters))?;
@@ -135,10 +135,10 @@ fn testable_relations(model: &Model, points: &[Vec<Option<f64>>]) -> Vec<(Parity
     each.filter(|(_, readings)| !readings.first.is_empty()).collect()
 }
 
-fn nothing_tied(model: &Model, tables: &[Steady]) -> SteadyError {
+fn no_testable_relation(model: &Model, tables: &[Steady]) -> SteadyError {
     let channels: Vec<&str> = model.channels.iter().map(|channel| channel.column.as_str()).collect();
     let tables: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
-    SteadyError::NothingTied {
+    SteadyError::NoTestableRelation {
         model: model.name.clone(),
         tables: tables.join(", "),
         channels: channels.join(", "),

@@ -10,8 +10,8 @@ pub struct SteadyOptions {
 }
 
 impl Default for SteadyOptions {
-    /// A repeatability of 0.2 %: ratios of speeds and of torques in the thesis' coupling tests, which have no losses, scatter by 0.2 %, and a
-    /// single reading therefore by 0.14 %.
+    /// A repeatability of 0.2 %: ratios of speeds and of torques in the thesis' coupling tests, which have no losses, scatter by 0.2 %, and
+    /// a single reading therefore by 0.14 %.
     fn default() -> Self {
         Self { false_alarm_rate: 0.01, repeatability: 2e-3 }
     }

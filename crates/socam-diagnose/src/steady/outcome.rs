@@ -6,7 +6,7 @@ use super::{
     explain::{Explanation, explanations},
     least_squares::ResidualFit,
     options::SteadyOptions,
-    parity::{Kind, ParityRelation},
+    parity::{ParityRelation, RelationKind},
     readings::Readings,
     residual_test::ResidualTest,
 };
@@ -25,12 +25,12 @@ pub(super) struct Outcome<'a> {
     pub(super) ranked: Vec<(Explanation, ResidualFit)>,
     /// Whether the readings violate the relation.
     pub(super) violated: bool,
-    /// Number of `ranked` that explain the readings.
-    pub(super) good: usize,
+    /// Number of `ranked` that explain the readings within their uncertainty.
+    pub(super) sufficient: usize,
 }
 
-/// The outcome of a relation's residual test; `None` where the points do not suffice. `threshold` is the p-value below which the relation counts
-/// as violated.
+/// The outcome of a relation's residual test; `None` where the points do not suffice. `threshold` is the p-value below which the relation
+/// counts as violated.
 pub(super) fn outcome<'a>(
     model: &Model,
     relation: &'a ParityRelation,
@@ -50,22 +50,22 @@ pub(super) fn outcome<'a>(
     let least = ranked.first().map_or(0.0, |(_, fitted)| fitted.chi2);
     let equal = ranked.iter().filter(|(_, fitted)| fitted.chi2 < least + EQUAL_CHI2).count();
     ranked[..equal].sort_by_key(|(own, _)| own.rank);
-    let good = ranked.iter().filter(|(_, fitted)| fitted.p_value >= options.false_alarm_rate).count();
+    let sufficient = ranked.iter().filter(|(_, fitted)| fitted.p_value >= options.false_alarm_rate).count();
     let violated = base.p_value < threshold;
-    Some(Outcome { relation, test, readings, base, ranked, violated, good })
+    Some(Outcome { relation, test, readings, base, ranked, violated, sufficient })
 }
 
 impl Outcome<'_> {
     /// The explanation that fits best, if the relation is violated and an explanation suffices.
     pub(super) fn named(&self) -> Option<&(Explanation, ResidualFit)> {
-        self.ranked.first().filter(|_| self.violated && self.good > 0)
+        self.ranked.first().filter(|_| self.violated && self.sufficient > 0)
     }
 
     /// Squared residual of each point when it is left out of the fit, in units of its uncertainty.
     pub(super) fn left_out(&self, model: &Model, explanation: Option<&Explanation>) -> Option<Vec<f64>> {
         let each = (0..self.test.error.len()).map(|point| {
             let fitted = self.test.fit(model, explanation, Some(point))?;
-            Some(fitted.left[point].powi(2))
+            Some(fitted.normalised[point].powi(2))
         });
         each.collect()
     }
@@ -74,7 +74,7 @@ impl Outcome<'_> {
     pub(super) fn shares(&self) -> Vec<f64> {
         let both = self.readings.first.iter().zip(&self.readings.second);
         match self.relation.kind {
-            Kind::Speeds => both.map(|(first, second)| first / second).collect(),
+            RelationKind::Speeds => both.map(|(first, second)| first / second).collect(),
             _ => both.map(|(first, second)| 100.0 * second / (self.relation.ratio * first)).collect(),
         }
     }

@@ -7,7 +7,7 @@ use socam_model::{Channel, ChannelTransform, Model, Quantity, Role};
 
 /// Which readings a parity relation compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum RelationKind {
     /// Two speeds, related by the gears between them.
     Speeds,
     /// Two torques, related by drag and losses between them.
@@ -19,7 +19,7 @@ pub(super) enum Kind {
 /// A parity relation: `first = ratio * second` for speeds, `ratio * first = second + drag` for torques.
 #[derive(Debug, Clone)]
 pub(super) struct ParityRelation {
-    pub(super) kind: Kind,
+    pub(super) kind: RelationKind,
     /// Index of the first reading's channel in the model.
     pub(super) first: usize,
     /// Index of the second reading's channel; equal to `first` for one torque against drag.
@@ -105,7 +105,7 @@ pub(super) fn relations(model: &Model, speeds: &[Option<f64>]) -> Vec<ParityRela
             let springs = (0..model.springs.len()).collect();
             let ratio = fast / slow;
             ParityRelation {
-                kind: Kind::Speeds,
+                kind: RelationKind::Speeds,
                 first,
                 second,
                 ratio,
@@ -148,8 +148,8 @@ fn far_side(model: &Model, spring: usize) -> Option<Vec<bool>> {
     (!far[model.springs[spring].from]).then_some(far)
 }
 
-/// The relation of a torque sensor with the next one, or with drag alone where there is no next one. `None` where an input acts in between or a
-/// node in between is connected to the ground by a spring.
+/// The relation of a torque sensor with the next one, or with drag alone where there is no next one. `None` where an input acts in between
+/// or a node in between is connected to the ground by a spring.
 fn torque_relation(
     model: &Model,
     speeds: &[Option<f64>],
@@ -157,8 +157,8 @@ fn torque_relation(
     next: Option<&(usize, usize, Vec<bool>)>,
 ) -> Option<ParityRelation> {
     let (kind, second, end) = match next {
-        Some((second, end, _)) => (Kind::Torques, *second, *end),
-        None => (Kind::Load, first, near),
+        Some((second, end, _)) => (RelationKind::Torques, *second, *end),
+        None => (RelationKind::Load, first, near),
     };
     let between = |node: usize| far[node] && next.is_none_or(|(_, _, beyond)| !beyond[node]);
     let inside = |node: usize| between(node) || node == model.springs[near].from;

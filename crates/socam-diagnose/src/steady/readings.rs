@@ -3,7 +3,7 @@
 use socam_model::Model;
 use socam_recording::Steady;
 
-use super::parity::{Kind, ParityRelation};
+use super::parity::{ParityRelation, RelationKind};
 
 /// Readings of a parity relation at the points that have both.
 #[derive(Debug, Clone, Default)]
@@ -54,7 +54,7 @@ pub(super) fn readings(
             Some((*value)? / speeds[node(&channel.at).filter(|_| is_speed)?]?)
         });
         let opposed = first * relation.ratio * second <= 0.0;
-        if relation.kind == Kind::Speeds && opposed {
+        if relation.kind == RelationKind::Speeds && opposed {
             continue;
         }
         readings.first.push(first);

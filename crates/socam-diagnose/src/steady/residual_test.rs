@@ -5,7 +5,7 @@ use socam_model::Model;
 use super::{
     explain::{Explanation, ScaledReading},
     least_squares::{ResidualFit, weighted},
-    parity::{Kind, ParityRelation},
+    parity::{ParityRelation, RelationKind},
     readings::Readings,
 };
 
@@ -35,12 +35,14 @@ impl<'a> ResidualTest<'a> {
     ) -> Self {
         let both = || readings.first.iter().zip(&readings.second);
         let mut error: Vec<f64> = match relation.kind {
-            Kind::Speeds => both().map(|(first, second)| (first / (relation.ratio * second)).ln()).collect(),
-            Kind::Torques => both().map(|(first, second)| relation.ratio * first - second).collect(),
-            Kind::Load => readings.first.clone(),
+            RelationKind::Speeds => {
+                both().map(|(first, second)| (first / (relation.ratio * second)).ln()).collect()
+            }
+            RelationKind::Torques => both().map(|(first, second)| relation.ratio * first - second).collect(),
+            RelationKind::Load => readings.first.clone(),
         };
         let mut base: Vec<(usize, Vec<f64>)> = Vec::new();
-        for (bearing, weight) in relation.bearings.iter().filter(|_| relation.kind != Kind::Speeds) {
+        for (bearing, weight) in relation.bearings.iter().filter(|_| relation.kind != RelationKind::Speeds) {
             let Some(damping) = model.bearings[*bearing].damping else { continue };
             let drag: Vec<f64> = readings.speed.iter().map(|speed| weight * weight * speed).collect();
             if model.parameters[damping].fixed {
@@ -55,7 +57,8 @@ impl<'a> ResidualTest<'a> {
         Self { relation, readings, repeatability, error, base }
     }
 
-    /// Standard uncertainty of each point's error. An explanation with the coefficient `theta` that scales a reading scales its uncertainty too.
+    /// Standard uncertainty of each point's error. An explanation with the coefficient `theta` that scales a reading scales its uncertainty
+    /// too.
     fn uncertainty(&self, on: ScaledReading, theta: f64) -> Vec<f64> {
         let [first, second] = [
             if on == ScaledReading::First { 1.0 - theta } else { 1.0 },
@@ -63,9 +66,9 @@ impl<'a> ResidualTest<'a> {
         ];
         let both = self.readings.first.iter().zip(&self.readings.second);
         let size = |(a, b): (&f64, &f64)| match self.relation.kind {
-            Kind::Speeds => std::f64::consts::SQRT_2,
-            Kind::Torques => (first * self.relation.ratio * a).hypot(second * b),
-            Kind::Load => a.abs(),
+            RelationKind::Speeds => std::f64::consts::SQRT_2,
+            RelationKind::Torques => (first * self.relation.ratio * a).hypot(second * b),
+            RelationKind::Load => a.abs(),
         };
         let sizes: Vec<f64> = both.map(size).collect();
         // The uncertainty of a reading near zero does not vanish.
@@ -73,8 +76,8 @@ impl<'a> ResidualTest<'a> {
         sizes.iter().map(|size| self.repeatability * size.max(least).max(f64::MIN_POSITIVE)).collect()
     }
 
-    /// Least squares fit of the dampings, within their bounds, and of an explanation, without one of the points. `None` where the points do not
-    /// determine the coefficients.
+    /// Least squares fit of the dampings, within their bounds, and of an explanation, without one of the points. `None` where the points do
+    /// not determine the coefficients.
     pub(super) fn fit(
         &self,
         model: &Model,

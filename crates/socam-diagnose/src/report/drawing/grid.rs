@@ -60,27 +60,27 @@ impl Rows {
 
     /// Lower edge of an element with its label.
     pub(super) fn lower(&self, element: &Element) -> f64 {
-        match place(element.kind) {
-            Place::Sensor => self.tops[element.row + 1] - SPACE,
-            Place::Chain => self.wire(element) + symbols::reach(element.kind),
-            Place::Grounded => self.top(element) + GROUNDED + LINE_HEIGHT * lines(element).len() as f64,
+        match row_position(element.kind) {
+            RowPosition::Sensor => self.tops[element.row + 1] - SPACE,
+            RowPosition::Chain => self.wire(element) + symbols::reach(element.kind),
+            RowPosition::Grounded => self.top(element) + GROUNDED + LINE_HEIGHT * lines(element).len() as f64,
         }
     }
 
     /// Upper edge of an element with its label.
     pub(super) fn upper(&self, element: &Element) -> f64 {
         let text = LINE_HEIGHT * lines(element).len() as f64;
-        match place(element.kind) {
-            Place::Sensor => self.lower(element) - text - 8.0,
-            Place::Chain => self.top(element) + self.labels[element.row] - text,
-            Place::Grounded => self.top(element),
+        match row_position(element.kind) {
+            RowPosition::Sensor => self.lower(element) - text - 8.0,
+            RowPosition::Chain => self.top(element) + self.labels[element.row] - text,
+            RowPosition::Grounded => self.top(element),
         }
     }
 }
 
 /// Where an element is in its row.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum RowPosition {
     /// Below the chain, as a box with a label.
     Sensor,
     /// On the wire.
@@ -89,19 +89,19 @@ pub(super) enum Place {
     Grounded,
 }
 
-pub(super) fn place(kind: ElementKind) -> Place {
+pub(super) fn row_position(kind: ElementKind) -> RowPosition {
     match kind {
-        ElementKind::Sensor { .. } => Place::Sensor,
-        ElementKind::Bearing { .. } | ElementKind::GroundSpring { .. } => Place::Grounded,
-        _ => Place::Chain,
+        ElementKind::Sensor { .. } => RowPosition::Sensor,
+        ElementKind::Bearing { .. } | ElementKind::GroundSpring { .. } => RowPosition::Grounded,
+        _ => RowPosition::Chain,
     }
 }
 
 fn symbol_height(element: &Element) -> f64 {
-    match place(element.kind) {
-        Place::Sensor => 8.0,
-        Place::Chain => SYMBOL,
-        Place::Grounded => GROUNDED,
+    match row_position(element.kind) {
+        RowPosition::Sensor => 8.0,
+        RowPosition::Chain => SYMBOL,
+        RowPosition::Grounded => GROUNDED,
     }
 }
 

@@ -133,7 +133,8 @@ fn every_place_can_be_marked() {
         "torque_in",
         "torque_out",
     ];
-    let marks = |name| drawing::bench(&speed_o_cam(), &[(name, drawing::Mark::Finding(1))]).into_string();
+    let marks =
+        |name| drawing::bench(&speed_o_cam(), &[(name, drawing::PlaceMark::Finding(1))]).into_string();
     for place in places {
         let drawing = marks(place);
         assert_eq!(drawing.matches("class=\"mark\"").count(), 1, "{place}");
