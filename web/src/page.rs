@@ -1,4 +1,4 @@
-//! What the page calls, and what is kept between calls.
+//! Functions that the page calls, and the state between calls.
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
@@ -19,15 +19,15 @@ struct Page {
     modifiers: Modifiers,
     size: [f32; 2],
     scale: f32,
-    /// What the page is to do.
+    /// Requests to the page.
     wishes: Vec<Wish>,
-    /// The last layout that the page was given to keep.
+    /// The last layout that was given to the page to store.
     kept: String,
-    /// The last words.
+    /// The last text for screen readers.
     words: String,
 }
 
-/// Something that only the page can do. The numbers are the page's.
+/// A request that only the page can fulfil. The page uses the same numbers.
 struct Wish {
     kind: u32,
     name: String,
@@ -45,14 +45,14 @@ thread_local! {
     static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
 }
 
-/// Why it ended, for the page to show.
+/// The panic message, for the page to show.
 static FAILURE: Mutex<String> = Mutex::new(String::new());
 
 fn with<T: Default>(use_it: impl FnOnce(&mut Page) -> T) -> T {
     PAGE.with_borrow_mut(|page| page.as_mut().map(use_it).unwrap_or_default())
 }
 
-/// What the page wrote into the buffer.
+/// The bytes that the page wrote into the buffer.
 fn given(length: usize) -> Vec<u8> {
     ROOM.with_borrow_mut(|room| {
         let mut bytes = std::mem::take(room);
@@ -65,7 +65,7 @@ fn given_text(length: usize) -> String {
     String::from_utf8_lossy(&given(length)).into_owned()
 }
 
-/// A buffer of so many bytes for the page to write into, before it calls a function that says what it is.
+/// A buffer of `length` bytes for the page; the function that the page calls next reads it.
 #[unsafe(no_mangle)]
 extern "C" fn room(length: usize) -> *mut u8 {
     ROOM.with_borrow_mut(|room| {
@@ -75,7 +75,7 @@ extern "C" fn room(length: usize) -> *mut u8 {
     })
 }
 
-/// Begins; the layout that was kept last time is in the buffer.
+/// Starts the dashboard; the stored layout is in the buffer.
 #[unsafe(no_mangle)]
 extern "C" fn start(layout: usize) {
     std::panic::set_hook(Box::new(|info| {
@@ -124,7 +124,7 @@ fn push(bits: u32, event: impl FnOnce(Modifiers) -> Event) {
     });
 }
 
-/// The pointer is there now.
+/// The pointer moved.
 #[unsafe(no_mangle)]
 extern "C" fn pointer_moved(x: f32, y: f32, bits: u32) {
     push(bits, |_| Event::PointerMoved(pos2(x, y)));
@@ -136,7 +136,7 @@ extern "C" fn pointer_gone() {
     push(0, |_| Event::PointerGone);
 }
 
-/// A button of the pointer went down or up; buttons as a page counts them.
+/// A button of the pointer was pressed or released; numbers as in DOM events.
 #[unsafe(no_mangle)]
 extern "C" fn pointer_button(x: f32, y: f32, button: u32, pressed: bool, bits: u32) {
     let button = match button {
@@ -159,7 +159,7 @@ extern "C" fn wheel(x: f32, y: f32, bits: u32) {
     });
 }
 
-/// A key went down or up; its name is in the buffer.
+/// A key was pressed or released; its name is in the buffer.
 #[unsafe(no_mangle)]
 extern "C" fn key(name: usize, pressed: bool, repeat: bool, bits: u32) {
     if let Some(key) = Key::from_name(&given_text(name)) {
@@ -167,7 +167,7 @@ extern "C" fn key(name: usize, pressed: bool, repeat: bool, bits: u32) {
     }
 }
 
-/// Text was typed (0), pasted (1), or is to be copied (2) or cut (3).
+/// Text was typed (0) or pasted (1), or should be copied (2) or cut (3).
 #[unsafe(no_mangle)]
 extern "C" fn text(length: usize, how: u32) {
     let text = given_text(length);
@@ -188,7 +188,7 @@ extern "C" fn file(name: usize, length: usize) {
     with(|page| page.dashboard.take_file(&page.ctx, &name, content));
 }
 
-/// Draws a pass. Returns after how many milliseconds the next one is wanted, at most an hour.
+/// Draws a pass. Returns the delay until the next one, ms, at most one hour.
 #[unsafe(no_mangle)]
 extern "C" fn frame(time_s: f64) -> u32 {
     with(|page| page.frame(time_s))
@@ -267,13 +267,13 @@ extern "C" fn height() -> usize {
     with(|page| page.picture.size[1])
 }
 
-/// What the page is to do next; 0 for nothing. Its name and then its content are at [`wish_at`] until [`wish_done`].
+/// Kind of the next request; 0 for none. Its name and content are at [`wish_at`] until [`wish_done`].
 #[unsafe(no_mangle)]
 extern "C" fn wish() -> u32 {
     with(|page| page.wishes.first().map_or(0, |wish| wish.kind))
 }
 
-/// Where the name of the wish (0) or its content (1) is.
+/// Address of the name (0) or content (1) of the request.
 #[unsafe(no_mangle)]
 extern "C" fn wish_at(part: u32) -> *const u8 {
     PAGE.with_borrow(|page| {
@@ -282,7 +282,7 @@ extern "C" fn wish_at(part: u32) -> *const u8 {
     })
 }
 
-/// How many bytes the name of the wish (0) or its content (1) has.
+/// Length of the name (0) or content (1) of the request, bytes.
 #[unsafe(no_mangle)]
 extern "C" fn wish_length(part: u32) -> usize {
     with(|page| {
@@ -290,19 +290,19 @@ extern "C" fn wish_length(part: u32) -> usize {
     })
 }
 
-/// The page did it.
+/// Removes the next request, which the page has fulfilled.
 #[unsafe(no_mangle)]
 extern "C" fn wish_done() {
     with(|page| drop(page.wishes.drain(..page.wishes.len().min(1))));
 }
 
-/// Where the reason is, once it ended by an error of its own; [`failure_length`] bytes.
+/// Address of the panic message, of [`failure_length`] bytes.
 #[unsafe(no_mangle)]
 extern "C" fn failure() -> *const u8 {
     FAILURE.lock().unwrap_or_else(PoisonError::into_inner).as_ptr()
 }
 
-/// Bytes of the reason.
+/// Length of the panic message, bytes.
 #[unsafe(no_mangle)]
 extern "C" fn failure_length() -> usize {
     FAILURE.lock().unwrap_or_else(PoisonError::into_inner).len()

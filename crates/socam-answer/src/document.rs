@@ -1,7 +1,6 @@
-//! The answer of a diagnosis as its JSON document, `socam.diagnosis/1`: a contract with other people's scripts. Fields may
-//! be added, never renamed.
+//! The JSON document of a diagnosis, `socam.diagnosis/1`: a public contract. Fields may be added, but not renamed.
 //!
-//! All quantities are SI. A number that is not known is `None` (null); one that is not finite is written as null too.
+//! All quantities are SI. Unknown and non-finite numbers are `None` (null).
 
 mod finding;
 mod in_order;
@@ -13,47 +12,47 @@ pub use finding::{Component, Curve, EffectParameter, Finding, FindingEvidence, O
 /// Version of [`Diagnosis`]' JSON form.
 pub const SCHEMA: &str = "socam.diagnosis/1";
 
-/// Effect id of a misfit that has structure but no name.
+/// Effect id of a structured misfit that no effect of the catalogue explains.
 pub const UNEXPLAINED: &str = "unexplained";
 
-/// Whether physics is missing, what it is, and why that is believed.
+/// A diagnosis: whether physics is missing, which, and the evidence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// [`SCHEMA`].
     pub schema: String,
-    /// The answer in one word.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Share of benches with nothing missing on which something would be found, 1.
+    /// False alarm rate: share of benches without missing physics on which something would be found, 1.
     pub false_alarm_rate: f64,
-    /// How the correction was tried on data that it was not fitted to.
+    /// Validation of the correction on data that it was not fitted to.
     pub validation: Validation,
-    /// How models were compared among the training recordings: each recording left out in turn, or blocks of them.
+    /// Cross-validation among the training recordings: leave one recording out, or blocks.
     #[serde(default)]
     pub selection: Option<Validation>,
-    /// What recordings say that were opened only after the last choice; nothing where none was held out or nothing was found.
+    /// Validation on held-out recordings, which are opened after the last choice; `None` if none was held out or nothing was found.
     #[serde(default)]
     pub held_out: Option<HeldOut>,
-    /// What is missing, strongest first; unique in effect and location.
+    /// Findings, strongest first; unique in effect and location.
     pub findings: Vec<Finding>,
-    /// How well the model fits before and after the correction.
+    /// Fit of the model before and after the correction.
     pub fit: Fit,
     /// The base model's parameters before and after the correction, in the order of the model.
     pub parameters: Vec<ParameterChange>,
-    /// Combinations that the data determine where they do not determine the parameters themselves.
+    /// Combinations that the data determine although they do not determine the parameters.
     #[serde(default)]
     pub combinations: Vec<CombinationChange>,
-    /// Effects that were looked for and not found.
+    /// Effects that were tested and not found.
     pub not_found: Vec<NotFound>,
-    /// What to record next, where that would tell rivals apart.
+    /// The next experiment, if it would distinguish rivals.
     pub suggested_experiment: Option<SuggestedExperiment>,
     /// Processor time without reading files, s, all threads.
     pub cpu_s: f64,
-    /// Anything a careful reader should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Name of the base model.
     #[serde(default)]
     pub model: String,
-    /// What was read.
+    /// Recordings that were read.
     #[serde(default)]
     pub recordings: Vec<RecordingUse>,
     /// Version of the program.
@@ -61,7 +60,7 @@ pub struct Diagnosis {
     pub version: String,
 }
 
-/// The answer in one word.
+/// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -69,7 +68,7 @@ pub enum Verdict {
     Adequate,
     /// Physics is missing, and at least some of it has a name.
     MissingPhysics,
-    /// Physics is missing, and nothing in the catalogue carries it.
+    /// Physics is missing, and no effect of the catalogue explains it.
     Unexplained,
 }
 
@@ -77,30 +76,30 @@ pub enum Verdict {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Validation {
-    /// On recordings that were named for it.
+    /// On held-out recordings.
     Holdout,
-    /// On each recording in turn, fitted to the others.
+    /// On each recording in turn, with a fit to the others.
     LeaveOneOut,
     /// On each part of a single recording in turn.
     Blocks,
 }
 
-/// What held-out recordings say of the corrected model.
+/// Validation of the corrected model on held-out recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
-    /// In one word.
+    /// Outcome.
     pub outcome: ProofOutcome,
-    /// For people.
+    /// A sentence.
     pub sentence: String,
 }
 
-/// Whether held-out recordings confirm the corrected model.
+/// Outcome of the validation on held-out recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProofOutcome {
-    /// They are predicted better than by the base model, and no channel worse.
+    /// The corrected model predicts them better than the base model, and no channel worse.
     Holds,
-    /// They are not.
+    /// It does not.
     Failed,
 }
 
@@ -113,7 +112,7 @@ pub struct RecordingUse {
     pub held_out: bool,
     /// Samples used.
     pub samples: u64,
-    /// From its first to its last sample, s.
+    /// Time from its first to its last sample, s.
     pub duration_s: f64,
 }
 
@@ -125,14 +124,14 @@ pub struct Fit {
     pub channels: Vec<(String, ChannelFit)>,
 }
 
-/// How well a channel is predicted, running free; everything in the channel's SI unit.
+/// Fit of a channel by free-run prediction; all values in the channel's SI unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChannelFit {
-    /// Noise floor: what a perfect model would leave.
+    /// Noise floor: residual of a perfect model.
     pub noise_std: Option<f64>,
     /// Root mean square residual on training recordings, base model.
     pub rms_before: Option<f64>,
-    /// The same, with all findings, curves of what has no name included.
+    /// The same with all findings, including curves of unexplained effects.
     pub rms_after: Option<f64>,
     /// Root mean square residual on data that were not fitted, base model.
     pub holdout_rms_before: Option<f64>,
@@ -161,10 +160,10 @@ pub struct ParameterChange {
     pub ci95_before: [Option<f64>; 2],
     /// Whether the data determine `after`.
     pub identifiable: bool,
-    /// Known beforehand and not fitted.
+    /// Whether it is known and not fitted.
     #[serde(default)]
     pub fixed: bool,
-    /// Parameters that it cannot be told apart from.
+    /// Parameters that are strongly correlated with it.
     #[serde(default)]
     pub determined_with: Vec<String>,
 }
@@ -186,29 +185,29 @@ pub struct CombinationChange {
     pub ci95: [Option<f64>; 2],
 }
 
-/// An effect that was looked for and not found.
+/// An effect that was tested and not found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NotFound {
     /// Id in the catalogue.
     pub effect: String,
     /// Place or channel.
     pub location: String,
-    /// The parameter that measures how strong it is.
+    /// The parameter that measures its amplitude.
     pub parameter: String,
-    /// How large that would have had to be to be seen, SI; `None` where these recordings cannot show it at any size.
+    /// Smallest detectable value of that parameter, SI; `None` if the recordings cannot show it at any amplitude.
     pub smallest_detectable: Option<f64>,
     /// SI unit.
     pub unit: String,
 }
 
-/// What to record next.
+/// The next experiment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SuggestedExperiment {
     /// Name of a built-in profile, or a profile file's text.
     pub profile: String,
-    /// What it would tell apart, each as `EFFECT@PLACE`.
+    /// The effects that it would distinguish, each as `EFFECT@PLACE`.
     pub tells_apart: Vec<String>,
-    /// For whoever stands at the bench.
+    /// Instruction for the operator.
     pub sentence: String,
 }
 

@@ -1,12 +1,12 @@
-//! What the report's pictures are drawn from. None of it is part of the JSON document.
+//! Residuals for the report's pictures; they are not part of the JSON document.
 //!
-//! Everything is SI. A residual is measured minus predicted, the model running free; NaN stands for a value that is
-//! missing, and leaves a gap in the picture. "Before" is the base model at its best fit, "after" the corrected one.
+//! All quantities are SI. A residual is measured minus free-run prediction; a missing value is NaN and leaves a gap in the picture.
+//! "Before" is the base model at its best fit, "after" the corrected one.
 
-/// Residuals of all recordings, and what they look like over everything but time.
+/// Residuals of all recordings over time, and their means over other quantities.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// One per recording, in the order given, training and held-out ones alike.
+    /// One per recording, training and held-out ones, in the order given.
     pub recordings: Vec<RecordingTraces>,
     /// One per output channel, in the order of the model, all recordings together.
     pub channels: Vec<ChannelEvidence>,
@@ -44,8 +44,7 @@ pub struct ChannelEvidence {
     pub name: String,
     /// Its SI unit.
     pub unit: String,
-    /// Noise floor: standard deviation of the residual that a perfect model would leave, in `unit`. It counts what a noisy
-    /// input adds.
+    /// Noise floor: standard deviation of the residual of a perfect model, in `unit`, including the effect of a noisy input.
     pub noise_std: f64,
     /// Mean residual over the speed at the channel's place, rad/s.
     pub over_speed: Option<Binned>,
@@ -57,7 +56,7 @@ pub struct ChannelEvidence {
     pub spectrum: Option<Spectrum>,
 }
 
-/// Mean residuals in bins of another quantity, with what chance makes of them.
+/// Mean residuals in bins of another quantity, with standard errors.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Binned {
     /// Bin centres, SI, rising.
@@ -81,6 +80,6 @@ pub struct Spectrum {
     pub before: Vec<f64>,
     /// Corrected model; empty where nothing was corrected.
     pub after: Vec<f64>,
-    /// What a perfect model would leave, the input's noise counted.
+    /// Spectrum of the residual of a perfect model, including the noise of the input.
     pub noise: Vec<f64>,
 }

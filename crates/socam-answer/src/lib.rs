@@ -1,5 +1,5 @@
-//! The answer of a diagnosis as data, for whoever shows it and does not make it: [`document`] is what other people's scripts read,
-//! [`evidence`] what pictures are drawn from.
+//! The answer of a diagnosis as data, for programs that show diagnoses and do not make them: [`document`] is the JSON document,
+//! [`evidence`] holds the residuals for pictures.
 //!
 //! SI inside, unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 

@@ -1,8 +1,8 @@
 //! Calibration: measured pairs in, sensors, motor and couplings with uncertainty out.
 //!
 //! [`Pairs`] reads tables as people write them from instruments; [`tasks`] recognises what they calibrate and fits a [`Line`] to
-//! each, which outliers do not move; [`steady`] takes such pairs out of recordings. [`regression`] is the estimator, also of
-//! whoever needs one that can know something beforehand.
+//! each, robustly against outliers; [`steady`] extracts such pairs from recordings. [`regression`] is the estimator, which can also use
+//! prior knowledge.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 

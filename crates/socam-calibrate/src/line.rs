@@ -1,4 +1,4 @@
-//! A straight line through pairs, with what is known of how straight it is.
+//! A straight line through pairs, with a test of its linearity.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::CalibrateError;
 use crate::regression::{self, Regression};
 
-/// Rows that a cubic needs beside the line to be told from noise.
+/// Least number of rows for a test of linearity by a cubic.
 const ENOUGH_FOR_A_CURVE: usize = 8;
-/// Least relative range of what a line is over.
+/// Least relative range of x.
 const LEAST_SPREAD: f64 = 1e-6;
 
 /// A number with its uncertainty.
@@ -23,7 +23,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// From a standard deviation of so many degrees of freedom.
+    /// From a standard deviation with its degrees of freedom.
     #[must_use]
     pub fn new(value: f64, std: f64, degrees: f64) -> Self {
         let half = regression::quantile95(degrees) * std;
@@ -48,14 +48,14 @@ impl Estimate {
     }
 }
 
-/// How far a curve through the pairs departs from the line, where it does most.
+/// Largest departure of a cubic through the pairs from the line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Nonlinearity {
     /// Departure in per cent of the span of what was measured.
     pub percent_of_span: Estimate,
-    /// Where, in the unit of what the line is over.
+    /// Position of the largest departure, in the unit of x.
     pub at: f64,
-    /// Chance that a straight line gives pairs as bent as these.
+    /// Probability of such a departure if the truth is a straight line.
     pub chance: f64,
 }
 
@@ -72,7 +72,7 @@ pub struct Line {
     pub residual_std: f64,
     /// Pairs, outliers included.
     pub points: usize,
-    /// Rows of the pairs that do not belong to the others, from 0.
+    /// Indices of outlying pairs, from 0.
     pub outliers: Vec<usize>,
     /// `None` where the pairs are too few to tell.
     pub nonlinearity: Option<Nonlinearity>,
@@ -84,12 +84,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// Through pairs (x, y). `gain_accuracy` is the relative standard uncertainty that all x share (that of the instrument that
-    /// they were read from): it goes into the gain's uncertainty and is no scatter.
+    /// Fits a line to pairs (x, y). `gain_accuracy` is the relative standard uncertainty common to all x, that of the reference
+    /// instrument: it widens the uncertainty of the gain and does not scatter.
     ///
     /// # Assumes
-    /// What scatters is y, or x by little against its range: a scatter of x of a hundredth of its standard deviation over the
-    /// pairs makes the gain too small by one in ten thousand.
+    /// Errors are in y; those in x are small against its range. Errors in x of 1/100 of its standard deviation over the pairs bias the
+    /// gain by -1/10 000.
     ///
     /// # Errors
     /// When there are too few pairs, or no two different x.
@@ -110,7 +110,7 @@ impl Line {
         if high - low <= LEAST_SPREAD * largest {
             return Err(CalibrateError::NoSpread { what: what.into(), over: over.into() });
         }
-        // From -1 to 1, in which columns are of one size.
+        // x scaled to -1..1, so that the columns of the design are of similar size.
         let (middle, half) = (f64::midpoint(low, high), 0.5 * (high - low));
         let scaled = |x: f64| (x - middle) / half;
         let measured = DVector::from_iterator(pairs.len(), pairs.iter().map(|pair| pair[1]));
@@ -118,7 +118,7 @@ impl Line {
             DMatrix::from_fn(pairs.len(), columns, |i, j| scaled(pairs[i][0]).powi(j as i32))
         };
         let is_many = pairs.len() >= ENOUGH_FOR_A_CURVE + 2;
-        // Outliers are sought beside a curve, of whose bends the ends are no outliers.
+        // Outliers are sought about a cubic: the ends of a curve must not count as outliers of a line.
         let sought = if is_many { 4 } else { 2 };
         let curve = regression::robust(&design(sought), &measured).ok_or_else(too_few)?;
         let outliers = curve.outliers.clone();
@@ -164,7 +164,7 @@ fn gain_and_offset(
     let statistical = line.std(1) / half;
     let shared = gain_accuracy * gain.abs();
     let std = statistical.hypot(shared);
-    // Welch and Satterthwaite: what is shared is as good as known.
+    // Degrees of freedom by Welch and Satterthwaite; the common uncertainty counts as known.
     let degrees = line.degrees * (std / statistical.max(f64::MIN_POSITIVE)).powi(4);
     let to_zero = [1.0, -middle / half];
     let offset = line.coefficients[0] + to_zero[1] * line.coefficients[1];
@@ -177,7 +177,7 @@ fn gain_and_offset(
     )
 }
 
-/// Of a cubic over -1..1, what it has beside the line that lies closest to it at the pairs, where that is most.
+/// The largest departure of a cubic over -1..1 from the line closest to it at the pairs.
 fn nonlinearity(curve: &Regression, places: &[f64]) -> Nonlinearity {
     let bends = |power: i32| {
         let design = DMatrix::from_fn(places.len(), 2, |i, j| places[i].powi(j as i32));
@@ -199,7 +199,7 @@ fn nonlinearity(curve: &Regression, places: &[f64]) -> Nonlinearity {
 mod tests {
     use super::*;
 
-    /// Scatter that repeats itself: no random numbers are needed where none is judged.
+    /// A repeating scatter in place of random numbers.
     fn pairs(bend: f64) -> Vec<[f64; 2]> {
         let y = |x: f64, i: usize| 0.02 + 0.07 * x + bend * x * x + 1e-3 * [1.0, -1.0, 0.5, -0.5, 0.0][i % 5];
         (0..25).map(|i| (10.0 * i as f64, i)).map(|(x, i)| [x, y(x, i)]).collect()

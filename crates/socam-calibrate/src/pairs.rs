@@ -7,7 +7,7 @@ use socam_recording::Unit;
 
 use crate::CalibrateError;
 
-/// Suffixes, longest first: unit and what one is worth in SI. Beside the recordings' own, those of instruments' dials.
+/// Unit suffixes, longest first, with their factors to SI: those of recordings and those of instruments' scales.
 const SUFFIXES: [(&str, Unit, f64); 17] = [
     ("_rad_s", Unit::RadPerS, 1.0),
     ("_krpm", Unit::RadPerS, 1000.0 * RAD_S_PER_RPM),
@@ -50,7 +50,7 @@ pub struct Pairs {
 
 impl Pairs {
     /// Reads a CSV file: a header of names with units (`motor_speed_rpm`, `motor_speed_V`), then one row per measurement. Lines
-    /// that begin with # are comments; columns without a unit are left aside.
+    /// that begin with # are comments; columns without a unit are ignored.
     ///
     /// # Errors
     /// When it cannot be read, or a cell under a unit is no number.

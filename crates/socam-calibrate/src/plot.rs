@@ -1,17 +1,17 @@
-//! A line through its pairs as a picture, and beside it what is left: the one shows that it fits, the other how well.
+//! A picture of a line through its pairs and, beside it, of the residuals.
 
 use socam_plot::{Axis, COLUMNS, Mark, Panel, Plot, Row, Series};
 
 use crate::Line;
 
-/// What a line is about.
+/// A line with its labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Titled<'a> {
     /// Title of its row.
     pub title: String,
-    /// What it is over, with the unit.
+    /// Quantity and unit of x.
     pub over: String,
-    /// What it gives, with the unit.
+    /// Quantity and unit of y.
     pub of: String,
     /// The line.
     pub line: &'a Line,
@@ -25,9 +25,9 @@ struct Drawn {
     line: Points,
     inside: Points,
     outliers: Points,
-    /// What is left, % of the span.
+    /// Residuals, % of the span.
     rest: Points,
-    /// The same of outliers; they stand at the edge, as they would hide what the others are scattered by.
+    /// Residuals of outliers; they are drawn at the edge, so that the scale suits the other residuals.
     edge: Points,
     edge_label: String,
 }
@@ -69,7 +69,7 @@ impl Drawn {
         fn series<'a>(label: &'a str, class: &'a str, mark: Mark, (x, y): &'a Points) -> Series<'a> {
             Series { label, class, mark, x, y, spread: &[] }
         }
-        // Units stand in the words already.
+        // The labels contain the units.
         let axis = |words: &str| Axis::new(words, "1");
         let plot = |title: &str, y: Axis, series: Vec<Series<'a>>| Plot {
             title: format!("{}: {title}", titled.title),

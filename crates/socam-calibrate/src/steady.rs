@@ -1,4 +1,4 @@
-//! Steady states in recordings: stretches of one command, each as a pair.
+//! Steady states in recordings: intervals of constant command, each giving a pair.
 
 use socam_model::{Model, Quantity};
 use socam_recording::Dataset;
@@ -6,20 +6,20 @@ use socam_recording::Dataset;
 use crate::tasks::{Assumed, Found, Task, is_speed, motor};
 use crate::{CalibrateError, Line};
 
-/// A command that stays within this is one command, V: a count of a 12-bit converter is 5 mV.
+/// Tolerance of a constant command, V; a count of a 12-bit converter is 5 mV.
 const SAME_COMMAND_V: f64 = 2e-3;
-/// What follows a change of the command is no steady state, s: couplings ring out.
+/// Time after a change of the command that is discarded, s: couplings ring.
 const SETTLING_S: f64 = 0.35;
-/// Least length of what follows, s.
+/// Least length of a steady state, s.
 const LEAST_S: f64 = 0.2;
-/// Fewer steady states determine no line.
+/// Least number of steady states for a line.
 const LEAST_STATES: usize = 4;
-/// Below this a bench stands still, rad/s.
+/// Speed below which the bench stands still, rad/s.
 const STANDSTILL_RAD_S: f64 = 2.0;
 /// Name of the recorded command.
 const COMMAND: &str = "command";
 
-/// Means over the steady stretches of a recording: of the command, V, and of some channels.
+/// Means over the steady states of a recording: of the command, V, and of some channels.
 ///
 /// # Errors
 /// When a channel is not there, or the file cannot be read.
@@ -49,8 +49,8 @@ pub fn plateaus(data: &Dataset, channels: &[&str]) -> Result<Vec<Vec<f64>>, Cali
     Ok(found)
 }
 
-/// Mean under a smooth weight (Hann's) that leaves next to nothing of what still rings where the stretch begins, where a plain mean
-/// would keep a part as large as one over the ring's radians in the stretch.
+/// Mean weighted by a Hann window, which suppresses oscillations that have not decayed at the start; a plain mean would keep the
+/// fraction 1/(angular frequency times length) of them.
 fn quiet_mean(values: &[f64]) -> f64 {
     let step = std::f64::consts::PI / values.len().max(1) as f64;
     let weighted = values.iter().enumerate().filter(|(_, value)| value.is_finite()).map(|(index, value)| {
@@ -65,7 +65,7 @@ fn quiet_mean(values: &[f64]) -> f64 {
 /// The motor's line, and every other tachometer against the motor's where gears and shafts tie them together.
 ///
 /// # Assumes
-/// The motor's tachometer is right: that it is not, and by how much, a recording cannot tell.
+/// The motor's tachometer is exact; a recording cannot show its error.
 ///
 /// # Errors
 /// When a recording lacks the command or the model's speed, or has too few steady states.

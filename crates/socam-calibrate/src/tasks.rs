@@ -1,4 +1,4 @@
-//! What a table of pairs calibrates, recognised by its columns.
+//! Calibration tasks of a table of pairs, recognised by its columns.
 
 use serde::Serialize;
 use socam_core::scaling::{RAD_S_PER_RPM, Sensor};
@@ -10,11 +10,11 @@ use crate::{CalibrateError, Line, Measured, Pairs};
 /// 95 % of a normal distribution.
 const NORMAL: f64 = 1.96;
 
-/// What was calibrated.
+/// A calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Task {
-    /// A sensor's volts over what an instrument read, SI.
+    /// A sensor's volts over the reading of a reference instrument, SI.
     Sensor {
         /// The channel.
         name: String,
@@ -22,7 +22,7 @@ pub enum Task {
         unit: &'static str,
         /// V over that unit.
         line: Line,
-        /// Whether the reference was worked out of electrical power (equation 2.3 of the thesis).
+        /// Whether the reference was computed from electrical power (equation 2.3 of the thesis).
         by_power: bool,
     },
     /// A motor's steady speed in rpm over its command in V.
@@ -37,20 +37,20 @@ pub enum Task {
         /// N m over rad.
         line: Line,
     },
-    /// One tachometer over another one that a gear ties it to: 1 where they agree.
+    /// One tachometer over another one with a fixed speed ratio; gain 1 if they agree.
     Tachometers {
-        /// The channel that is judged.
+        /// The channel under test.
         name: String,
-        /// The channel that it is judged by.
+        /// The reference channel.
         reference: String,
-        /// Of the tooth numbers.
+        /// Speed ratio by tooth numbers.
         ratio: f64,
-        /// Reading times ratio over the reference.
+        /// Reading times ratio, over the reference.
         line: Line,
     },
 }
 
-/// What is assumed beside the pairs.
+/// Assumptions beside the pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Assumed {
     /// Relative standard uncertainty of the instruments that the references were read from.
@@ -59,12 +59,12 @@ pub struct Assumed {
     pub motor_efficiency: Option<(f64, f64)>,
 }
 
-/// What was found, and what was left aside.
+/// The calibrations, and warnings about unused columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Found {
     /// In the order of the columns.
     pub tasks: Vec<Task>,
-    /// One sentence for each column that nothing was made of.
+    /// One sentence for each unused column.
     pub warnings: Vec<String>,
 }
 
@@ -76,7 +76,7 @@ pub struct Found {
 /// * `NAME_torque_Nm` beside `NAME_twist_deg`: the spring NAME.
 ///
 /// # Errors
-/// When pairs are too few or all alike, when an efficiency is needed and not given, or when nothing is recognised.
+/// When there are too few distinct pairs, when an efficiency is needed and not given, or when nothing is recognised.
 pub fn of(pairs: &Pairs, assumed: &Assumed) -> Result<Found, CalibrateError> {
     let mut found = Found::default();
     for column in &pairs.columns {
@@ -167,7 +167,7 @@ fn sensor(name: &str, unit: Unit, rows: &[[f64; 2]], assumed: &Assumed) -> Resul
 }
 
 pub(crate) fn motor(rows: &[[f64; 2]], assumed: &Assumed) -> Result<Task, CalibrateError> {
-    // Backward motion mirrors forward motion, and one voltage stands still.
+    // Backward motion is mirrored; rows at rest are left out.
     let forward: Vec<[f64; 2]> = rows
         .iter()
         .filter(|[volts, speed]| volts * speed > 0.0)
@@ -208,7 +208,7 @@ impl Task {
         }
     }
 
-    /// For a calibration file.
+    /// The entry of a calibration file.
     #[must_use]
     pub fn measured_sensor(&self) -> Option<MeasuredSensor> {
         let Self::Sensor { name, line, .. } = self else { return None };
@@ -220,7 +220,7 @@ impl Task {
         })
     }
 
-    /// For a calibration file.
+    /// The entry of a calibration file.
     #[must_use]
     pub fn measured_motor(&self) -> Option<MeasuredMotor> {
         let Self::Motor { line } = self else { return None };
@@ -232,8 +232,7 @@ impl Task {
         })
     }
 
-    /// What a static test says of a stiffness, N m/rad, for an identification: as wide as its interval, also where that rests on
-    /// few points.
+    /// The prior of a stiffness from a static test, N m/rad, as wide as its 95 % interval even if there are few points.
     #[must_use]
     pub fn prior(&self) -> Option<(&str, Prior)> {
         let Self::Spring { name, line } = self else { return None };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use socam_recording::{Channel, Dataset};
 
-/// What is said of a recording besides its samples.
+/// The data of a recording besides its samples.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct About {
     /// The name that it was opened by.
@@ -12,24 +12,24 @@ pub struct About {
     pub channels: Vec<Channel>,
     /// What happened during it.
     pub events: Vec<Happening>,
-    /// Operator's notes, versions and such, by name.
+    /// Metadata by name: operator's notes, versions.
     pub facts: Vec<(String, String)>,
-    /// What was left aside on opening.
+    /// Warnings that were raised on opening.
     pub warnings: Vec<String>,
     /// Median step of time, s.
     pub sample_time_s: f64,
-    /// Samples that never reached it.
+    /// Number of samples that were lost while recording.
     pub lost_samples: u64,
 }
 
 /// Something that happened during a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Happening {
-    /// When, s.
+    /// Time, s.
     pub time_s: f64,
-    /// What kind: `phase`, `stop`, `fault`, `start`, `note`.
+    /// Kind: `phase`, `stop`, `fault`, `start` or `note`.
     pub kind: String,
-    /// In words.
+    /// Description.
     pub text: String,
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn about(data: &Dataset) -> About {
     }
 }
 
-/// The last part of a path: what fits a legend.
+/// The last part of a path, for legends.
 #[must_use]
 pub fn short(name: &str) -> &str {
     let path = name.rsplit(['/', '\\']).next().unwrap_or(name);

@@ -22,20 +22,20 @@ use crate::review::{Entry, Review};
 use crate::spectra::Spectra;
 use crate::theme;
 
-/// Something that went wrong or is worth knowing; it stays until it is put away.
+/// An error or a remark; it is shown until it is dismissed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Notice {
     pub(crate) text: String,
     pub(crate) grave: bool,
 }
 
-/// Drives a model by the inputs of the recording of that name; an error is one sentence.
+/// Simulates a model with the inputs of the recording of that name; an error is one sentence.
 pub type Simulate = fn(&Model, &str) -> Result<Recording, String>;
 
 /// Everything that is shown.
 pub struct Dashboard {
     pub(crate) simulate: Option<Simulate>,
-    /// What is remembered.
+    /// The layout that is kept from one start to the next.
     pub layout: Layout,
     pub(crate) entries: Vec<Entry>,
     /// The view over time.
@@ -47,25 +47,25 @@ pub struct Dashboard {
     pub(crate) identification: Option<Identification>,
     /// The diagnosis.
     pub diagnosis: DiagnosisView,
-    /// The bench that runs.
+    /// The running bench.
     pub live: Live,
     pub(crate) opening: Vec<Job<Result<Document, String>>>,
     saving: Vec<Job<outside::Saved>>,
-    /// Files named before there was a window.
+    /// Files to open with the next pass.
     waiting: Vec<String>,
     pub(crate) notices: Vec<Notice>,
     pub(crate) dialog: Option<Dialog>,
     pub(crate) help: bool,
-    /// What was seen in the last pass, for exports.
+    /// The charts of the last pass, for exports.
     pub(crate) seen: Vec<Seen>,
-    /// Recordings to hold out of a diagnosis that begins once all files are open.
+    /// Held-out recordings of a diagnosis that begins once all files are open.
     diagnose: Option<Vec<String>>,
-    /// Whether the picture of this pass goes to a file.
+    /// The file that the picture of this pass is written to.
     pub(crate) exporting: Option<PathBuf>,
-    /// Files for the page to offer.
+    /// Files that the page offers for download.
     #[cfg(target_arch = "wasm32")]
     pub(crate) leaving: Vec<(String, Vec<u8>)>,
-    /// Whether the page is to ask for files.
+    /// Whether the page should ask for files.
     #[cfg(target_arch = "wasm32")]
     pub(crate) wishes_files: bool,
 }
@@ -112,22 +112,22 @@ impl Dashboard {
         }
     }
 
-    /// The model that recordings are judged by.
+    /// Sets the model that recordings are checked against.
     pub fn use_model(&mut self, model: Model) {
         self.model = model;
     }
 
-    /// Says how a model is driven by a recording's inputs.
+    /// Sets the function that simulates a model with the inputs of a recording.
     pub fn simulate_by(&mut self, simulate: Simulate) {
         self.simulate = Some(simulate);
     }
 
-    /// What went wrong and has not been put away.
+    /// Errors that have not been dismissed.
     pub fn problems(&self) -> impl Iterator<Item = &str> {
         self.notices.iter().filter(|notice| notice.grave).map(|notice| notice.text.as_str())
     }
 
-    /// Fonts and colours: once per window.
+    /// Sets fonts and colours; called once per window.
     pub fn set_up(&self, ctx: &egui::Context) {
         theme::apply(ctx, self.layout.look);
         ctx.set_zoom_factor(self.layout.zoom);
@@ -139,7 +139,7 @@ impl Dashboard {
         self.waiting.extend(paths);
     }
 
-    /// Diagnoses the recordings once all of them are open; those named in `held_out` are the proof.
+    /// Diagnoses the recordings once all of them are open; those named in `held_out` are used for validation only.
     pub fn diagnose(&mut self, held_out: Vec<String>) {
         self.diagnose = Some(held_out);
     }
@@ -202,12 +202,12 @@ impl Dashboard {
         self.diagnosis.evidence(evidence);
     }
 
-    /// Says something that is not wrong.
+    /// Shows a remark.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
         self.notices.push(Notice { text: text.into(), grave: false });
     }
 
-    /// Says what went wrong.
+    /// Shows an error, unless it is shown already.
     pub fn warn(&mut self, text: impl Into<String>) {
         let notice = Notice { text: text.into(), grave: true };
         if !self.notices.contains(&notice) {
@@ -286,7 +286,7 @@ impl Dashboard {
     }
 
     fn keys(&mut self, ctx: &egui::Context) {
-        // Before anything else takes the key: nothing is more urgent.
+        // First of all, so that no other control consumes the key.
         if self.live.is_connected() && ctx.input(|input| input.key_pressed(Key::Escape)) {
             self.live.emergency_stop();
         }

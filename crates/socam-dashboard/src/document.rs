@@ -1,4 +1,4 @@
-//! Whatever can be opened: recordings, models, identifications, diagnoses, input signals, each known by its content.
+//! Documents that can be opened, recognised by their content: recordings, models, identifications, diagnoses, input signals.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::job::Handle;
 use crate::parameters::Identification;
 use crate::recording::Recording;
 
-/// Something that was opened.
+/// An opened document.
 #[derive(Debug)]
 pub enum Document {
     /// A recording.
@@ -27,7 +27,7 @@ pub enum Document {
     Signal(ProfileFile),
 }
 
-/// Opens what is at a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
+/// Opens a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
 ///
 /// # Errors
 /// When it is none of these or cannot be read; one sentence.
@@ -58,16 +58,16 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
     Ok(document)
 }
 
-/// The model that a diagnosis' report keeps beside it.
+/// The model in the folder of a diagnosis' report.
 #[cfg(not(target_arch = "wasm32"))]
 fn beside(diagnosis: &Path) -> Option<Model> {
     Model::parse(&std::fs::read_to_string(diagnosis.with_file_name("model.toml")).ok()?).ok()
 }
 
-/// A document of a text: JSON or TOML, known by its `schema`.
+/// Parses a JSON or TOML document, recognised by its `schema`.
 ///
 /// # Errors
-/// When it is none of ours, or not whole; one sentence.
+/// When the schema is unknown or the document is incomplete; one sentence.
 pub fn parse(name: &str, text: &str) -> Result<Document, String> {
     let foreign = |problem: &str| {
         format!("{name}: {problem}; expected a socam recording, model, profile, identification or diagnosis")

@@ -1,4 +1,4 @@
-//! A dialog for choosing files: to open some, or to save one. Drawn like everything else, so that it works without a desktop's help.
+//! A dialog for choosing files to open or to save. The dashboard draws it itself, so that it does not need a desktop's dialog.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,12 +7,12 @@ use egui::{Button, Key, Modal, RichText, Role, ScrollArea, TextEdit, Ui, WidgetI
 
 use crate::theme;
 
-/// What a dialog is for.
+/// Purpose of a dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// Recordings, models, identifications, diagnoses, input signals.
     Open,
-    /// A picture or table of what is seen.
+    /// A picture or table of the view.
     Export,
     /// The input signal.
     SaveSignal,
@@ -23,22 +23,22 @@ pub enum Purpose {
 /// A dialog that is open.
 #[derive(Debug)]
 pub struct Dialog {
-    /// What it is for.
+    /// Purpose.
     pub purpose: Purpose,
     folder: PathBuf,
-    /// As typed.
+    /// Name as typed.
     typed: String,
     name: String,
     chosen: BTreeSet<PathBuf>,
     entries: Result<Vec<(PathBuf, bool)>, String>,
 }
 
-/// How it ended.
+/// Result of a dialog.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// These files.
+    /// The chosen files.
     Files(Vec<PathBuf>),
-    /// Nothing.
+    /// Cancelled.
     Cancelled,
 }
 

@@ -7,7 +7,7 @@ use egui::{ColorImage, RawInput, Rect, pos2, vec2};
 use crate::Dashboard;
 use crate::draw::raster::Raster;
 
-/// What to draw it on.
+/// Size and scale of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Viewport {
     /// Size in points.
@@ -16,10 +16,10 @@ pub struct Viewport {
     pub scale: f32,
 }
 
-/// Passes until the layout has settled.
+/// Number of passes until the layout does not change any more.
 const PASSES: usize = 5;
 
-/// Draws it once everything that was being opened is there; the same state gives the same bytes.
+/// Draws the dashboard once all files are open; the same state gives the same bytes.
 ///
 /// # Errors
 /// When files are still being opened after `patience`; one sentence.
@@ -56,7 +56,7 @@ fn input(viewport: Viewport, pass: usize) -> RawInput {
     let size = vec2(viewport.size[0], viewport.size[1]);
     let mut input = RawInput {
         screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), size)),
-        // A clock that stands nearly still: nothing blinks and nothing is animated.
+        // The clock hardly moves, so that nothing blinks or is animated.
         time: Some(pass as f64 * 0.016),
         focused: true,
         ..RawInput::default()

@@ -1,10 +1,10 @@
-//! What every control does.
+//! Help texts of all controls.
 
 use egui::{Grid, RichText, ScrollArea, Window};
 
 use crate::theme;
 
-/// Names of controls as they stand in the window, with `; ` between and `...` for what depends on the recording, and what they do.
+/// Names of controls as the window shows them, separated by `; ` and with `...` for variable parts, and their explanation.
 const CONTROLS: &[(&str, &[(&str, &str)])] = &[
     (
         "Everywhere",
@@ -120,7 +120,7 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
     ),
 ];
 
-/// Whether some control of that name is explained.
+/// Whether a control of that name is explained.
 #[must_use]
 pub fn names(label: &str) -> bool {
     let label = label.to_lowercase();

@@ -6,23 +6,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ProgressBar, Ui};
 
-/// What an abandoned job answers.
+/// Error of a cancelled job.
 pub const CANCELLED: &str = "cancelled";
 
 #[derive(Debug, Default)]
 struct State {
     cancelled: AtomicBool,
-    /// In thousandths; above a thousand: not known.
+    /// Progress in 1/1000; above 1000 it is unknown.
     reached: AtomicU32,
     doing: Mutex<String>,
 }
 
-/// The worker's end of a job.
+/// The worker's side of a job.
 #[derive(Debug, Clone, Default)]
 pub struct Handle(Arc<State>);
 
 impl Handle {
-    /// Says how far it is, 0 to 1.
+    /// Reports progress, 0 to 1.
     ///
     /// # Errors
     /// When the job was cancelled: the worker passes this on and ends.
@@ -31,12 +31,12 @@ impl Handle {
         if self.is_cancelled() { Err(CANCELLED.into()) } else { Ok(()) }
     }
 
-    /// Says what it does now.
+    /// Reports the current step.
     pub fn doing(&self, text: String) {
         *self.0.doing.lock().unwrap_or_else(PoisonError::into_inner) = text;
     }
 
-    /// Whether nobody waits any more.
+    /// Whether the job was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.cancelled.load(Ordering::Relaxed)
@@ -51,14 +51,14 @@ pub struct Job<T> {
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts it; the window is drawn again when it ends. Where there are no threads (in a browser) it runs at once.
+    /// Starts a job; the window is drawn again when it ends. In a browser, which has no threads, it runs at once.
     pub fn start(title: &str, ctx: &egui::Context, work: impl FnOnce(&Handle) -> T + Send + 'static) -> Self {
         let handle = Handle::default();
         handle.doing(title.to_owned());
         let (sender, result) = channel();
         let (theirs, ctx) = (handle.clone(), ctx.clone());
         let run = move || {
-            // Whoever cancelled it does not listen any more.
+            // The receiver is gone if the job was cancelled.
             let _ = sender.send(work(&theirs));
             ctx.request_repaint();
         };
@@ -69,7 +69,7 @@ impl<T: Send + 'static> Job<T> {
         Self { handle, result }
     }
 
-    /// Its result, once. A worker that died gives none: `Err`.
+    /// The result, once. `Err` if the worker panicked.
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(Ok(result)),
@@ -80,19 +80,19 @@ impl<T: Send + 'static> Job<T> {
         }
     }
 
-    /// Asks it to end.
+    /// Requests the end.
     pub fn cancel(&self) {
         self.handle.0.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Draws how far it is and a button to cancel it; true when that was pressed.
+    /// Draws progress and a button to cancel; true when the button was pressed.
     pub fn ui(&self, ui: &mut Ui) -> bool {
         ui.ctx().request_repaint_after_secs(0.1);
         let text = self.handle.0.doing.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let reached = self.handle.0.reached.load(Ordering::Relaxed) as f32 / 1000.0;
         let mut cancelled = false;
         ui.horizontal(|ui| {
-            // First, so that it stays in its place while the rest changes.
+            // The button comes first, so that it stays in its place while the text changes.
             cancelled = ui.button("Cancel").clicked();
             ui.spinner();
             if reached > 0.0 {

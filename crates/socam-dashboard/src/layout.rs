@@ -1,4 +1,4 @@
-//! Which view is shown, and what else is remembered from one start to the next.
+//! The layout: the view that is shown and the settings that are kept from one start to the next.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::theme::Look;
 
-/// What the window shows.
+/// A view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "each is named by its tab")]
 pub enum View {
@@ -25,7 +25,7 @@ impl View {
     pub const ALL: [Self; 6] =
         [Self::Live, Self::Time, Self::Frequency, Self::Check, Self::Parameters, Self::Diagnosis];
 
-    /// Those that are worth a tab here.
+    /// Views that have a tab on this platform.
     pub(crate) fn reachable() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|view| crate::live::REACHABLE || *view != Self::Live)
     }
@@ -44,7 +44,7 @@ impl View {
     }
 }
 
-/// What is remembered from one start to the next.
+/// Settings that are kept from one start to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layout {
@@ -52,13 +52,13 @@ pub struct Layout {
     pub view: View,
     /// Light or dark.
     pub look: Look,
-    /// Size of everything, 1 is normal.
+    /// Zoom factor; 1 is normal.
     pub zoom: f32,
     /// The folder that was last opened from.
     pub folder: PathBuf,
     /// The device that was last connected to.
     pub device: String,
-    /// Size of the window, points of a normal size of everything.
+    /// Size of the window, points at zoom 1.
     pub window: [f32; 2],
     /// Widths of the panels at the left, points, by name.
     pub panels: BTreeMap<String, f32>,
@@ -78,29 +78,29 @@ impl Default for Layout {
     }
 }
 
-/// Widths of panels, where whoever draws one finds them.
+/// Widths of panels by name, points; kept in the data of the egui context.
 type Panels = BTreeMap<String, f32>;
 
 fn place() -> Id {
     Id::unique("widths of panels")
 }
 
-/// Has panels be as wide as they were.
+/// Restores the widths of panels.
 pub(crate) fn set_panels(ctx: &egui::Context, panels: &Panels) {
     ctx.data_mut(|data| data.insert_temp(place(), panels.clone()));
 }
 
-/// How wide panels are.
+/// Widths of panels.
 pub(crate) fn panels(ctx: &egui::Context) -> Panels {
     ctx.data(|data| data.get_temp(place())).unwrap_or_default()
 }
 
-/// How wide a panel is at first.
+/// Width of a panel when it is first drawn.
 pub(crate) fn panel(ui: &Ui, name: &str, usual: f32) -> f32 {
     panels(ui.ctx()).get(name).copied().unwrap_or(usual)
 }
 
-/// Keeps how wide a panel is.
+/// Stores the width of a panel.
 pub(crate) fn keep_panel(ui: &Ui, name: &str, width: f32) {
     ui.ctx().data_mut(|data| data.get_temp_mut_or_default::<Panels>(place()).insert(name.to_owned(), width));
 }

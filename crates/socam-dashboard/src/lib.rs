@@ -1,8 +1,8 @@
 //! The dashboard: panels over plain state.
 //!
-//! [`Dashboard`] is everything that is shown; [`Dashboard::ui`] draws it into whatever window there is: the host's, a browser's, or none
-//! ([`picture`] draws without a display, which is how reports and tests see it). Opening files and diagnosing run on
-//! threads ([`job`]); a running bench is at the other end of two channels ([`live`]), so that no picture ever holds up a sample.
+//! [`Dashboard`] holds the state; [`Dashboard::ui`] draws it into a window of the host or of a browser, and [`picture`] draws it without
+//! a display, for reports and tests. Files are opened and diagnoses made on threads ([`job`]). A running bench is connected by two
+//! channels ([`live`]), so that drawing never delays sampling.
 //!
 //! SI inside, unit in the name.
 

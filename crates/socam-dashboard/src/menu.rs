@@ -1,4 +1,4 @@
-//! File, Edit, View, Input Signal, Help; and the keys of the same.
+//! The menus File, Edit, View, Input Signal and Help, and their keyboard shortcuts.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn enabled_item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<KeyboardSho
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
     let response = ui.add_enabled(enabled, button);
-    // Without its keys, which are no part of its name.
+    // The shortcut is not part of the accessible name.
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     response.clicked()
 }
@@ -108,7 +108,7 @@ impl Dashboard {
             self.live.signal.redo();
         }
         ui.separator();
-        // They act on what the live view shows, so that it is seen what they did.
+        // These change the live view, so it is shown.
         if item(ui, "Cut input signal", Some(with_ctrl(Key::X))) {
             ui.ctx().copy_text(self.live.signal.text());
             self.live.signal.change(Settings::default());
@@ -170,7 +170,7 @@ impl Dashboard {
         ctx.set_zoom_factor(self.layout.zoom);
     }
 
-    /// A page has its own dialogs: it asks for files, and offers what is saved for download.
+    /// A page in a browser uses its own dialogs and offers saved files for download.
     #[cfg(target_arch = "wasm32")]
     fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
         match purpose {
@@ -205,7 +205,7 @@ impl Dashboard {
                 self.layout.view = view;
             }
         }
-        // What is typed into a field is undone and pasted there.
+        // Text fields handle undo and paste themselves.
         if ctx.egui_wants_keyboard_input() {
             return;
         }
@@ -238,7 +238,7 @@ impl Dashboard {
         }
     }
 
-    /// Writes this pass' picture, or what it is made of, where that was asked for.
+    /// Writes the picture of this pass, or its data, if an export was requested.
     pub(crate) fn export(&mut self, ctx: &egui::Context) {
         let Some(path) = self.exporting.take() else { return };
         let bytes = content(self, ctx, &path);
@@ -246,7 +246,7 @@ impl Dashboard {
     }
 }
 
-/// What a file of that name is to hold. Menus and dialogs are in layers of their own and are left out.
+/// Contents of the export file, by its extension. Menus and dialogs are in layers of their own and are left out.
 fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Vec<u8>, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let part = ctx.content_rect();

@@ -9,7 +9,7 @@ use crate::job::Handle;
 use crate::recording::Recording;
 use crate::save;
 
-/// Writes a file whole or not at all, and never over another.
+/// Writes a file atomically; an existing file is never replaced.
 ///
 /// # Errors
 /// When there is such a file already, or it cannot be written; one sentence.
@@ -34,7 +34,7 @@ pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// What became of saving a recording: where, and in a browser the bytes.
+/// Result of saving a recording: its path and, in a browser, its bytes.
 pub(crate) type Saved = Result<(PathBuf, Option<Vec<u8>>), String>;
 
 /// Writes a recording, by its name as `.csv` or `.m`.
@@ -47,7 +47,7 @@ pub(crate) fn save(recording: &Recording, path: &Path, handle: &Handle) -> Resul
         return Err(format!("{} exists already; choose another name", path.display()));
     }
     let mut file = socam_recording::OutputFile::create(path).map_err(|error| error.to_string())?;
-    let written = save::write(recording, path, &mut Watched { out: &mut file, handle });
+    let written = save::write(recording, path, &mut Cancellable { out: &mut file, handle });
     if handle.is_cancelled() {
         return Err(CANCELLED.into());
     }
@@ -64,15 +64,15 @@ pub(crate) fn save(recording: &Recording, path: &Path, _: &Handle) -> Result<Opt
     Ok(Some(bytes))
 }
 
-/// Stops writing once nobody waits any more.
+/// A writer that fails once the job is cancelled.
 #[cfg(not(target_arch = "wasm32"))]
-struct Watched<'a, W> {
+struct Cancellable<'a, W> {
     out: W,
     handle: &'a Handle,
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-impl<W: std::io::Write> std::io::Write for Watched<'_, W> {
+impl<W: std::io::Write> std::io::Write for Cancellable<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         if self.handle.is_cancelled() {
             return Err(std::io::Error::other(CANCELLED));
@@ -86,7 +86,7 @@ impl<W: std::io::Write> std::io::Write for Watched<'_, W> {
 }
 
 impl Dashboard {
-    /// Puts a file where it was asked for, and says so.
+    /// Writes a file and reports it.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn put(&mut self, path: &Path, bytes: Result<Vec<u8>, String>) {
         match bytes.and_then(|bytes| write_new(path, &bytes)) {
@@ -104,7 +104,7 @@ impl Dashboard {
         }
     }
 
-    /// Opens a file that was handed over to the page, whatever it is.
+    /// Opens a file that was given to the page.
     #[cfg(target_arch = "wasm32")]
     pub fn take_file(&mut self, ctx: &egui::Context, name: &str, bytes: Vec<u8>) {
         let is_text = name.ends_with(".json") || name.ends_with(".toml");
@@ -121,13 +121,13 @@ impl Dashboard {
         self.opening.push(crate::job::Job::start(&title, ctx, open));
     }
 
-    /// Files for download since this was asked last.
+    /// Files for download since the last call.
     #[cfg(target_arch = "wasm32")]
     pub fn take_leaving(&mut self) -> Vec<(String, Vec<u8>)> {
         std::mem::take(&mut self.leaving)
     }
 
-    /// Whether the page is to ask for files to open; once for each time.
+    /// Whether the page should ask for files to open; resets the request.
     #[cfg(target_arch = "wasm32")]
     pub fn take_wish_for_files(&mut self) -> bool {
         std::mem::take(&mut self.wishes_files)

@@ -1,4 +1,4 @@
-//! Parameters with their intervals, what is not determined, and what would settle it: the answer of `identify --json`.
+//! The parameters view: the document of `identify --json` with values, intervals and notes.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use serde::Deserialize;
 use crate::draw::chart;
 use crate::theme;
 
-/// Form of the document that is read.
+/// Schema of the document.
 pub const SCHEMA: &str = "socam.identification/1";
 
-/// An identification as its JSON document has it.
+/// The fields of the document that are shown.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Identification {
     /// Method id.
@@ -25,12 +25,12 @@ pub struct Identification {
     pub converged: bool,
     /// All parameters.
     pub parameters: Vec<Parameter>,
-    /// What is determined where parameters are not.
+    /// Combinations of parameters that are determined.
     #[serde(default)]
     pub combinations: Vec<Parameter>,
     /// How well the model fits.
     pub fit: Fit,
-    /// What would settle what has no number.
+    /// Advice for parameters that are not determined.
     #[serde(default)]
     pub advice: Vec<String>,
     /// Anything a careful reader should know.
@@ -50,13 +50,13 @@ pub struct Parameter {
     /// 95 % interval; an open end is `None`.
     #[serde(default)]
     pub ci95: [Option<f64>; 2],
-    /// Whether the data determine it; combinations do not say.
+    /// Whether the data determine it; absent for combinations.
     #[serde(default)]
     pub identifiable: Option<bool>,
     /// `data`, `prior` or `fixed`.
     #[serde(default)]
     pub source: String,
-    /// Parameters that it cannot be told apart from.
+    /// Parameters that are strongly correlated with it.
     #[serde(default)]
     pub determined_with: Vec<String>,
     /// In terms of parameters, for combinations.
@@ -166,7 +166,7 @@ fn known(parameter: &Parameter) -> String {
     parameter.note.clone()
 }
 
-/// The interval relative to the value, on a scale of +-50 %: what counts as determined.
+/// Draws the interval relative to the value on a scale of +-50 %, the limit for a determined parameter.
 fn whisker(ui: &mut Ui, value: f64, ci95: [Option<f64>; 2]) {
     let (rect, response) = ui.allocate_exact_size(vec2(110.0, 14.0), Sense::hover());
     let painter = ui.painter_at(rect);

@@ -1,4 +1,4 @@
-//! An opened recording: what is said of it, and its samples.
+//! An opened recording: its description and its samples.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,20 +13,20 @@ use crate::samples::Samples;
 /// A recording that is open.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// What is said of it.
+    /// Description.
     pub about: About,
     /// Its samples.
     pub samples: Arc<Samples>,
-    /// Where it came from; `None` for one that was made or dropped into a browser.
+    /// Its file; `None` if it was simulated here or dropped into a browser.
     pub path: Option<PathBuf>,
 }
 
-/// Values beyond which a recording gets an index on the disk.
+/// Number of values above which a recording gets an index file.
 #[cfg(not(target_arch = "wasm32"))]
 const MOST_IN_MEMORY: u64 = 16 << 20;
 
 impl Recording {
-    /// A recording of what a dataset holds.
+    /// Loads a dataset into memory.
     ///
     /// # Errors
     /// When its file cannot be read again, as one sentence.
@@ -46,7 +46,7 @@ impl Recording {
         Ok(Self { about, samples, path: None })
     }
 
-    /// Opens what was handed over to the page under a name.
+    /// Opens a file that was given to the page under a name.
     ///
     /// # Errors
     /// When it is no recording; one sentence.
@@ -56,7 +56,7 @@ impl Recording {
         Ok(Self { path: Some(name.into()), ..Self::of(&data, handle)? })
     }
 
-    /// Opens `RUN` or `RUN@FROM..TO`. A long one gets an index in the user's cache, from which it opens at once the next time.
+    /// Opens `RUN` or `RUN@FROM..TO`. A long recording gets an index file in the user's cache, which makes the next opening fast.
     ///
     /// # Errors
     /// When it is no recording, cannot be read, or opening was cancelled; one sentence.
@@ -91,8 +91,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Its samples for whoever computes with them. One that came from a file is read again, so that no digit is lost; one that was
-    /// made here is what is drawn.
+    /// The samples in full precision: read again from the file if there is one, else the samples that are drawn.
     ///
     /// # Errors
     /// When its file cannot be read again; one sentence.

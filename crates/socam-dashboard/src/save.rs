@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::recording::Recording;
 
-/// Writes a recording as `.csv` in SI, or as the `.m` of the thesis' program, as the name says.
+/// Writes a recording as `.csv` in SI, or as `.m` of the thesis' program, by the extension of the name.
 ///
 /// # Errors
 /// When the name ends in something else, the recording cannot be read again, or the stream cannot be written; one sentence.
@@ -21,11 +21,11 @@ pub(crate) fn write(recording: &Recording, name: &Path, out: &mut impl std::io::
     }
 }
 
-/// Rows that the thesis' program could hold, and that its readers expect.
+/// Greatest number of rows of the thesis' program.
 const LEGACY_ROWS: usize = 10_000;
 
-/// The log as the thesis' program wrote it: settings, then five columns in volts, the command last. Speeds are turned back into
-/// volts of their tachometers, torques stay what they are only if they are in volts.
+/// The log in the format of the thesis' program: settings, then five columns in V, the command last. Channels in SI are converted to
+/// volts of their sensors.
 fn legacy(recording: &Recording) -> Result<String, String> {
     use socam_core::scaling::Sensor;
     use std::fmt::Write;

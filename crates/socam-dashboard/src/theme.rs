@@ -1,17 +1,17 @@
 //! Colours, fonts and spacing, light and dark.
 //!
-//! Lines are told apart by the colours of Okabe and Ito, which people with any kind of colour blindness can tell apart, lightened on
-//! dark ground; nothing is said by colour alone.
+//! Lines have the colours of Okabe and Ito, which can be distinguished with any kind of colour blindness, lightened on a dark
+//! background. No information is given by colour alone.
 
 use crate::draw::style::{MarkerShape, Style};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
 
-/// How the window looks.
+/// Light or dark appearance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Look {
-    /// Dark text on light ground.
+    /// Dark text on a light background.
     Light,
-    /// Light text on dark ground.
+    /// Light text on a dark background.
     Dark,
 }
 
@@ -49,14 +49,14 @@ const LINES_DARK: [Color32; 8] = [
     rgb(0xb79ae0),
 ];
 
-/// The colour of the line of this number. After eight they come again, with markers on the lines: see [`marker`].
+/// The colour of the line of this number. Colours repeat after eight lines, with markers on the lines: see [`marker`].
 #[must_use]
 pub fn line(ui: &Ui, number: usize) -> Color32 {
     let colours = if ui.visuals().dark_mode { &LINES_DARK } else { &LINES_LIGHT };
     colours[number % colours.len()]
 }
 
-/// What tells the line of this number from one that has its colour already.
+/// The marker that distinguishes the line of this number from another one of its colour.
 #[must_use]
 pub fn marker(number: usize) -> Option<MarkerShape> {
     const SHAPES: [MarkerShape; 5] =
@@ -71,40 +71,40 @@ pub fn style(number: usize) -> Style {
     marker(number).map_or(Style::Solid, Style::Marked)
 }
 
-/// What is wrong, and what a finding points at.
+/// Colour of errors and of places of findings.
 #[must_use]
 pub fn alarm(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0xff8a4c) } else { rgb(0xc24e00) }
 }
 
-/// What is in order, and what a correction achieved.
+/// Colour of success and of the corrected model.
 #[must_use]
 pub fn good(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0x56b4e9) } else { rgb(0x0072b2) }
 }
 
-/// The ground behind an alarm.
+/// Background of an alarm.
 #[must_use]
 pub fn alarm_ground(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0x3a2517) } else { rgb(0xfdeadd) }
 }
 
-/// The stop button.
+/// Colour of the stop button.
 pub const STOP: Color32 = rgb(0xc1121f);
 
-/// What is less important.
+/// Colour of secondary text.
 #[must_use]
 pub fn weak(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0x9aa4ad) } else { rgb(0x5d6770) }
 }
 
-/// Lines of charts' grids.
+/// Colour of the lines of grids.
 #[must_use]
 pub fn grid(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0x3a434c) } else { rgb(0xc3ccd3) }
 }
 
-/// The ground of cards.
+/// Background of cards.
 #[must_use]
 pub fn card(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { rgb(0x1d2227) } else { rgb(0xffffff) }
@@ -140,7 +140,7 @@ fn light() -> Visuals {
     visuals.window_fill = rgb(0xffffff);
     visuals.extreme_bg_color = rgb(0xffffff);
     visuals.faint_bg_color = rgb(0xe9edf0);
-    // To be seen on white cards.
+    // Visible on white cards.
     visuals.text_edit_bg_color = Some(rgb(0xeaeef1));
     visuals.selection.bg_fill = rgb(0xcfe5f5);
     visuals.selection.stroke = Stroke::new(1.0, rgb(0x00466f));

@@ -1,4 +1,4 @@
-//! Why no experiment can be proposed.
+//! Errors of the experiment design.
 
 /// One sentence: what, where, what was expected, what to do.
 #[derive(Debug, thiserror::Error)]

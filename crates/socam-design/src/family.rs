@@ -5,17 +5,17 @@ use socam_recording::{Course, ProfileFile};
 
 use crate::Limits;
 
-/// Slowest line, Hz, and the fastest that the sampling of a second's thousandths carries well.
+/// Lowest and highest frequency, Hz, at a sampling rate of 1 kHz.
 const SLOWEST_HZ: f64 = 0.5;
 const FASTEST_HZ: f64 = 200.0;
-/// Lines that a board's multisine holds, less a few.
+/// Greatest number of lines, a few less than a board's multisine holds.
 const MOST_LINES: f64 = 250.0;
-/// Part of the voltage that a one-way profile keeps away from zero.
+/// Least command of a one-way profile, as a fraction of the voltage limit.
 const LEAST: f64 = 0.05;
-/// Part of the voltage that is asked for: the peak of a sum is known to a little less than exactly.
+/// Fraction of the voltage limit that is used, since the peak of a multisine is known only approximately.
 const FULL: f64 = 0.98;
 
-/// Starts of the search: every family, at rest and at speed, over narrow and wide bands.
+/// Start profiles of the search: every family, at rest and at speed, over narrow and wide bands.
 pub(crate) fn first(limits: &Limits) -> Vec<ProfileFile> {
     let mut all = Vec::new();
     let means: &[f64] = if limits.one_way { &[0.35, 0.6] } else { &[0.0, 0.35, 0.6] };
@@ -33,7 +33,7 @@ pub(crate) fn first(limits: &Limits) -> Vec<ProfileFile> {
     all
 }
 
-/// Profiles near one: in band, mean, length of a period or of a step, and phases.
+/// Neighbours of a profile: other bands, means, lengths of a period or step, and phases.
 pub(crate) fn near(profile: &ProfileFile, limits: &Limits, round: u32) -> Vec<ProfileFile> {
     let factor = [1.8, 1.4, 1.2][round.min(2) as usize];
     let shift = limits.voltage * [0.2, 0.1, 0.05][round.min(2) as usize];
@@ -87,10 +87,10 @@ pub(crate) fn near(profile: &ProfileFile, limits: &Limits, round: u32) -> Vec<Pr
     all
 }
 
-/// The same about its mean with the largest amplitude that the voltage allows; `None` where the mean leaves none.
+/// The profile with the largest amplitude about its mean that the voltage limit allows; `None` if there is none.
 fn filled(mut course: Course, limits: &Limits) -> Option<Course> {
     if let Course::Multisine { from_hz, to_hz, period_s, .. } = &mut course {
-        // Lines are as far apart as the period is short.
+        // The distance between lines is the inverse of the period.
         let longest = (1e3 * MOST_LINES / (*to_hz - *from_hz)).floor() * 1e-3;
         *period_s = period_s.min(longest);
         *from_hz = from_hz.max(1.0 / *period_s);
@@ -124,7 +124,7 @@ fn profile(limits: &Limits, course: Course) -> ProfileFile {
 }
 
 fn multisine(limits: &Limits, mean: f64, (from_hz, to_hz): (f64, f64)) -> ProfileFile {
-    // A whole number of thousandths, and no longer than half the recording.
+    // A whole number of ms, and no longer than half the recording.
     let period_s = if limits.duration_s >= 8.0 { 4.0 } else { 2.0 };
     let offset = mean * limits.voltage;
     let course =

@@ -1,12 +1,12 @@
-//! What makes an experiment good.
+//! Criteria of an experiment.
 
 use serde::Serialize;
 use socam_identify::{Information, Problem};
 
-/// What is not determined counts as this wide, relative.
+/// Relative width of a quantity that is not determined.
 pub(crate) const UNDETERMINED: f64 = 1.0;
 
-/// A parameter or combination and half its 95 % interval over its value.
+/// A parameter or combination with the relative half-width of its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Width {
     /// Name.
@@ -15,7 +15,7 @@ pub struct Width {
     pub relative: Option<f64>,
 }
 
-/// Widths that a fit to recordings with this information would report, parameters first; known ones are left out.
+/// Expected widths of a fit to recordings with this information, parameters first; known ones are left out.
 #[must_use]
 pub fn widths(information: &Information, problem: &Problem<'_>, values: &[f64]) -> Vec<Width> {
     let (parameters, combinations) = information.estimates(problem, values);
@@ -30,7 +30,7 @@ pub fn widths(information: &Information, problem: &Problem<'_>, values: &[f64]) 
         .collect()
 }
 
-/// Widest of the wanted quantities, and after it the mean of their logarithms: the one is what counts, the other breaks ties.
+/// The widest of the wanted quantities, and the mean of their logarithms to break ties.
 pub(crate) fn score(widths: &[Width], wanted: &[String]) -> (f64, f64) {
     let own: Vec<f64> = wanted
         .iter()

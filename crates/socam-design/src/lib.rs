@@ -1,8 +1,8 @@
-//! The next experiment: the profile that would tell most, under the limits of a rig.
+//! Experiment design: the most informative profile within the limits of a rig.
 //!
-//! Profiles of several families are run on a virtual bench of the model, without noise; what each would tell is read from the
-//! slopes of the model along it ([`socam_identify::Information`]). [`sharpest`] shrinks the widest interval of what can be
-//! determined, [`telling_apart`] leaves a rival model the most that it cannot imitate. The best of a first round is then refined.
+//! Profiles of several families are run on a virtual bench of the model without noise; the sensitivities of the model along each give
+//! its Fisher information ([`socam_identify::Information`]). [`sharpest`] minimises the widest interval of the quantities that can be
+//! determined, [`telling_apart`] maximises the misfit that remains after a fit of a rival model. The best of a first round are refined.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 

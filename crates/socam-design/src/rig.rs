@@ -7,15 +7,15 @@ use socam_sim::{Setup, SimError};
 
 use crate::DesignError;
 
-/// What a proposal keeps of each limit: the real bench is not quite the model.
+/// Fraction of each limit that a proposal uses, as a margin for model errors.
 const MARGIN: f64 = 0.9;
-/// Sampling period of the runs that are tried, us.
+/// Sampling period of trial runs, us.
 pub(crate) const PERIOD_US: u32 = 1000;
-/// A profile that goes too far is made so much weaker than its excess, at most so many times.
+/// Factor beyond its excess by which a profile that violates a limit is attenuated, and the greatest number of attempts.
 const SOFTER: f64 = 0.97;
 const ATTEMPTS: usize = 4;
 
-/// What a rig may be asked for; torques, speeds and the like are limited by its calibration's channels.
+/// Limits of the command; those of torques and speeds are in the calibration's channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Largest command, V.
@@ -35,17 +35,17 @@ pub struct Rig {
     pub(crate) limits: Limits,
 }
 
-/// A profile that the rig ran, and what was recorded.
+/// A profile and its recording.
 pub(crate) struct Run {
     pub(crate) profile: ProfileFile,
     pub(crate) data: Dataset,
 }
 
 impl Rig {
-    /// A rig like `setup`, whose calibration says what its channels may reach.
+    /// A rig like `setup`; its calibration has the limits of its channels.
     ///
     /// # Errors
-    /// When a limit cannot be meant.
+    /// When a limit is invalid.
     pub fn new(setup: Setup, limits: Limits) -> Result<Self, DesignError> {
         let refuse = |what, value, expected| Err(DesignError::Limit { what, value, expected });
         if !(limits.voltage > 0.0 && limits.voltage <= setup.calibration.clamp_v) {
@@ -64,13 +64,13 @@ impl Rig {
         Ok(Self { setup, limits })
     }
 
-    /// The same rig about another model.
+    /// The same rig with another model.
     pub(crate) fn with_setup(&self, setup: Setup) -> Self {
         Self { setup, limits: self.limits }
     }
 
-    /// Noise that its recordings have, for a model's channels: that of the model file, else that of the bench's sensors; inputs
-    /// other than speeds count as exact, as they do in an identification.
+    /// Noise levels of a model's channels: those of the model file, else those of the bench's sensors; inputs other than speeds count as
+    /// exact, as in an identification.
     #[must_use]
     pub fn noise(&self, model: &Model) -> NoiseLevels {
         let noisy = Setup { noisy: true, ..self.setup.clone() };
@@ -96,7 +96,7 @@ impl Rig {
         }
     }
 
-    /// Runs a profile without noise, weaker where it would pass a limit; `None` where that does not help.
+    /// Runs a profile without noise, attenuated if it would violate a limit; `None` if that does not help.
     pub(crate) fn run(&self, profile: &ProfileFile) -> Result<Option<Run>, DesignError> {
         let mut profile = profile.clone();
         let mut free = Setup { noisy: false, ..self.setup.clone() };
@@ -105,7 +105,7 @@ impl Rig {
             let Ok(course) = profile.profile(PERIOD_US) else { return Ok(None) };
             let data = match free.record("proposal", &course, PERIOD_US) {
                 Ok(data) => data,
-                // A converter at its end, before any limit.
+                // A saturated converter violates the limits too.
                 Err(SimError::Fault { .. }) => {
                     soften(&mut profile, 0.6);
                     continue;
@@ -121,7 +121,7 @@ impl Rig {
         Ok(None)
     }
 
-    /// Largest value over what is allowed, over all channels.
+    /// Largest ratio of a value to its limit, over all channels.
     fn excess(&self, data: &Dataset) -> f64 {
         let limit = |name: &str| {
             let channel = self.setup.calibration.channels.iter().find(|c| c.channel.name == name);
@@ -135,7 +135,7 @@ impl Rig {
     }
 }
 
-/// Makes what moves about the mean weaker; of a staircase its steps.
+/// Attenuates the motion about the mean; of a staircase, its steps.
 fn soften(profile: &mut ProfileFile, factor: f64) {
     match &mut profile.course {
         Course::Multisine { amplitude, offset, .. }
@@ -144,7 +144,7 @@ fn soften(profile: &mut ProfileFile, factor: f64) {
         | Course::Sine { amplitude, offset, .. }
         | Course::Triangle { amplitude, offset, .. } => {
             *amplitude *= factor;
-            // Where the mean itself is too much, it gives way too.
+            // The mean is attenuated too if it violates a limit itself.
             if factor < 0.5 {
                 *offset *= factor.sqrt();
             }

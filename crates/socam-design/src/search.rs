@@ -12,7 +12,7 @@ use crate::{DesignError, family};
 
 /// Rounds of refinement.
 const ROUNDS: u32 = 3;
-/// Profiles whose rivals are fitted in full.
+/// Number of profiles for which the rival is fitted in full.
 const FITTED: usize = 3;
 /// Iterations of such a fit.
 const ITERATIONS: usize = 25;
@@ -20,35 +20,35 @@ const ITERATIONS: usize = 25;
 /// A profile that was tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
-    /// The profile, as weak as the limits wanted it.
+    /// The profile, attenuated to the limits.
     pub profile: ProfileFile,
-    /// The smaller the better: of a sharp experiment the widest relative half-width.
+    /// Score, the smaller the better; of [`sharpest`] the widest relative half-width.
     pub score: f64,
-    /// Of a sharp experiment: all widths.
+    /// All widths, of [`sharpest`].
     pub widths: Vec<Width>,
-    /// Of rivals: root of the sum of squares, in noise units, that the rival cannot imitate.
+    /// Of [`telling_apart`]: root of the chi-square that remains after a fit of the rival.
     pub distance: Option<f64>,
 }
 
-/// What the search came to.
+/// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     /// The best.
     pub best: Tried,
     /// The best of each family in the first round, best first.
     pub others: Vec<Tried>,
-    /// Quantities whose widest interval was shrunk.
+    /// Quantities whose widest interval was minimised.
     pub wanted: Vec<String>,
     /// How many profiles were run.
     pub tried: usize,
 }
 
-/// What a model makes of a run.
+/// Evaluation of a run.
 struct Judge<'a> {
     model: &'a Model,
     values: Vec<f64>,
     levels: NoiseLevels,
-    /// What recordings that exist say already.
+    /// Information of existing recordings.
     known: Option<Information>,
 }
 
@@ -82,10 +82,10 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Widths that a profile would leave on a rig, and the profile as weak as its limits want it; `None` where it does not run.
+/// Expected widths of a profile on a rig, and the profile attenuated to its limits; `None` if it cannot run.
 ///
 /// # Errors
-/// When the bench cannot be simulated, or the model not be fitted.
+/// When the bench cannot be simulated, or the model cannot be fitted.
 pub fn foretell(
     rig: &Rig,
     model: &Model,
@@ -97,11 +97,11 @@ pub fn foretell(
     Ok(judge.widths(&run)?.map(|widths| (run.profile, widths)))
 }
 
-/// The profile that makes the widest interval narrowest, among what some profile within the limits determines at all.
-/// `recorded` counts as done already; `progress` hears after each profile how many were tried.
+/// The profile that minimises the widest interval of the quantities that some profile within the limits determines. The information of
+/// `recorded` is added; `progress` is called after each profile with the number of tried profiles.
 ///
 /// # Assumes
-/// The model's values are near the truth, its drive as fast as the virtual bench's, and residuals will be noise.
+/// The model's values are near the truth, its drive is as fast as that of the virtual bench, and residuals will be noise.
 ///
 /// # Errors
 /// When nothing runs, nothing is determined, or the bench cannot be simulated.
@@ -153,7 +153,7 @@ pub fn sharpest(
     Ok(Design { best: best.1, others, wanted, tried })
 }
 
-/// The profile along which two models differ by the most that neither can imitate by moving its parameters.
+/// The profile that maximises the misfit between two models that remains after fits of either to the other.
 ///
 /// # Errors
 /// As [`sharpest`].
@@ -167,7 +167,7 @@ pub fn telling_apart(
     let other_rig = rig.with_setup(Setup { truth: other, ..rig.setup.clone() });
     let sides = [(Judge::new(rival, rig, &[])?, rig), (Judge::new(model, rig, &[])?, &other_rig)];
     let count = std::sync::atomic::AtomicUsize::new(0);
-    // Squares that each leaves of the other's recording; the smaller one counts.
+    // Chi-square that a fit of each model leaves of the other's recording; the smaller one counts.
     let apart = |profile: &ProfileFile, fitted: bool| -> Result<Option<Tried>, DesignError> {
         let mut least = f64::INFINITY;
         let mut profile = profile.clone();
@@ -195,7 +195,7 @@ pub fn telling_apart(
             last: "every family of profiles passes a limit of a channel".into(),
         });
     }
-    // What slopes promise, a full fit may take away: the best few of different families are fitted.
+    // A full fit may explain more than its linearisation: the best profiles of different families are fitted in full.
     let few: Vec<ProfileFile> =
         first_of_each(firsts.iter()).into_iter().take(FITTED).map(|tried| tried.profile).collect();
     let others = all(&few, true)?;
@@ -214,7 +214,7 @@ pub fn telling_apart(
     Ok(Design { best, others, wanted: Vec::new(), tried })
 }
 
-/// What a model leaves of another one's recording after a fit.
+/// Chi-square that a fit of a model leaves of another one's recording.
 fn fitted_left(judge: &Judge<'_>, data: &[Dataset]) -> Result<Option<f64>, DesignError> {
     let problem = judge.problem(data)?;
     let noise_model = comparison::NoiseModel::new(&[&problem], &judge.values, judge.levels.clone())?;
@@ -223,7 +223,7 @@ fn fitted_left(judge: &Judge<'_>, data: &[Dataset]) -> Result<Option<f64>, Desig
     Ok(fitted.map(|measured| measured.total()))
 }
 
-/// What at least one profile determines.
+/// Quantities that at least one profile determines.
 fn wanted(found: &[(ProfileFile, Vec<Width>)]) -> Vec<String> {
     let Some((_, first)) = found.first() else { return Vec::new() };
     let determined = |name: &String| {
@@ -233,11 +233,11 @@ fn wanted(found: &[(ProfileFile, Vec<Width>)]) -> Vec<String> {
 }
 
 fn order(a: (f64, f64), b: (f64, f64)) -> std::cmp::Ordering {
-    // Differences of a thousandth in the widest are none.
+    // Differences of 0.1 % in the widest do not count.
     if (a.0 - b.0).abs() <= 1e-3 * b.0 { a.1.total_cmp(&b.1) } else { a.0.total_cmp(&b.0) }
 }
 
-/// The first of each kind of course.
+/// The first profile of each family.
 fn first_of_each<'t>(ranked: impl Iterator<Item = &'t Tried>) -> Vec<Tried> {
     let mut kept: Vec<Tried> = Vec::new();
     for tried in ranked {

@@ -1,4 +1,4 @@
-//! Why no efficiency can be given.
+//! Errors of the efficiency measurement.
 
 /// One sentence: what, where, what was expected, what to do.
 #[derive(Debug, thiserror::Error)]

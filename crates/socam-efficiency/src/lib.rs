@@ -1,8 +1,8 @@
-//! Efficiency of what lies between two torque sensors, from recordings: losses by their laws, with uncertainty.
+//! Efficiency of the section between two torque sensors from recordings: losses by their laws, with uncertainty.
 //!
-//! [`measure`] turns recordings into [`Moment`]s, fits [`Losses`] to them, and holds both tachometers against each other. Where the
-//! drive is positive (gears, shafts and couplings that cannot slip), output and input speed are tied, efficiency is a ratio of
-//! torques, and a difference between speeds is a tachometer's gain. [`map`] draws efficiency over speed and torque.
+//! [`measure`] turns recordings into [`Moment`]s, fits [`Losses`] to them, and compares both tachometers. In a positive drive (gears,
+//! shafts and couplings that cannot slip) the speed ratio is fixed, efficiency is a ratio of torques, and a difference between speeds is
+//! a gain error of a tachometer. [`map`] draws efficiency over speed and torque.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 
@@ -27,10 +27,10 @@ pub use tachometers::Tachometers;
 /// Version of [`Efficiency`]'s JSON form.
 pub const SCHEMA: &str = "socam.efficiency/1";
 
-/// Operating points that are told one by one.
+/// Number of operating points that are listed.
 const POINTS: usize = 5;
 
-/// The answer.
+/// The result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Efficiency {
     /// [`SCHEMA`].
@@ -39,19 +39,19 @@ pub struct Efficiency {
     pub model: String,
     /// Recordings.
     pub recordings: Vec<String>,
-    /// What is measured: from one torque sensor to the other.
+    /// Channels of the torque sensors at both ends of the section.
     pub between: [String; 2],
     /// Input turns per output turn.
     pub ratio: f64,
-    /// Whether output speed was taken from the ratio, and not from its tachometer.
+    /// Whether the output speed was computed from the ratio, and not taken from its tachometer.
     pub kinematic_constraint: bool,
     /// Losses by their laws.
     pub losses: Losses,
-    /// What the tachometers say of each other.
+    /// Comparison of the tachometers.
     pub tachometers: Option<Tachometers>,
     /// Efficiency at typical operating points of the recordings.
     pub points: Vec<Point>,
-    /// What a careful reader should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Speed and torque of all driven moments.
     #[serde(skip)]
@@ -68,12 +68,11 @@ pub struct Point {
     pub torque: f64,
     /// Power out over power in.
     pub efficiency: Estimate,
-    /// The same with both tachometers believed, as section 5 of the thesis did.
+    /// The same with speeds of both tachometers, as in chapter 5 of the thesis.
     pub by_tachometers: Option<f64>,
 }
 
-/// Measures the section between a model's torque sensors. `slips`: nothing ties output and input speed, so both tachometers are
-/// believed.
+/// Measures the section between a model's torque sensors. `slips`: the speed ratio is not fixed, so both tachometers are used.
 ///
 /// # Errors
 /// When the model has no such section, a channel is missing, or the recordings hold too little motion.
@@ -125,14 +124,14 @@ pub fn measure(
     })
 }
 
-/// An efficiency by torques times a ratio of speeds, whose gains are known so well.
+/// An efficiency by torques times a ratio of speeds, with the uncertainty of the tachometers' gains.
 fn times(by_torques: Estimate, ratio: Estimate, gain_std: f64) -> Estimate {
     let value = by_torques.value * ratio.value;
     let relative = (by_torques.std / by_torques.value).hypot(ratio.std / ratio.value).hypot(gain_std);
     Estimate::new(value, relative * value.abs(), 1e6)
 }
 
-/// Operating points across the visited speeds, each with the median torque near it.
+/// Operating points across the recorded speeds, each with the median torque near it.
 fn typical(visited: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = visited.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));

@@ -1,4 +1,4 @@
-//! Losses of a section from its moments: what grows with speed, what grows with torque, and what does neither.
+//! Losses of a section from its moments: viscous, proportional to torque, and constant.
 
 mod terms;
 
@@ -10,25 +10,25 @@ use socam_calibrate::regression::{self, Regression};
 use crate::{EfficiencyError, Section, moments::Moment};
 use terms::{Scaling, Term};
 
-/// Moments overlap by half, and what a model leaves out lasts longer than one.
+/// Number of neighbouring moments with correlated errors: moments overlap by half, and model errors last longer than one.
 const LAG: usize = 3;
-/// Steps of Gauss and Newton; only the share of the torque that is lost is not linear, and hardly.
+/// Number of Gauss-Newton steps; only the torque share is nonlinear, and weakly.
 const STEPS: usize = 6;
-/// Columns that others explain but for this part of their size say nothing of their own.
+/// Columns whose independent part is smaller than this fraction count as linearly dependent.
 const LEAST_OWN: f64 = 1e-4;
-/// Estimates correlated more than this cannot be told apart.
+/// Correlation above which two estimates cannot be distinguished.
 const ENTANGLED: f64 = 0.95;
 
 /// Relative standard uncertainties of sensors' gains, standard uncertainties of their zeros (SI), by channel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorStd {
-    /// Of the gain, as a part of it.
+    /// Relative standard uncertainty of the gain.
     pub gain: Option<f64>,
-    /// Of the zero, in the channel's unit.
+    /// Standard uncertainty of the zero, in the channel's unit.
     pub offset: Option<f64>,
 }
 
-/// What is known of the section's sensors.
+/// Uncertainties of the section's sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sensors {
     /// Torque in.
@@ -44,17 +44,17 @@ pub struct Sensors {
 /// Losses on the input side: T_in - T_out / N = torque_share |T_in| + viscous w + constant, in the direction of motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Losses {
-    /// Part of the torque in that is lost, 1.
+    /// Fraction of the input torque that is lost, 1.
     pub torque_share: Option<Estimate>,
     /// N m s/rad at the input.
     pub viscous: Option<Estimate>,
     /// N m at the input.
     pub constant: Option<Estimate>,
-    /// Losses that these recordings do not tell apart.
+    /// Pairs of losses that these recordings cannot distinguish.
     pub entangled: Vec<[&'static str; 2]>,
-    /// Inertia that was found, kg m2 at the input, beside the model's.
+    /// Estimated inertia, kg m2 at the input, in addition to the model's prior.
     pub inertia: Option<Estimate>,
-    /// Scatter of moments about it, N m.
+    /// Standard deviation of the residuals of moments, N m.
     pub residual_std: f64,
     /// Number of moments.
     pub moments: usize,
@@ -62,23 +62,23 @@ pub struct Losses {
     fitted: Fitted,
 }
 
-/// Coefficients by their meaning.
+/// The regression with the terms of its coefficients.
 #[derive(Debug, Clone, PartialEq)]
 struct Fitted {
     regression: Regression,
-    /// Index of each term's coefficient.
+    /// The terms, in the order of the coefficients.
     terms: Vec<Term>,
 }
 
 impl Losses {
-    /// From moments. A sensor's gain that nobody measured counts as exact; a zero that nobody measured is estimated where motion in
-    /// both directions tells it from a constant loss, and counts as exact where it does not.
+    /// Fits the losses to moments. A sensor's gain without known uncertainty counts as exact. A zero without known uncertainty is estimated
+    /// if there is motion in both directions, which distinguishes it from a constant loss; otherwise it counts as exact.
     ///
     /// Moments are those of [`crate::moments::substantial`].
     ///
     /// # Assumes
-    /// The three laws, and torque sensors that are slow or fast alike. A loss that is none of them shows in `residual_std` and
-    /// widens the intervals, whose covariance allows for scatter that lasts.
+    /// The three laws, and torque sensors of equal bandwidth. Other losses increase `residual_std` and widen the intervals, whose covariance
+    /// allows for correlated residuals.
     ///
     /// # Errors
     /// When there are too few moments.
@@ -196,7 +196,7 @@ fn regress(
                 design[(row, column)] = term.column(moment, scaling);
                 slope += value * term.slope(moment, scaling);
             }
-            // The share also stretches the other losses: without that slope its uncertainty would not reach theirs.
+            // The share also scales the other losses: this derivative carries its uncertainty over to theirs.
             if let Some(at) = at {
                 design[(row, at)] += slope;
                 wanted[row] += slope * share;
@@ -207,7 +207,7 @@ fn regress(
     regression
 }
 
-/// Terms that are not repetitions of those before them, unless something is known of them.
+/// Linearly independent terms; terms with prior knowledge are always kept.
 fn independent(moments: &[Moment], wanted: &[Candidate]) -> Vec<Candidate> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     let mut kept = Vec::new();

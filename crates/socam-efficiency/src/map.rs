@@ -1,6 +1,6 @@
-//! Efficiency over speed and torque as a picture: colours and lines of equal efficiency, and beside them how well it is known.
+//! Maps of efficiency and of its uncertainty over speed and torque, with lines of equal efficiency.
 //!
-//! Only what the recordings visited is coloured. A number outside would be a guess of the three laws, not a measurement.
+//! Only operating points near recorded ones are coloured; other values would be extrapolated.
 
 use socam_plot::{Axis, Contour, Heat, Panel, Row};
 
@@ -8,11 +8,11 @@ use crate::Efficiency;
 
 /// Columns and rows of a map.
 const CELLS: [usize; 2] = [33, 25];
-/// A cell is drawn where a moment lies within so many cells of it.
+/// Greatest distance of a drawn cell from a moment, cells.
 const REACH: f64 = 2.6;
-/// Less efficient than this, a cell carries next to no torque: all of it is lost, and colours would be spent on that.
+/// Least efficiency of a drawn cell; below, there is almost no torque.
 const LEAST: f64 = 0.3;
-/// Points along a line of equal efficiency at which it is asked whether it is drawn there.
+/// Number of points along a line of equal efficiency at which its visibility is checked.
 const ALONG: usize = 120;
 
 /// The map of one or more sections, one row each, on common scales. `names` are their titles.
@@ -26,7 +26,7 @@ pub fn svg(sections: &[(&str, &Efficiency)]) -> String {
         values.sort_by(f64::total_cmp);
         values
     };
-    // Nine tenths of the values: a few at the edge would take all colours.
+    // The scale covers 90 % of the values, so that a few at the edge do not dominate it.
     let at = |values: &[f64], part: f64| {
         values.get((part * (values.len().max(1) - 1) as f64) as usize).copied().unwrap_or(0.0)
     };
@@ -90,7 +90,7 @@ fn cells(efficiency: &Efficiency, [speed, torque]: [f64; 2]) -> Vec<Cell> {
     (0..columns * rows).filter(|index| near[*index]).map(at).filter(|cell| cell.efficiency > LEAST).collect()
 }
 
-/// Lines of equal efficiency, which the three laws make straight: torque = (viscous speed + constant) / (1 - share - efficiency).
+/// Lines of equal efficiency, which are straight: torque = (viscous speed + constant) / (1 - share - efficiency).
 fn contours(
     efficiency: &Efficiency,
     cells: &[Cell],

@@ -1,8 +1,8 @@
-//! Recordings as moments: weighted means over a fraction of a second, in which accelerations need no differentiation.
+//! Moments of recordings: weighted means over a fraction of a second, which need no differentiation of signals.
 //!
-//! A smooth weight h(t) turns the equation of motion into one of means, and integration by parts takes derivatives from the noisy
-//! signals to the weight (the modulating functions of Shinbrot 1957): the mean of an acceleration is -int h' speed, that of a
-//! twist's second derivative int h'' torque / stiffness.
+//! The equation of motion is multiplied by a smooth weight h(t) and integrated by parts, which moves derivatives from the noisy signals to
+//! the weight (modulating functions, Shinbrot 1957): the mean of an acceleration is -int h' speed, that of the second derivative of a
+//! twist int h'' torque / stiffness.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,15 @@ use socam_recording::Dataset;
 
 use crate::{EfficiencyError, Section};
 
-/// Length of a moment, s: long beside couplings ringing at 20 Hz and more, short beside what loads do.
+/// Length of a moment, s: long compared with oscillations of couplings (20 Hz and more), short compared with changes of the load.
 const LENGTH_S: f64 = 0.16;
-/// Slower than this at any sample, friction is not that of motion, rad/s at the input.
+/// Least speed at the input, rad/s, for the laws of sliding friction; it must hold at every sample.
 const STANDSTILL_RAD_S: f64 = 2.0;
 
-/// What carries less than this part of a large torque is next to a reversal, where play and the mesh's own friction decide.
+/// Least fraction of a large torque; below, near a reversal, play and the friction of the mesh dominate.
 const LEAST_TORQUE: f64 = 0.1;
 
-/// Weighted means over one moment; of the input side where nothing else is said.
+/// Weighted means over one moment, at the input side unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// Torque in, N m.
@@ -29,14 +29,14 @@ pub struct Moment {
     pub speed: f64,
     /// Sign of the motion.
     pub direction: f64,
-    /// Size of the torque that losses are in proportion to, but for a factor: where inertia before and after it is at work, both
-    /// sensors share in it such that no acceleration is left, N m.
+    /// Magnitude of the torque that proportional losses act on, N m: the mean of both sensors, weighted so that the torque of acceleration
+    /// cancels.
     pub size: f64,
-    /// Whether the input drives, and not the load.
+    /// Whether the input drives the load.
     pub is_driven: bool,
     /// Acceleration of the input tachometer's place, rad/s2.
     pub acceleration: f64,
-    /// Second derivative of the torque in, N m/s2: what the twist between tachometer and section takes of the acceleration.
+    /// Second derivative of the torque in, N m/s2, for the acceleration of the twist between tachometer and section.
     pub torque_in_curvature: f64,
     /// Speed of the output tachometer times the ratio, rad/s.
     pub speed_out: Option<f64>,
@@ -44,7 +44,7 @@ pub struct Moment {
     pub torque_slopes: [f64; 2],
 }
 
-/// All moments of a recording in which it moves one way.
+/// All moments of a recording with motion in one direction.
 pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Moment>, EfficiencyError> {
     let mut names = vec![&*section.torque_in.column, &section.torque_out.column, &section.speed_in.column];
     let out = section.speed_out.as_ref().filter(|channel| data.channel_index(&channel.column).is_ok());
@@ -73,7 +73,7 @@ pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Moment>, Effic
     Ok(found)
 }
 
-/// Moments without those that carry next to no torque: there a loss in proportion to torque bends, and an efficiency means little.
+/// Moments with substantial torque: near zero torque the proportional law does not hold, and an efficiency is meaningless.
 pub(crate) fn substantial(moments: &[Moment]) -> Vec<Moment> {
     let mut sizes: Vec<f64> = moments.iter().map(|moment| moment.size).collect();
     sizes.sort_by(f64::total_cmp);
@@ -89,7 +89,7 @@ struct Weights {
 }
 
 impl Weights {
-    /// sin^4, which begins and ends with three derivatives of nought.
+    /// sin^4: it and its first three derivatives vanish at both ends.
     fn new(sample_time_s: f64) -> Self {
         let count = ((LENGTH_S / sample_time_s).round() as usize).max(8);
         let length = count as f64 * sample_time_s;
@@ -104,7 +104,7 @@ impl Weights {
         Self { h: all(&h), slope: all(&slope), bend: all(&bend) }
     }
 
-    /// `None` where a value is missing, or motion and torque do not keep their direction throughout.
+    /// `None` if a value is missing, or if motion or torque changes its sign.
     fn moment(&self, columns: &[&[f64]], section: &Section) -> Option<Moment> {
         let [torque_in, torque_out, speed] = [columns[0], columns[1], columns[2]];
         let mean =
@@ -118,7 +118,7 @@ impl Weights {
         let before = section.share_before;
         let within = |(a, b): (&f64, &f64)| (1.0 - before) * a + before * b / section.ratio;
         let carried: Vec<f64> = torque_in.iter().zip(torque_out).map(within).collect();
-        // About a reversal of the torque, play and the mesh's own friction decide, and no law of a loss in proportion holds.
+        // Near a reversal of the torque, play and the friction of the mesh dominate, and the proportional law does not hold.
         let pushes = carried.iter().all(|torque| torque * carried[0] > 0.0);
         if !pushes {
             return None;

@@ -1,4 +1,4 @@
-//! The part of a drivetrain between two torque sensors: what its losses are measured of.
+//! The part of a drivetrain between two torque sensors, whose losses are measured.
 
 use socam_model::{Channel, Model, Quantity, Role, effects::Steady};
 
@@ -7,33 +7,33 @@ use crate::EfficiencyError;
 /// The part between two torque sensors, seen from the input side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Channels of the torques that go in and come out.
+    /// Channel of the input torque.
     pub torque_in: Channel,
-    /// See `torque_in`.
+    /// Channel of the output torque.
     pub torque_out: Channel,
     /// Channel of the speed on the input side.
     pub speed_in: Channel,
-    /// Channel of the speed on the output side, where there is one.
+    /// Channel of the speed on the output side, if any.
     pub speed_out: Option<Channel>,
-    /// How many times faster the input turns than the output.
+    /// Speed ratio: input turns per output turn.
     pub ratio: f64,
-    /// From the place of the input tachometer to the torque sensor on the input side.
+    /// Speed ratio from the input tachometer to the torque sensor on the input side.
     pub speed_ratio_in: f64,
-    /// From the place of the output tachometer to that of the input tachometer.
+    /// Speed ratio from the output tachometer to the input tachometer.
     pub speed_ratio_out: f64,
-    /// Inertia between the sensors as the input feels it, kg m2.
+    /// Inertia between the sensors, referred to the input, kg m2.
     pub inertia: f64,
-    /// Part of it that lies before the first gear; half of it where there is none.
+    /// Fraction of it before the first gear; 0.5 without gears.
     pub share_before: f64,
-    /// Whether gears and shafts alone fix the ratio, so that a difference between speeds is a tachometer's.
+    /// Whether gears and shafts fix the speed ratio, so that a difference between speeds is an error of a tachometer.
     pub is_positive: bool,
 }
 
 impl Section {
-    /// Between the two torque sensors of a model; where it has more, those on either side of its first gear.
+    /// The section between the two torque sensors of a model; of more than two, those on either side of its first gear.
     ///
     /// # Errors
-    /// Where the model has no two torque sensors in a row with nothing but gears, shafts, springs and inertias between, or no speed.
+    /// When the model has no two torque sensors in series, connected by gears, shafts, springs and inertias, or no speed channel.
     pub fn of(model: &Model) -> Result<Self, EfficiencyError> {
         let refuse = |why: &str| EfficiencyError::Model { model: model.name.clone(), why: why.into() };
         let driven = model.inputs().next().ok_or_else(|| refuse("nothing drives it"))?;
@@ -106,7 +106,7 @@ fn torque_sensors<'m>(model: &'m Model, order: &Order) -> Option<[(usize, &'m Ch
     Some([(*spring_in, *torque_in), (*spring_out, *torque_out)])
 }
 
-/// Nodes by how many parts lie between them and the drive.
+/// Distance of each node from the drive, in parts.
 struct Order {
     distance: Vec<Option<usize>>,
 }
@@ -129,7 +129,7 @@ impl Order {
     }
 }
 
-/// Nodes that a part joins to this one, but not springs that are closed.
+/// Nodes that are joined to this one by a part; `closed` springs are excluded.
 fn neighbours(model: &Model, node: usize, closed: &[usize], through_gears: bool) -> Vec<usize> {
     let springs = model.springs.iter().enumerate().filter(|(index, _)| !closed.contains(index));
     let springs = springs.filter_map(|(_, spring)| Some((spring.from, spring.to?)));

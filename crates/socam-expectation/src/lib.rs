@@ -1,21 +1,20 @@
-//! What a model expects of a recording that is to determine its parameters: for the command `check` and for the dashboard, which knows
-//! the same in a browser, where nothing is fitted.
+//! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser.
 
 use socam_model::{
     Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,
 };
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
-/// Damping ratio from which on a mode has no peak.
+/// Damping ratio above which a mode has no resonance peak.
 const NO_PEAK: f64 = 0.7;
 
-/// A parameter decides a resonance when its influence is at least this share of the strongest parameter's.
+/// Influence of a parameter on a resonance, relative to the strongest one, from which on the parameter counts.
 const INFLUENCE: f64 = 0.2;
 
-/// Relative step of a parameter that shows its influence.
+/// Relative step of a parameter for its influence.
 const STEP: f64 = 1e-4;
 
-/// Against what to check a recording for this model; averages of speeds may break their ratio by `ratio_tolerance`.
+/// The requirements of a model; `ratio_tolerance` is the relative tolerance of the ratio of mean speeds.
 #[must_use]
 pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     let outputs = model.outputs().count();
@@ -31,26 +30,26 @@ pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     }
 }
 
-/// The channel that drives the model: one whose column is its motion or torque, else one that is made of a column (the rate of an
-/// encoder's angle, whose excitation is judged as a rate all the same).
+/// The channel that drives the model: preferably one whose column is its own quantity, else one that is derived from a column (the rate of
+/// an encoder's angle, whose excitation is checked as a rate).
 fn input(model: &Model) -> Option<&Channel> {
     let mut inputs = model.inputs().filter(|channel| !channel.quantity.is_clock());
     model.inputs().find(|channel| is_recorded(channel)).or_else(|| inputs.next())
 }
 
-/// Of channels whose column is named without a unit and which the model does not scale.
+/// Units of channels whose column name has no unit and which the model does not scale.
 fn units(model: &Model) -> Vec<(String, String)> {
     let read = model.channels.iter().filter(|channel| !channel.quantity.is_clock() && is_recorded(channel));
     let unscaled = read.filter(|channel| column_unit(&channel.column).is_none() && channel.scale == 1.0);
     unscaled.map(|channel| (channel.column.clone(), channel.unit.to_owned())).collect()
 }
 
-/// Whether its column is what the channel is, so that the column's statistics speak of it.
+/// Whether the column holds the quantity of the channel, so that statistics of the column apply to it.
 fn is_recorded(channel: &Channel) -> bool {
     channel.transform == ChannelTransform::Value
 }
 
-/// Every speed against the first one, where rigid parts and springs tie them together.
+/// Speed ratios of all speeds to the first one, if rigid parts and springs connect them.
 fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
     let recorded = model.inputs().chain(model.outputs()).filter(|channel| is_recorded(channel));
     let mut speeds = recorded.filter(|channel| channel.quantity == Quantity::Speed);
@@ -71,7 +70,7 @@ fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
     tied.collect()
 }
 
-/// Dry friction and a constant load are one torque as long as nothing turns round.
+/// Without a reversal, dry friction and a constant load cannot be distinguished.
 fn both_ways(model: &Model) -> Option<BothWays> {
     let free = |used: &EffectUse| {
         let parameter = used.parameters.iter().map(|index| &model.parameters[*index]).find(|p| !p.fixed)?;
@@ -95,10 +94,10 @@ fn both_ways(model: &Model) -> Option<BothWays> {
     Some(BothWays { channel: channel.column.clone(), parameters: vec![friction, load] })
 }
 
-/// Share of the fastest mode's frequency below which one is a free rotation, slowed by rounding alone.
+/// Frequency relative to the fastest mode below which a mode is a free rotation, not 0 Hz because of rounding.
 const FREE_ROTATION: f64 = 1e-6;
 
-/// The model's resonances at its file's values that decide a free parameter, lowest first.
+/// The model's resonances at its file's values that depend on a free parameter, lowest first.
 fn resonances(model: &Model) -> Vec<Resonance> {
     let modes_at = |values: &[f64]| model.equations(values).map(|equations| equations.modes());
     let values = model.values();
@@ -125,7 +124,7 @@ fn resonances(model: &Model) -> Vec<Resonance> {
         .collect()
 }
 
-/// Names of the parameters that decide a mode's frequency or damping, strongest first.
+/// Names of the parameters that influence a mode's frequency or damping, strongest first.
 fn deciding(model: &Model, mode: &Mode, shifted: &[(usize, Vec<Mode>)]) -> Vec<String> {
     let distance = |other: &Mode| (other.pole - mode.pole).norm();
     let influences: Vec<(usize, [f64; 2])> = shifted

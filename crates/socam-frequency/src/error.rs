@@ -1,11 +1,11 @@
-//! What cannot be estimated.
+//! Errors of estimation.
 
 use thiserror::Error;
 
-/// Why there is no answer.
+/// Why there is no estimate.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FrequencyError {
-    /// Signals of one stretch differ in length.
+    /// Signals of one segment differ in length.
     #[error("a stretch has {input} input samples and {output} output samples; they must be as many")]
     Lengths {
         /// Input samples.
@@ -13,7 +13,7 @@ pub enum FrequencyError {
         /// Output samples.
         output: usize,
     },
-    /// Nothing in the recordings moves within the band.
+    /// The recordings have no excitation within the band.
     #[error(
         "no line between {from_hz} and {to_hz} Hz is excited; record a multisine, a chirp or a prbs, or widen the band"
     )]
@@ -23,17 +23,17 @@ pub enum FrequencyError {
         /// Upper end, Hz.
         to_hz: f64,
     },
-    /// The stretches are too short.
+    /// The segments are too short.
     #[error(
         "the longest stretch without a gap has {rows} samples; a frequency response needs at least {needed}"
     )]
     TooShort {
-        /// Samples of the longest stretch.
+        /// Samples of the longest segment.
         rows: usize,
-        /// Least number.
+        /// Least number of samples.
         needed: usize,
     },
-    /// Fewer numbers than unknowns.
+    /// Fewer data than unknowns.
     #[error(
         "{lines} lines of the response do not determine {unknowns} coefficients; take lower orders or a wider band"
     )]
@@ -53,7 +53,7 @@ pub enum FrequencyError {
         /// Order of the denominator.
         denominator: usize,
     },
-    /// A filter that cannot be.
+    /// A filter that does not exist.
     #[error(
         "a Butterworth filter of order {order} at {corner_hz} Hz: the order must be 1 to 10 and the corner between 0 and half the sampling rate of {rate_hz} Hz"
     )]
@@ -68,7 +68,7 @@ pub enum FrequencyError {
     /// A linear system without a solution.
     #[error("{what} has no unique solution on these data")]
     Singular {
-        /// What was to be solved.
+        /// The problem to solve.
         what: &'static str,
     },
 }

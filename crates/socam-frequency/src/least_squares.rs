@@ -4,10 +4,10 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::FrequencyError;
 
-/// Columns whose part of their own is smaller than this are not told from the others.
+/// Columns whose independent part is smaller than this fraction count as linearly dependent.
 const RANK: f64 = 1e-12;
 
-/// Solution of a complex problem, and what its uncertainty is made of.
+/// Solution of a complex problem, with residuals and a variance factor.
 pub(crate) struct Solved {
     /// Unknowns x right-hand sides.
     pub(crate) unknowns: DMatrix<Complex<f64>>,

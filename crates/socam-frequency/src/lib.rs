@@ -1,4 +1,4 @@
-//! What recordings say over frequency, without a model: responses with confidence, distortion, transfer functions.
+//! Estimates over frequency without a model: frequency responses with confidence, distortion, transfer functions.
 //!
 //! Numbers in, numbers out: this crate knows neither files nor model files. [`response`] estimates frequency responses from
 //! sampled signals, [`rational`] fits transfer functions to them, [`prepare`] cleans signals beforehand, [`matching`] and

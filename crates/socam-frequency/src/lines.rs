@@ -1,10 +1,10 @@
-//! One line of a response, and what its uncertainty means.
+//! One line of a frequency response, with its uncertainty.
 
 use nalgebra::Complex;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Lines that share no more than every line shares with its neighbours: a fit that counted the others, too, would be less certain than
-/// it says. Half of a window apart, parabolas in windows of n bins make of n bins 2 / 2.25 times what they hold.
+/// Lines whose windows overlap by at most half: a fit to all lines would underestimate its uncertainty, since they share data.
+/// Parabolas in windows of n bins, half a window apart, weigh the information of n bins by 2 / 2.25.
 #[must_use]
 pub fn apart(lines: &[Line]) -> Vec<Line> {
     let mut kept: Vec<Line> = Vec::new();
@@ -27,11 +27,11 @@ pub struct Line {
     pub variance: f64,
     /// Complex degrees of freedom that the variance was estimated with; infinite where it is known.
     pub freedom: f64,
-    /// Band whose bins it was estimated from, Hz; 0 where it has a bin of its own. Lines nearer to each other than half of it are not
+    /// Width of the window that it was estimated from, Hz; 0 if the line has a bin of its own. Lines closer than half of it are not
     /// independent.
     pub width_hz: f64,
-    /// Share of both signals' power that is the one's response to the other, 0 to 1, as one period (or the neighbourhood that a
-    /// line is estimated from) shows it.
+    /// Coherence, 0 to 1: the share of the power of both signals that is linearly related, within one period (or the window of the
+    /// line).
     pub coherence: f64,
 }
 
@@ -44,10 +44,10 @@ impl Line {
         quantile * (0.5 * self.variance).sqrt()
     }
 
-    /// Radius of the circle about [`Self::response`] that holds the truth in 95 % of cases.
+    /// Radius of the 95 % confidence circle about [`Self::response`].
     #[must_use]
     pub fn radius(&self) -> f64 {
-        // The ratio to the variance follows an F distribution of 2 and 2 q degrees, whose quantile is closed.
+        // The ratio to the variance has an F distribution with 2 and 2 q degrees of freedom, whose quantile has a closed form.
         let q = self.freedom;
         (self.variance * q * (0.05_f64.powf(-1.0 / q) - 1.0)).sqrt()
     }
@@ -59,14 +59,14 @@ impl Line {
         [(size - half).max(0.0), size + half]
     }
 
-    /// Half-width of the phase's 95 % interval, degrees; 180 where the response is not told from nought.
+    /// Half-width of the phase's 95 % interval, degrees; 180 if the response is not significant.
     #[must_use]
     pub fn phase_half_width_deg(&self) -> f64 {
         let share = self.half_width() / self.response.norm();
         if share < 1.0 { share.asin().to_degrees() } else { 180.0 }
     }
 
-    /// Two independent estimates of the same line as one.
+    /// Joins two independent estimates of the same line.
     #[must_use]
     pub(crate) fn joined(self, other: Self) -> Self {
         let (mine, others) = (1.0 / self.variance, 1.0 / other.variance);

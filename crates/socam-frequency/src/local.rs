@@ -1,8 +1,7 @@
-//! The local polynomial method: about each line, response and start-up transient are parabolas over a few bins.
+//! The local polynomial method: near each line, response and transient are parabolas over a few bins.
 //!
-//! The transient of a stretch that starts and ends somewhere - what windows call leakage - is as smooth over frequency as the
-//! bench's response itself, and is estimated beside it. Stretches share the response and have transients of their own, so that
-//! recordings of any length, and those with gaps, are taken together.
+//! The transient of a segment (its leakage) is as smooth over frequency as the frequency response, and is estimated together with it.
+//! Segments share the response and have transients of their own, so that recordings of any length and with gaps are combined.
 
 use nalgebra::{Complex, DMatrix};
 
@@ -14,28 +13,28 @@ type C = Complex<f64>;
 const REACH: usize = 8;
 /// Coefficients of a parabola.
 const PARABOLA: usize = 3;
-/// By how much the rest of the parabolas may widen a response against the mere mean over its bins. Noise as a drive gives about 3;
-/// lines that stand apart by more than the bins looked at determine no parabola.
+/// Greatest variance of a response relative to that of a plain mean over its bins. Noise as excitation gives about 3; lines that are
+/// farther apart than the window do not determine parabolas.
 const MOST_WIDENED: f64 = 20.0;
-/// Power over the strongest bin's below which there is nothing but the rounding of a transform.
+/// Power relative to that of the strongest bin below which a bin holds rounding errors only.
 const ROUNDING: f64 = 1e-22;
-/// Fewer samples have no line that far from both ends.
+/// Least number of samples: fewer have no line at this distance from both ends.
 pub(crate) const SHORTEST: usize = 8 * REACH;
 
-/// A stretch without gaps, transformed.
-pub(crate) struct Stretch {
+/// The Fourier transform of a segment without gaps.
+pub(crate) struct Segment {
     step_hz: f64,
-    /// What drove the bench, known without noise; `None` where only the measured input is known.
+    /// The reference signal, free of noise; `None` if only the measured input is known.
     reference: Option<Vec<C>>,
     input: Vec<C>,
     output: Vec<C>,
-    /// Takes out what lengths do to sizes.
+    /// Factor that makes transforms of different lengths comparable.
     scale: f64,
-    /// Power of the strongest bin of what drives the bench, the mean's included.
+    /// Power of the strongest bin of the excitation, including the mean.
     strongest: f64,
 }
 
-impl Stretch {
+impl Segment {
     pub(crate) fn new(input: &[f64], output: &[f64], reference: Option<&[f64]>, sample_time_s: f64) -> Self {
         let reference = reference.map(spectrum::transform);
         let input_lines = spectrum::transform(input);
@@ -50,7 +49,7 @@ impl Stretch {
         }
     }
 
-    /// The bins nearest to a frequency, never the mean's; `None` where it lies outside.
+    /// The bins nearest to a frequency, without bin 0; `None` if the frequency is outside.
     fn bins(&self, frequency_hz: f64) -> Option<std::ops::Range<usize>> {
         let centre = (frequency_hz / self.step_hz).round() as usize;
         if centre < 1 || centre + REACH >= self.input.len() {
@@ -65,12 +64,12 @@ impl Stretch {
     }
 }
 
-/// Bins of a stretch.
-type Bins<'a> = (&'a Stretch, std::ops::Range<usize>);
+/// Bins of a segment.
+type Bins<'a> = (&'a Segment, std::ops::Range<usize>);
 
-/// The response at one frequency; `None` where nothing drives the bench there.
-pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
-    let seen: Vec<Bins<'_>> = stretches.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
+/// The response at one frequency; `None` without excitation there.
+pub(crate) fn line(segments: &[Segment], frequency_hz: f64) -> Option<Line> {
+    let seen: Vec<Bins<'_>> = segments.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
     let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
     if rows == 0 {
         return None;
@@ -88,8 +87,8 @@ pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
         return None;
     }
     let freedom = (rows - columns) as f64;
-    let indirect = stretches.iter().all(|s| s.reference.is_some());
-    // With a reference: response of the output to it over that of the input to it.
+    let indirect = segments.iter().all(|s| s.reference.is_some());
+    // With a reference: its response to the output over its response to the input (indirect method).
     let (response, through) = if indirect {
         (solved.unknowns[(0, 0)] / solved.unknowns[(0, 1)], solved.unknowns[(0, 1)])
     } else {
@@ -120,23 +119,23 @@ pub(crate) fn line(stretches: &[Stretch], frequency_hz: f64) -> Option<Line> {
     })
 }
 
-/// Linear equations for the parabolas of the response and of each stretch's transient about a frequency; right sides: output, input.
+/// Linear equations for the parabolas of the response and of each segment's transient near a frequency; right-hand sides: output, input.
 fn equations(seen: &[Bins<'_>], frequency_hz: f64, reach_hz: f64) -> (DMatrix<C>, DMatrix<C>) {
     let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
     let columns = PARABOLA * (1 + seen.len());
     let mut design = DMatrix::from_element(rows, columns, C::default());
     let mut wanted = DMatrix::from_element(rows, 2, C::default());
     let mut row = 0;
-    for (own, (stretch, bins)) in seen.iter().enumerate() {
+    for (own, (segment, bins)) in seen.iter().enumerate() {
         for bin in bins.clone() {
-            let x = (bin as f64 * stretch.step_hz - frequency_hz) / reach_hz;
-            let drive = stretch.reference.as_ref().unwrap_or(&stretch.input)[bin] * stretch.scale;
+            let x = (bin as f64 * segment.step_hz - frequency_hz) / reach_hz;
+            let drive = segment.reference.as_ref().unwrap_or(&segment.input)[bin] * segment.scale;
             for (power, factor) in [1.0, x, x * x].into_iter().enumerate() {
                 design[(row, power)] = drive * factor;
                 design[(row, PARABOLA * (1 + own) + power)] = C::new(factor, 0.0);
             }
-            wanted[(row, 0)] = stretch.output[bin] * stretch.scale;
-            wanted[(row, 1)] = stretch.input[bin] * stretch.scale;
+            wanted[(row, 0)] = segment.output[bin] * segment.scale;
+            wanted[(row, 1)] = segment.input[bin] * segment.scale;
             row += 1;
         }
     }

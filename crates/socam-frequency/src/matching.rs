@@ -1,6 +1,6 @@
-//! The thesis' bench by its coefficients: a model transfer function matched to a measured one (thesis chapter 4).
+//! Coefficient matching of the thesis' bench: a model transfer function matched to a measured one (thesis chapter 4).
 //!
-//! [`Bench`] has the model transfer function of eq. 3.10 with the sign of its s^3 term put right; [`solve`] is the
+//! [`Bench`] has the model transfer function of eq. 3.10 with the corrected sign of its s^3 term; [`solve`] is the
 //! inequality-constrained least squares of eq. 4.9 by sequential quadratic programmes, for any equations in eight positive unknowns;
 //! [`direct()`] fits the same parameters to the response itself instead.
 

@@ -1,8 +1,7 @@
-//! Lines of a periodic signal: the bins between them hold what is not periodic - noise, and how the bench came from its start -
-//! and are interpolated to the lines by local polynomials (the fast method of Pintelon, Barbe, Vandersteen and Schoukens).
+//! Lines of a periodic signal. The bins between them hold noise and transients, which are interpolated to the lines by local
+//! polynomials (the fast method of Pintelon, Barbe, Vandersteen and Schoukens).
 //!
-//! Since input and output are treated alike, noise of the input's sensor does not pull the response down as it does where power
-//! spectra are divided.
+//! Input and output are treated in the same way, so that noise of the input does not bias the response, as a ratio of power spectra would.
 
 use nalgebra::{Complex, Matrix3, Vector3};
 
@@ -10,17 +9,17 @@ use crate::{lines::Line, spectrum};
 
 type C = Complex<f64>;
 
-/// Bins between the lines that one line's noise is estimated from: 14 less 3 coefficients leave 11 degrees of freedom.
+/// Number of bins between lines from which the noise of a line is estimated: 14 less 3 coefficients leave 11 degrees of freedom.
 const BINS: usize = 14;
 /// A line is excited if its power is at least this share of the strongest within four lines of it.
 const EXCITED: f64 = 0.01;
-/// And this many times what noise leaves there.
+/// Least ratio of the power of an excited line to that of its noise.
 const OVER_NOISE: f64 = 20.0;
 
 /// One signal at one multiple of the base frequency.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Value {
-    /// Without what is not periodic.
+    /// The periodic part.
     pub(crate) value: C,
     /// Mean square of its error.
     pub(crate) variance: f64,
@@ -40,7 +39,7 @@ pub(crate) struct Harmonic {
     bins: Window,
 }
 
-/// Where the noise of a line is seen.
+/// The bins from which the noise of a line is estimated.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     first: usize,
@@ -158,7 +157,7 @@ impl Periodic {
         }
     }
 
-    /// Output less `response` times input at a harmonic, with its own noise: whatever noise both have in common is accounted for.
+    /// Output less `response` times input at a harmonic, with its noise, including the covariance of both noises.
     pub(crate) fn error(&self, harmonic: &Harmonic, response: C) -> Value {
         let bins = self.bins(harmonic.bins);
         let at = harmonic.order * self.periods;
@@ -170,13 +169,13 @@ impl Periodic {
     }
 }
 
-/// Share of a signal's power in one period that is not noise.
+/// Share of signal in the power of one period.
 fn share(value: Value, periods: usize) -> f64 {
     let signal = (value.value.norm_sqr() - value.variance).max(0.0) / periods as f64;
     if signal > 0.0 { signal / (signal + value.noise) } else { 0.0 }
 }
 
-/// What of bin `at` is not continued from the bins around it.
+/// The part of bin `at` that the bins around it do not predict.
 fn value(spectrum: &[C], at: usize, bins: &[usize]) -> Value {
     let reach = bins.iter().map(|bin| bin.abs_diff(at)).max().unwrap_or(1) as f64;
     let row = |bin: usize| {

@@ -1,31 +1,31 @@
-//! Whether a signal repeats, how often, and which of its periods are alike.
+//! Period of a signal, and its steady periods.
 
 use std::ops::Range;
 
 use crate::spectrum;
 
-/// Correlation of a signal with itself one period later.
-const ALIKE: f64 = 0.9;
-/// A lag is only a period if the signal is unlike itself somewhere before: slow signals are alike at every short lag.
-const UNLIKE: f64 = 0.5;
-/// Candidates this close to the best correlation count; the shortest is the period, the others its multiples.
-const AS_GOOD: f64 = 0.03;
+/// Least correlation of a periodic signal with itself one period later.
+const LEAST_CORRELATION: f64 = 0.9;
+/// The correlation must fall below this at a shorter lag than the period: slow signals correlate at every short lag.
+const LOW_CORRELATION: f64 = 0.5;
+/// Tolerance of the best correlation; the shortest candidate within it is the period, others are its multiples.
+const TOLERANCE: f64 = 0.03;
 const SHORTEST: usize = 8;
-/// A period at either end that differs from the median one by this many times the usual difference is a start or an end.
+/// A period at either end that differs from the median period by this many typical differences belongs to a start or an end.
 const UNUSUAL: f64 = 3.0;
 
-/// Length of a signal's period in samples; `None` where it does not repeat within half of its length.
+/// Length of a signal's period in samples; `None` if it does not repeat within half of its length.
 ///
-/// Where a ramp or an offset that fades in hides the repetition, it is looked for in the signal's steps.
+/// If a ramp or a fading offset hides the repetition, it is sought in the differences of the signal.
 #[must_use]
 pub fn period(values: &[f64]) -> Option<usize> {
     let steps = || values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>();
-    // The steps of a few sines can be nearly as alike at a lag that is not their period; the signal itself is not.
+    // Differences of few sines can correlate at a lag that is not their period, so the signal itself is checked too.
     let hidden = || alike_again(&steps()).into_iter().find(|lag| repeats(values, *lag));
     alike_again(values).first().copied().or_else(hidden)
 }
 
-/// Whether the signal itself, not only its steps, is alike one period later: a staircase is not.
+/// Whether the signal itself, not only its differences, repeats after one period; a staircase does not.
 fn repeats(values: &[f64], period: usize) -> bool {
     let rows = steady(values, period);
     let whole = &values[rows];
@@ -35,10 +35,10 @@ fn repeats(values: &[f64], period: usize) -> bool {
     let changes: Vec<f64> = whole.iter().zip(&whole[period..]).map(|(a, b)| (b - a).abs()).collect();
     let middle = median(&whole[..period]);
     let swings: Vec<f64> = whole[..period].iter().map(|value| (value - middle).abs()).collect();
-    median(&changes) < UNLIKE * median(&swings)
+    median(&changes) < LOW_CORRELATION * median(&swings)
 }
 
-/// Lags at which the signal is about as much like itself as it ever is, the shortest first.
+/// Lags with nearly the greatest autocorrelation, the shortest first.
 fn alike_again(values: &[f64]) -> Vec<usize> {
     let length = values.len();
     if length < 4 * SHORTEST {
@@ -46,7 +46,7 @@ fn alike_again(values: &[f64]) -> Vec<usize> {
     }
     let correlation = spectrum::autocorrelation(values);
     let mean = values.iter().sum::<f64>() / length as f64;
-    // Energy of the first n samples, so that the correlation of what overlaps can be normalised.
+    // Energy of the first n samples, to normalise the correlation of overlapping parts.
     let mut energy = vec![0.0; length + 1];
     for (n, value) in values.iter().enumerate() {
         energy[n + 1] = energy[n] + (value - mean).powi(2);
@@ -56,17 +56,19 @@ fn alike_again(values: &[f64]) -> Vec<usize> {
         if overlap > 1e-12 * energy[length] { correlation[lag] / overlap } else { 0.0 }
     };
     let alike: Vec<f64> = (0..=length / 2).map(normal).collect();
-    let Some(unlike) = alike.iter().position(|c| *c < UNLIKE) else { return Vec::new() };
+    let Some(unlike) = alike.iter().position(|c| *c < LOW_CORRELATION) else { return Vec::new() };
     let mut peaks: Vec<usize> = (unlike.max(SHORTEST)..alike.len() - 1)
-        .filter(|lag| alike[*lag] > ALIKE && alike[*lag] >= alike[lag - 1] && alike[*lag] > alike[lag + 1])
+        .filter(|lag| {
+            alike[*lag] > LEAST_CORRELATION && alike[*lag] >= alike[lag - 1] && alike[*lag] > alike[lag + 1]
+        })
         .collect();
     let best = peaks.iter().map(|lag| alike[*lag]).fold(0.0, f64::max);
-    peaks.retain(|lag| alike[*lag] >= best - AS_GOOD);
+    peaks.retain(|lag| alike[*lag] >= best - TOLERANCE);
     peaks
 }
 
-/// The longest run of whole periods that are alike, as samples: what fades in or out at either end is left out, and the first of
-/// four or more, in which a bench comes to its steady state.
+/// Rows of the longest sequence of equal whole periods: fading at either end is left out, and so is the first of four or more periods,
+/// in which the bench reaches its steady state.
 #[must_use]
 pub fn steady(values: &[f64], period: usize) -> Range<usize> {
     let count = values.len() / period.max(1);

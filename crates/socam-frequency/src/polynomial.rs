@@ -30,7 +30,7 @@ pub fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     (0..a.len().max(b.len())).map(|i| at(a, i) + at(b, i)).collect()
 }
 
-/// Roots, the smallest first; those of a pair stand together. Leading zeros are left aside.
+/// Roots, the smallest first; conjugate pairs stand together. Leading zeros are ignored.
 #[must_use]
 pub fn roots(coefficients: &[f64]) -> Vec<Complex<f64>> {
     let degree = coefficients.iter().rposition(|c| *c != 0.0).unwrap_or(0);
@@ -40,7 +40,7 @@ pub fn roots(coefficients: &[f64]) -> Vec<Complex<f64>> {
     let at_nought = coefficients.iter().position(|c| *c != 0.0).unwrap_or(0);
     let used = &coefficients[at_nought..=degree];
     let order = used.len() - 1;
-    // In units of the roots' geometric mean, coefficients of very different size become alike.
+    // In units of the roots' geometric mean, coefficients are of similar size.
     let unit = if order > 0 { (used[0] / used[order]).abs().powf(1.0 / order as f64) } else { 1.0 };
     let scaled: Vec<f64> = used.iter().enumerate().map(|(i, c)| c * unit.powi(i as i32)).collect();
     let companion = DMatrix::from_fn(order, order, |i, j| {
@@ -55,7 +55,7 @@ pub fn roots(coefficients: &[f64]) -> Vec<Complex<f64>> {
     roots
 }
 
-/// Newton's steps from an eigenvalue to the root itself.
+/// Newton's method from an eigenvalue to the root.
 fn polished(coefficients: &[f64], root: Complex<f64>) -> Complex<f64> {
     let slopes: Vec<f64> = coefficients.iter().enumerate().skip(1).map(|(i, c)| c * i as f64).collect();
     let mut at = root;
@@ -72,11 +72,11 @@ fn polished(coefficients: &[f64], root: Complex<f64>) -> Complex<f64> {
 /// A second-order factor, or a first-order one, of a denominator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// One of the pair, with positive imaginary part; or the real pole. 1/s.
+    /// The pole with positive imaginary part, or the real pole, 1/s.
     pub pole: Complex<f64>,
-    /// Size of the pole over 2 pi, Hz.
+    /// Natural frequency, Hz.
     pub natural_frequency_hz: f64,
-    /// Share of critical damping; 1 for a stable real pole.
+    /// Damping ratio; 1 for a stable real pole.
     pub damping_ratio: f64,
 }
 

@@ -1,17 +1,17 @@
-//! Cleaning of signals before a fit, as the thesis did in section 4.1.1: outliers out, noise off, the quietest of repeated runs.
+//! Preprocessing of signals as in section 4.1.1 of the thesis: outliers, low-pass filter, noise level.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::{FrequencyError, periods::median, spectrum};
 
-/// Samples to either side that an outlier is judged against.
+/// Number of samples on either side in the median window.
 const NEIGHBOURS: usize = 5;
-/// Median deviation to standard deviation, of a normal distribution.
+/// Factor from median absolute deviation to standard deviation of a normal distribution.
 const NORMAL: f64 = 1.4826;
 
-/// Replaces samples that differ from the median of their neighbourhood by more than `limit` of its standard deviations with that
-/// median (Hampel's identifier), and tells how many. The neighbourhood's spread is at least that of the whole signal's
-/// steps, so that a quantised signal at rest has no outliers.
+/// Replaces outliers by the median of their window and returns their number (Hampel identifier): samples that differ from the median
+/// by more than `limit` standard deviations of the window. The standard deviation is at least that of the differences of the whole
+/// signal, so that a quantised signal at rest has no outliers.
 pub fn replace_outliers(values: &mut [f64], limit: f64) -> usize {
     let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let usual = NORMAL * median(&steps) / std::f64::consts::SQRT_2;
@@ -32,7 +32,7 @@ pub fn replace_outliers(values: &mut [f64], limit: f64) -> usize {
 
 /// A Butterworth low-pass as a chain of second-order sections.
 ///
-/// The same filter on input and output leaves the transfer function between them as it is.
+/// The same filter on input and output does not change the transfer function between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Butterworth {
     sections: Vec<Section>,
@@ -49,7 +49,7 @@ impl Butterworth {
     /// Of this order and corner (half power), for this sampling rate; the corner is exact (prewarped bilinear transform).
     ///
     /// # Errors
-    /// [`FrequencyError::Filter`] where there is no such filter.
+    /// [`FrequencyError::Filter`] if there is no such filter.
     pub fn new(order: usize, corner_hz: f64, rate_hz: f64) -> Result<Self, FrequencyError> {
         let possible = (1..=10).contains(&order) && corner_hz > 0.0 && corner_hz < 0.5 * rate_hz;
         if !possible {
@@ -74,7 +74,7 @@ impl Butterworth {
         Ok(Self { sections })
     }
 
-    /// The filtered signal; the filter is at rest at the first value, so that a constant stays what it is.
+    /// The filtered signal. The filter starts at rest at the first value, so that a constant is not changed.
     #[must_use]
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
         let mut signal = values.to_vec();
@@ -94,15 +94,15 @@ impl Butterworth {
     }
 }
 
-/// Standard deviation of white noise that would fill the upper half of the signal's spectrum as it is filled: the median of its
-/// lines there, which a hum does not move.
+/// Standard deviation of white noise with the level of the upper half of the signal's spectrum; the level is the median of the lines,
+/// which is robust against hum.
 #[must_use]
 pub fn noise_std(values: &[f64]) -> f64 {
     let length = values.len();
     if length < 16 {
         return 0.0;
     }
-    // A window, so that a trend does not leak there.
+    // A window limits the leakage of trends.
     let mean = values.iter().sum::<f64>() / length as f64;
     let window = |t: usize| 0.5 - 0.5 * (TAU * t as f64 / length as f64).cos();
     let windowed: Vec<f64> = values.iter().enumerate().map(|(t, v)| (v - mean) * window(t)).collect();

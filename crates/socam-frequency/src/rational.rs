@@ -23,14 +23,14 @@ use scaled::{Scaled, unit};
 /// Highest order of a denominator.
 pub const MOST: usize = 12;
 
-/// Transfer functions whose description is so much longer than the shortest are no rivals of it (their weight is the exponential of
-/// half of that).
-const NO_RIVAL: f64 = 20.0;
+/// Difference of description length from the best one above which a transfer function has no weight (weights are the exponential of
+/// minus half of the difference).
+const MOST_DIFFERENCE: f64 = 20.0;
 
-/// Fits orders to points.
+/// Fits a transfer function of given orders to points.
 ///
-/// With `stable`, every pole lies in the left half plane: those of a free fit that do not are mirrored, and the fit goes on from
-/// there among stable ones only.
+/// With `stable`, all poles are in the left half plane: unstable poles of a free fit are mirrored, and a fit of stable transfer functions
+/// starts there.
 ///
 /// # Errors
 /// [`FrequencyError::Orders`], [`FrequencyError::TooFewLines`], or [`FrequencyError::Singular`] where the data do not determine the
@@ -57,7 +57,7 @@ pub fn fit(points: &[Point], orders: Orders, stable: bool) -> Result<Fit, Freque
     report(&scaled, orders, &best)
 }
 
-/// Fits every order up to `most` for advice, numerators from none to one less than the denominator; the best first.
+/// Fits all orders up to `most`, numerators of order 0 to one less than the denominator; the best first.
 #[must_use]
 pub fn advise(points: &[Point], most: usize, stable: bool) -> Vec<Fit> {
     let mut fits: Vec<Fit> = (1..=most.min(MOST))
@@ -65,14 +65,14 @@ pub fn advise(points: &[Point], most: usize, stable: bool) -> Vec<Fit> {
         .filter_map(|orders| fit(points, orders, stable).ok())
         .collect();
     fits.sort_by(|a, b| a.description_length.total_cmp(&b.description_length));
-    // A resonance between two lines, as narrow as need be, can always be had, and fits the noise of one of them.
+    // A narrow resonance between two lines can always fit the noise of one of them; fits with undamped modes are therefore excluded.
     let sound: Vec<Fit> =
         fits.iter().filter(|fit| fit.modes.iter().all(ModeEstimate::is_damped)).cloned().collect();
     if sound.is_empty() { fits } else { sound }
 }
 
-/// [`Fit::response_std`] of the first of [`advise`]d fits, which are weighed by their description lengths: what the others differ from
-/// it counts, too (J. A. Hoeting et al., Bayesian model averaging, Statistical Science 14, 1999).
+/// [`Fit::response_std`] of the first of [`advise`]d fits, including the differences between the fits, weighted by their description
+/// lengths (J. A. Hoeting et al., Bayesian model averaging, Statistical Science 14, 1999).
 #[must_use]
 pub fn response_std_among(fits: &[Fit], frequency_hz: f64) -> [f64; 2] {
     let Some(first) = fits.first() else { return [f64::INFINITY; 2] };
@@ -80,7 +80,7 @@ pub fn response_std_among(fits: &[Fit], frequency_hz: f64) -> [f64; 2] {
     let (mut total, mut squares) = (0.0, [0.0; 2]);
     for fit in fits {
         let longer = fit.description_length - first.description_length;
-        if longer > NO_RIVAL {
+        if longer > MOST_DIFFERENCE {
             continue;
         }
         let weight = (-0.5 * longer).exp();

@@ -1,4 +1,4 @@
-//! The frequency response from sampled input and output, with confidence, and how much of the output is not linear.
+//! Frequency response from sampled input and output, with confidence and distortion.
 
 mod distortion;
 
@@ -9,17 +9,17 @@ use crate::{FrequencyError, local, periodic::Periodic, periods};
 use distortion::distortion;
 pub use distortion::{Distortion, Driven, OutputLine, Parity};
 
-/// Lines over frequency where the recordings do not repeat.
+/// Number of lines if the recordings are not periodic.
 const LINES: usize = 200;
 
-/// Signals of one uninterrupted stretch of a recording.
+/// Signals of one segment of a recording, without gaps.
 #[derive(Debug, Clone, Copy)]
 pub struct Signals<'a> {
-    /// What drives the bench, as measured.
+    /// Measured input.
     pub input: &'a [f64],
-    /// What it answers, as long.
+    /// Measured output, of the same length.
     pub output: &'a [f64],
-    /// What made the input, if that is known without noise (a command).
+    /// Reference signal (a command) that is free of noise, if known.
     pub reference: Option<&'a [f64]>,
     /// Step between samples, s.
     pub sample_time_s: f64,
@@ -30,21 +30,21 @@ pub struct Signals<'a> {
 pub struct Options {
     /// Lowest and highest frequency, Hz.
     pub band_hz: [f64; 2],
-    /// Period of the excitation, s; found from the signals where it is not given.
+    /// Period of the excitation, s; estimated from the signals if not given.
     pub period_s: Option<f64>,
 }
 
 /// How it was estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The signals repeat: their lines stand apart from noise.
+    /// The signals are periodic: lines are separate from noise.
     Periodic {
         /// Period, s.
         period_s: f64,
-        /// Periods used, of all stretches.
+        /// Number of periods in use, of all segments.
         periods: usize,
     },
-    /// They do not: local polynomials.
+    /// The signals are not periodic: local polynomials.
     Local,
 }
 
@@ -55,22 +55,22 @@ pub struct Response {
     pub method: Method,
     /// Over rising frequency.
     pub lines: Vec<Line>,
-    /// What the lines that nothing drives say; only of periodic signals that leave lines out.
+    /// Distortion at lines that are not excited; only for periodic signals with such lines.
     pub distortion: Option<Distortion>,
 }
 
-/// Estimates the response of `output` to `input` over all stretches together.
+/// Estimates the response of `output` to `input` from all segments together.
 ///
-/// Signals that repeat (all of them, with one period) answer at the lines that the input drives; others on a logarithmic grid.
-/// Assumes a bench that is linear and the same throughout. Breaks where the input is measured with noise and neither repeats
-/// nor has a reference: then the response is too small by the input's share of noise.
+/// If all signals are periodic with one period, lines are those that the input excites; otherwise they are on a logarithmic grid.
+/// Assumes a linear, time-invariant bench. If the input has noise and is neither periodic nor has a reference, the response is biased
+/// towards zero by the noise share of the input.
 ///
 /// # Errors
-/// [`FrequencyError`] where stretches are too short, or nothing drives the bench within the band.
+/// [`FrequencyError`] if segments are too short, or if there is no excitation within the band.
 pub fn estimate(signals: &[Signals<'_>], options: &Options) -> Result<Response, FrequencyError> {
-    for stretch in signals {
-        let (input, output) = (stretch.input.len(), stretch.output.len());
-        if input != output || stretch.reference.is_some_and(|reference| reference.len() != input) {
+    for segment in signals {
+        let (input, output) = (segment.input.len(), segment.output.len());
+        if input != output || segment.reference.is_some_and(|reference| reference.len() != input) {
             return Err(FrequencyError::Lengths { input, output });
         }
     }
@@ -78,7 +78,7 @@ pub fn estimate(signals: &[Signals<'_>], options: &Options) -> Result<Response, 
     if rows < local::SHORTEST {
         return Err(FrequencyError::TooShort { rows, needed: local::SHORTEST });
     }
-    let response = repeating(signals, options).unwrap_or_else(|| flowing(signals, options));
+    let response = at_lines(signals, options).unwrap_or_else(|| on_grid(signals, options));
     if response.lines.is_empty() {
         let [from_hz, to_hz] = options.band_hz;
         return Err(FrequencyError::NotExcited { from_hz, to_hz });
@@ -86,14 +86,14 @@ pub fn estimate(signals: &[Signals<'_>], options: &Options) -> Result<Response, 
     Ok(response)
 }
 
-/// A stretch's whole periods, in samples.
-struct Whole<'a> {
+/// The whole periods of a segment, in samples.
+struct WholePeriods<'a> {
     signals: Signals<'a>,
     rows: Range<usize>,
     period: usize,
 }
 
-impl Whole<'_> {
+impl WholePeriods<'_> {
     fn count(&self) -> usize {
         self.rows.len() / self.period
     }
@@ -111,16 +111,17 @@ impl Whole<'_> {
     }
 }
 
-/// Where every stretch repeats: the response at the lines.
-fn repeating(signals: &[Signals<'_>], options: &Options) -> Option<Response> {
-    let wholes: Vec<Whole<'_>> =
+/// The response at the excited lines; `None` if a segment is not periodic.
+fn at_lines(signals: &[Signals<'_>], options: &Options) -> Option<Response> {
+    let wholes: Vec<WholePeriods<'_>> =
         signals.iter().map(|s| whole(*s, options.period_s)).collect::<Option<_>>()?;
     let period_s = wholes.first()?.period as f64 * wholes.first()?.signals.sample_time_s;
-    let same = |w: &Whole<'_>| (w.period as f64 * w.signals.sample_time_s / period_s - 1.0).abs() < 1e-4;
+    let same =
+        |w: &WholePeriods<'_>| (w.period as f64 * w.signals.sample_time_s / period_s - 1.0).abs() < 1e-4;
     if !wholes.iter().all(same) {
         return None;
     }
-    let records: Vec<Periodic> = wholes.iter().map(Whole::record).collect();
+    let records: Vec<Periodic> = wholes.iter().map(WholePeriods::record).collect();
     let [from_hz, to_hz] = options.band_hz;
     let mut lines: Vec<Line> = Vec::new();
     let mut all: Vec<Line> = records.iter().flat_map(Periodic::lines).collect();
@@ -133,30 +134,30 @@ fn repeating(signals: &[Signals<'_>], options: &Options) -> Option<Response> {
             _ => lines.push(line),
         }
     }
-    let periods = wholes.iter().map(Whole::count).sum();
+    let periods = wholes.iter().map(WholePeriods::count).sum();
     let distortion = distortion(&records, &lines, to_hz);
     Some(Response { method: Method::Periodic { period_s, periods }, lines, distortion })
 }
 
-fn whole(signals: Signals<'_>, period_s: Option<f64>) -> Option<Whole<'_>> {
+fn whole(signals: Signals<'_>, period_s: Option<f64>) -> Option<WholePeriods<'_>> {
     let clean = signals.reference.unwrap_or(signals.input);
     let period = match period_s {
         Some(period_s) => (period_s / signals.sample_time_s).round() as usize,
         None => periods::period(clean)?,
     };
     let rows = periods::steady(clean, period.max(1));
-    // What is cut off where the command's own course changes must be cut off the answer, too, so nothing else is looked at.
-    (period > 1 && rows.len() >= 2 * period).then_some(Whole { signals, rows, period })
+    // The steady periods are those of the command; the same rows are used of the output.
+    (period > 1 && rows.len() >= 2 * period).then_some(WholePeriods { signals, rows, period })
 }
 
-fn flowing(signals: &[Signals<'_>], options: &Options) -> Response {
+fn on_grid(signals: &[Signals<'_>], options: &Options) -> Response {
     let long = signals.iter().filter(|s| s.input.len() >= local::SHORTEST);
-    let stretches: Vec<local::Stretch> =
-        long.map(|s| local::Stretch::new(s.input, s.output, s.reference, s.sample_time_s)).collect();
-    let lowest = stretches.iter().map(local::Stretch::lowest_hz).fold(f64::INFINITY, f64::min);
+    let segments: Vec<local::Segment> =
+        long.map(|s| local::Segment::new(s.input, s.output, s.reference, s.sample_time_s)).collect();
+    let lowest = segments.iter().map(local::Segment::lowest_hz).fold(f64::INFINITY, f64::min);
     let (from, to) = (options.band_hz[0].max(lowest).ln(), options.band_hz[1].ln());
     let grid = (0..LINES).map(|i| (from + (to - from) * i as f64 / (LINES - 1) as f64).exp());
-    let lines = grid.filter_map(|frequency_hz| local::line(&stretches, frequency_hz)).collect();
+    let lines = grid.filter_map(|frequency_hz| local::line(&segments, frequency_hz)).collect();
     Response { method: Method::Local, lines, distortion: None }
 }
 

@@ -1,23 +1,23 @@
-//! Axes: ranges, round ticks, and a power of ten taken out of their labels.
+//! Axes: ranges, round ticks, and a common power of ten in the title.
 
 use super::CHARACTER_WIDTH;
 use crate::words;
 
-/// What an axis shows.
+/// An axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
     /// Quantity.
     pub quantity: String,
     /// SI unit.
     pub unit: String,
-    /// Whether decades stand at equal distances.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
 }
 
 /// A line of the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
-    /// Where, in the view box.
+    /// Position in the view box.
     pub(crate) place: f64,
     pub(crate) label: String,
     pub(crate) is_zero: bool,
@@ -29,14 +29,14 @@ impl Tick {
     }
 }
 
-/// Values to view box.
+/// Mapping from values to the view box.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     logarithmic: bool,
     /// Range, as logarithms of ten where it is logarithmic.
     low: f64,
     high: f64,
-    /// The same in the view box.
+    /// Range in the view box.
     from: f64,
     to: f64,
     /// Tick values in units of 10^`exponent`, with digits behind the point.
@@ -45,9 +45,9 @@ pub(crate) struct Scale {
     digits: usize,
 }
 
-/// Decades on one axis; what lies further below the largest value is no signal.
+/// Greatest number of decades on an axis; smaller values are not drawn.
 const MOST_DECADES: f64 = 8.0;
-/// Ticks to aim at per view box length.
+/// Desired distance between ticks, units of the view box.
 const TICK_SPACING: f64 = 62.0;
 
 impl Axis {
@@ -63,7 +63,7 @@ impl Axis {
         Self { logarithmic: true, ..Self::new(quantity, unit) }
     }
 
-    /// Quantity, unit and the power of ten that its ticks are in.
+    /// Quantity, unit and power of ten of the ticks.
     pub(crate) fn title(&self, scale: &Scale) -> String {
         let unit = words::unit(&self.unit);
         match (scale.exponent, unit.as_str()) {
@@ -85,14 +85,14 @@ impl Axis {
         }
     }
 
-    /// The linear scale that begins and ends where it is told to.
+    /// The linear scale with a given range.
     pub(crate) fn exact(&self, ends: [f64; 2], (from, to): (f64, f64)) -> Scale {
         Scale::linear(ends.into_iter(), (from, to), ticks(from, to), 0.0)
     }
 }
 
 impl Scale {
-    /// `margin`: room at both ends, as a share of the range.
+    /// `margin`: room at both ends, relative to the range.
     fn linear(values: impl Iterator<Item = f64>, (from, to): (f64, f64), ticks: f64, margin: f64) -> Self {
         let (mut low, mut high) = range(values);
         if high - low <= 1e-9 * high.abs().max(low.abs()) {
@@ -132,7 +132,7 @@ impl Scale {
         self.values.iter().map(|value| value * 10_f64.powi(self.exponent))
     }
 
-    /// How far along the scale a value is, 0 to 1.
+    /// Position of a value on the scale, 0 to 1.
     pub(crate) fn share(&self, value: f64) -> f64 {
         ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
     }
@@ -142,7 +142,7 @@ impl Scale {
         (self.to - self.from).abs()
     }
 
-    /// Where a value stands; `None` where the axis has no place for it.
+    /// Position of a value in the view box; `None` if the axis cannot show it.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         if !super::usable(value) || (self.logarithmic && value <= 0.0) {
             return None;
@@ -168,7 +168,7 @@ impl Scale {
 /// Ticks to aim at.
 fn ticks(from: f64, to: f64) -> f64 {
     let ticks = ((to - from).abs() / TICK_SPACING).round().max(2.0);
-    // Vertical room is scarce but text is low: more ticks fit.
+    // Text is low, so that more ticks fit on a vertical axis.
     if to < from { ticks + 2.0 } else { ticks }
 }
 
@@ -176,20 +176,20 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// 1, 2 or 5 times a power of ten (2.5 would need another digit), about `step`: not so much smaller that labels meet.
+/// 1, 2 or 5 times a power of ten near `step`, and not so small that labels touch.
 fn round_step(step: f64) -> f64 {
     let decade = 10_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * decade >= 0.7 * step);
     factor.unwrap_or(10.0) * decade
 }
 
-/// The logarithm of a power of ten may come out a hair below the whole number.
+/// Rounding may put the logarithm of a power of ten just below the integer.
 fn extra_digit(step: f64) -> f64 {
     let log = step.log10();
     if (log - log.round()).abs() < 1e-9 && log.floor() < log.round() { -1.0 } else { 0.0 }
 }
 
-/// Thousandths and thousands stay as they are; beyond, a power of 1000 goes to the axis title.
+/// Values from thousandths to thousands are written as they are; otherwise a power of 1000 is in the title.
 fn power_taken_out(largest: f64) -> i32 {
     if largest == 0.0 || (0.01..1e4).contains(&largest) {
         0

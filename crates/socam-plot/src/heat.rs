@@ -1,4 +1,4 @@
-//! A quantity over two others as colours, with a bar that says what they mean.
+//! Heat maps: a quantity over two others as colours, with a colour bar.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::{Axis, BOTTOM, Frame, HEIGHT, TOP, WIDTH, axes, axis::Scale, usable};
 
-/// From low to high: dark to light, in equal steps of lightness, which people tell apart however they see colour.
+/// Colours from low to high, in equal steps of lightness, which can be distinguished with any kind of colour blindness.
 const COLOURS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],
     [65.0, 68.0, 135.0],
@@ -20,19 +20,19 @@ const RIGHT: f64 = 70.0;
 const BAR: f64 = 12.0;
 /// Steps of the bar.
 const STEPS: usize = 50;
-/// A line shorter than this has no room for its number.
+/// Least length of a line with a number.
 const LEAST_LINE: f64 = 24.0;
-/// More dots than this hide what lies under them.
+/// Greatest number of dots.
 const MOST_DOTS: usize = 400;
 
 /// One coloured field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// From the left, from 0.
+    /// Column from the left, from 0.
     pub column: usize,
-    /// From below, from 0.
+    /// Row from below, from 0.
     pub row: usize,
-    /// What its colour shows.
+    /// Value.
     pub value: f64,
 }
 
@@ -41,41 +41,41 @@ pub struct Cell {
 pub struct Contour {
     /// One of [`Heat::levels`].
     pub level: f64,
-    /// Where it begins and ends, in the units of the axes.
+    /// Its ends, in the units of the axes.
     pub ends: [[f64; 2]; 2],
 }
 
 /// Coloured cells over a pair of axes that begin at zero.
 #[derive(Debug, Clone)]
 pub struct Heat<'a> {
-    /// What a reader who can't see it is told.
+    /// Text for screen readers.
     pub title: String,
     /// Horizontal axis, and where it ends.
     pub x: (Axis, f64),
     /// Vertical axis, and where it ends.
     pub y: (Axis, f64),
-    /// What the colours show.
+    /// Quantity of the colours.
     pub value: Axis,
-    /// Values of the first and the last colour; beyond, these stay.
+    /// Values of the first and the last colour; values beyond have these colours.
     pub colours: [f64; 2],
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Those that have a value.
+    /// Cells that have a value.
     pub cells: Vec<Cell>,
     /// Lines over the cells.
     pub contours: Vec<Contour>,
-    /// Dots over the cells; of many, some.
+    /// Dots over the cells; only some of many are drawn.
     pub dots: &'a [[f64; 2]],
 }
 
 impl Heat<'_> {
-    /// The values that have a number beside the bar.
+    /// Values with a number beside the bar.
     #[must_use]
     pub fn levels(colours: [f64; 2]) -> Vec<f64> {
         bar(colours).levels().collect()
     }
 
-    /// What stands inside the view box; `None` without data.
+    /// Contents of the view box; `None` without data.
     pub(super) fn drawn(&self) -> Option<Markup> {
         self.cells.iter().find(|cell| usable(cell.value))?;
         let y = self.y.0.exact([0.0, self.y.1], (HEIGHT - BOTTOM, TOP));
@@ -102,7 +102,7 @@ impl Heat<'_> {
     }
 
     fn lines(&self, frame: &Frame, bar: &Scale) -> Markup {
-        // Where numbers stand already.
+        // Positions of the numbers so far.
         let mut taken: Vec<[f64; 2]> = Vec::new();
         let drawn = self.contours.iter().filter_map(|contour| {
             let [from, to] = contour.ends;
@@ -142,7 +142,7 @@ impl Heat<'_> {
         path
     }
 
-    /// What the colours show, and the bar.
+    /// The colour bar with its title.
     fn legend(&self, bar: &Scale, left: f64, right: f64) -> Markup {
         let step = (HEIGHT - BOTTOM - TOP) / STEPS as f64;
         html! {

@@ -31,20 +31,20 @@ pub enum Mark {
     Circles,
     /// The same with squares.
     Squares,
-    /// Round dots that nothing joins.
+    /// Round dots without lines.
     Points,
-    /// Crosses that nothing joins.
+    /// Crosses without lines.
     Crosses,
-    /// The area `spread` to either side, under what is drawn after it.
+    /// The area `spread` to either side, below later series.
     Band,
 }
 
-/// What is drawn.
+/// A series.
 #[derive(Debug, Clone)]
 pub struct Series<'a> {
-    /// Name in the legend; none where it is empty.
+    /// Name in the legend; no entry if it is empty.
     pub label: &'a str,
-    /// Class of the style sheet, which has its colour.
+    /// Class of the style sheet, which sets the colour.
     pub class: &'a str,
     /// How it is drawn.
     pub mark: Mark,
@@ -59,7 +59,7 @@ pub struct Series<'a> {
 /// One pair of axes.
 #[derive(Debug, Clone)]
 pub struct Plot<'a> {
-    /// What a reader who can't see it is told.
+    /// Text for screen readers.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -67,7 +67,7 @@ pub struct Plot<'a> {
     pub y: Axis,
     /// Drawn in this order, the last on top.
     pub series: Vec<Series<'a>>,
-    /// Most pixel columns to draw; fewer make smaller files.
+    /// Greatest number of pixel columns; fewer make smaller files.
     pub columns: usize,
 }
 
@@ -79,14 +79,14 @@ const BOTTOM: f64 = 40.0;
 const RIGHT: f64 = 12.0;
 /// Mean width of a character of the smallest text.
 pub(crate) const CHARACTER_WIDTH: f64 = 6.2;
-/// Values beyond this are no measurements, and would overflow the arithmetic of axes.
+/// Values beyond this are not drawn; they would overflow the arithmetic of axes.
 const LARGEST: f64 = 1e100;
 
 /// Style sheet of pages with plots: colours for light and dark, text, tables, and what plots are drawn with. Series have the
 /// classes `before`, `after`, `third` and `noise`.
 pub const STYLE: &str = include_str!("style.css");
 
-/// An HTML document that needs nothing else: [`STYLE`], then the page's own style, around `body`.
+/// A self-contained HTML document: [`STYLE`], the page's own style, and `body`.
 #[must_use]
 pub fn document(title: &str, style: &str, body: &Markup) -> Markup {
     html! {
@@ -117,7 +117,7 @@ impl Series<'_> {
         self.spread.get(index).copied().filter(|spread| usable(*spread)).unwrap_or(0.0).abs()
     }
 
-    /// All points that axes must hold.
+    /// All points that the axes must contain.
     fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
         self.x.iter().zip(self.y).enumerate().flat_map(|(index, (x, y))| {
             let spread = self.spread(index);
@@ -126,19 +126,19 @@ impl Series<'_> {
     }
 }
 
-/// Data to view box.
+/// Mapping from data to the view box.
 struct Frame {
     x: Scale,
     y: Scale,
 }
 
 impl Frame {
-    /// Where a point stands; `None` where it has no place on the axes.
+    /// Position of a point; `None` if the axes cannot show it.
     fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         Some((self.x.place(x)?, self.y.place(y)?))
     }
 
-    /// The lower edge of the axes at `x`: where a logarithmic axis puts what is not positive.
+    /// The lower edge of the axes at `x`, where a logarithmic axis shows values that are not positive.
     fn bottom(&self, x: f64) -> Option<(f64, f64)> {
         Some((self.x.place(x)?, HEIGHT - BOTTOM))
     }
@@ -157,12 +157,12 @@ impl Render for Plot<'_> {
 }
 
 impl Plot<'_> {
-    /// What stands inside the view box; `None` without data.
+    /// Contents of the view box; `None` without data.
     fn drawn(&self) -> Option<Markup> {
         let points = || self.series.iter().flat_map(Series::extent).filter(|(x, y)| usable(*x) && usable(*y));
         points().next()?;
         let y = self.y.scale(points().map(|(_, y)| y), (HEIGHT - BOTTOM, TOP));
-        // Plots under one another share their left edge unless a label needs more.
+        // Plots below each other share their left edge unless a label needs more room.
         let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
         let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
         let frame = Frame { x, y };

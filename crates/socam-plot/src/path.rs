@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Frame, Mark, Series};
 
-/// A step in time that is this many times the usual one is a gap in the recording.
+/// Ratio of a step to the median step from which on it is a gap.
 const GAP_STEPS: f64 = 8.0;
 
 /// A joined line, interrupted at missing values and, in a trace, at gaps.
@@ -67,8 +67,7 @@ pub(super) fn dot(mark: Mark, left: f64, top: f64) -> String {
     }
 }
 
-/// The area between `y - spread` and `y + spread`, one piece for each stretch without missing values. What leaves the axes is cut
-/// off at their edge.
+/// The area between `y - spread` and `y + spread`, one piece for each range without missing values, clipped to the axes.
 pub(super) fn band(series: &Series<'_>, frame: &Frame) -> String {
     let edges = series.x.iter().zip(series.y).enumerate().map(|(index, (x, y))| {
         let spread = series.spread(index);
@@ -93,7 +92,7 @@ fn column_width(frame: &Frame, columns: usize) -> f64 {
     frame.x.length() / columns.max(1) as f64
 }
 
-/// Median of the steps: what a regular record has between samples.
+/// Median of the steps.
 fn usual_step(x: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|s| s.is_finite()).collect();
@@ -104,7 +103,7 @@ fn usual_step(x: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// What falls into one column of pixels: first, lowest, highest and last of many samples.
+/// The samples of one pixel column: first, lowest, highest and last.
 #[derive(Debug, Default)]
 struct Column {
     index: f64,
@@ -161,7 +160,7 @@ impl Column {
 #[derive(Debug, Default)]
 struct Pen {
     path: String,
-    /// Where it is, in tenths; `None` when lifted.
+    /// Current point, in tenths; `None` after the end of a part.
     at: Option<(i64, i64)>,
 }
 
@@ -173,7 +172,7 @@ impl Pen {
     fn to(&mut self, left: f64, top: f64) {
         let (x, y) = ((10.0 * left).round() as i64, (10.0 * top).round() as i64);
         match self.at {
-            // A line of no length with round ends is a dot: a lone sample stays visible.
+            // A line of length zero with round ends is a dot, so that a single sample is visible.
             None => {
                 self.path.push('M');
                 self.number(x, true);

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::{HEIGHT, Heat, Plot, STYLE, WIDTH};
 
-/// A picture of a [`Row`].
+/// A plot of a [`Row`].
 #[derive(Debug, Clone)]
 pub enum Panel<'a> {
     /// Lines and points.
@@ -22,16 +22,16 @@ impl Panel<'_> {
     }
 }
 
-/// Pictures side by side under a title.
+/// Plots side by side under a title.
 #[derive(Debug, Clone)]
 pub struct Row<'a> {
-    /// What they are about.
+    /// Title.
     pub title: String,
     /// From left to right.
     pub panels: Vec<Panel<'a>>,
 }
 
-/// A plot as a file of its own: light colours, whatever the reader's page looks like.
+/// A plot as a file of its own, in light colours.
 #[must_use]
 pub fn standalone(plot: &Plot<'_>) -> String {
     file([WIDTH, HEIGHT], &plot.title, &placed((&plot.title, plot.drawn()), [0.0, 0.0]))
@@ -66,7 +66,7 @@ fn placed((title, drawn): (&str, Option<Markup>), [left, top]: [f64; 2]) -> Mark
     }
 }
 
-/// Colours stand where they are used, since few programs that show such files know a style sheet's variables.
+/// Variables of the style sheet are replaced by their colours, since few programs that show SVG files support them.
 fn file([width, height]: [f64; 2], title: &str, content: &Markup) -> String {
     let part = |from: &str, to: &str| {
         STYLE.split(from).nth(1).and_then(|rest| rest.split(to).next()).unwrap_or_default()

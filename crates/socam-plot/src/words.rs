@@ -1,4 +1,4 @@
-//! Units, powers and minus signs as people read them.
+//! Typography of units, powers and minus signs.
 
 /// A unit with its powers raised; nothing for a pure number.
 #[must_use]
@@ -45,7 +45,7 @@ pub fn power_of_ten_tick(log: f64) -> String {
 /// A true minus sign instead of a hyphen.
 #[must_use]
 pub fn minus(number: &str) -> String {
-    // Digits may round a small negative number to nothing.
+    // A small negative number may be rounded to zero.
     let is_zero = !number.chars().any(|c| ('1'..='9').contains(&c));
     let number = if is_zero { number.trim_start_matches('-') } else { number };
     number.replace('-', "−")

@@ -128,7 +128,7 @@ pub struct Efficiency {
 /// The embedded data.
 ///
 /// # Errors
-/// Where they cannot be read, in words.
+/// When they cannot be read; one sentence.
 pub fn thesis() -> Result<Thesis, String> {
     toml::from_str(include_str!("thesis.toml"))
         .map_err(|error| format!("the thesis' data cannot be read: {error}"))

@@ -90,7 +90,7 @@ pub(crate) fn examine(thesis: &Thesis, report: &mut Report) {
     );
 }
 
-/// Losses of the couplings: a line for each row, and the shares of speed and of torque that are lost.
+/// Losses of the couplings: a line for each row, and the fractions of speed and of torque that are lost.
 fn coupling_losses(couplings: &[&[Steady<'_>; 3]; 2]) -> (Vec<String>, Vec<f64>, Vec<f64>) {
     let mut lines = Vec::new();
     let mut speed_losses = Vec::new();
@@ -114,7 +114,7 @@ fn coupling_losses(couplings: &[&[Steady<'_>; 3]; 2]) -> (Vec<String>, Vec<f64>,
     (lines, speed_losses, torque_losses)
 }
 
-/// Point 10: what the tachometers conceal.
+/// Point 10: the gain error of a tachometer.
 fn tachometers(
     thesis: &Thesis,
     report: &mut Report,
@@ -170,7 +170,7 @@ fn list(values: &[f64], digits: usize) -> String {
     values.iter().map(|value| format!("{value:.digits$} %")).collect::<Vec<_>>().join(", ")
 }
 
-/// Point 11: what the torques conceal.
+/// Point 11: the loss proportional to torque, and the load.
 fn losses(thesis: &Thesis, report: &mut Report, system: &[Steady<'_>; 3]) {
     let ratio = thesis.hardware.ratio.value;
     let values: Vec<[f64; 4]> = system.iter().map(Steady::values).collect();
@@ -226,7 +226,7 @@ fn losses(thesis: &Thesis, report: &mut Report, system: &[Steady<'_>; 3]) {
     );
 }
 
-/// Best factor of a shape, and the root mean square of what it misses.
+/// Least-squares factor of a shape, and the root mean square residual.
 fn through_nought(shape: &[f64], values: &[f64]) -> (f64, f64) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let factor = dot(shape, values) / dot(shape, shape);

@@ -1,7 +1,7 @@
-//! Every number of X. Song, *The Parameter Identification of a Novel Speed Reducer*, McGill University, 2002, computed again from its
-//! own data: which hold, and why the others do not.
+//! Verification of X. Song, *The Parameter Identification of a Novel Speed Reducer*, McGill University, 2002: every number is computed
+//! again from its own data.
 //!
-//! What is printed there stands in `thesis.toml`; what stands here computes. [`examine`] does all of it, [`page()`] writes it down.
+//! The printed numbers are in `thesis.toml`. [`examine`] computes them again, [`page()`] writes the results.
 
 mod data;
 mod efficiency;
@@ -20,7 +20,7 @@ pub use report::{Point, Report, Row, SCHEMA, Table, Verdict};
 /// Computes everything again.
 ///
 /// # Errors
-/// Where the embedded data cannot be read, in words.
+/// When the embedded data cannot be read; one sentence.
 pub fn examine() -> Result<Report, String> {
     let thesis = thesis()?;
     let mut report = Report::new();

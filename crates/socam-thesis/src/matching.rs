@@ -1,4 +1,4 @@
-//! Section 4.2: coefficient matching; points 5 to 9, and what was found beyond the list.
+//! Section 4.2: coefficient matching; points 5 to 9 and 18 to 20.
 
 mod constants;
 mod equations;

@@ -14,7 +14,7 @@ const STYLE: &str = "
 td.how { white-space: normal; color: var(--soft); }
 ";
 
-/// The report as a page that needs nothing else.
+/// The report as a self-contained page.
 #[must_use]
 pub fn page(report: &Report) -> String {
     let (holds, all) = report.counts();

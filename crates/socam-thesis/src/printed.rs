@@ -1,4 +1,4 @@
-//! A number as it is printed: its value, and how far its last digit reaches.
+//! A printed number: its value and the rounding of its last digit.
 
 use serde::Deserialize;
 
@@ -28,7 +28,7 @@ impl TryFrom<String> for Printed {
 }
 
 impl Printed {
-    /// Half a unit of its last digit as a share of it. Zeros at the end of a whole number may be no digits.
+    /// Half a unit of its last digit, relative. Zeros at the end of an integer may not be significant.
     #[must_use]
     pub fn rounding(&self) -> f64 {
         let zeros = self.text.len() - self.text.trim_end_matches('0').len();
@@ -37,7 +37,7 @@ impl Printed {
         (half_unit / self.value).abs()
     }
 
-    /// Whether `ours` rounds to it, give or take what rounding of its inputs does (`share` of it).
+    /// Whether `ours` rounds to it, within the effect of rounded inputs (relative, `share`).
     #[must_use]
     pub fn agrees(&self, ours: f64, share: f64) -> bool {
         (ours - self.value).abs() <= 1.000_001 * self.half_unit + share * self.value.abs()

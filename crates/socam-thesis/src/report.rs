@@ -1,4 +1,4 @@
-//! What came out, for the page, the terminal and scripts.
+//! The results, for the page, the terminal and scripts.
 
 use serde::Serialize;
 
@@ -7,20 +7,20 @@ use crate::Printed;
 /// Version of the document.
 pub const SCHEMA: &str = "socam.thesis/1";
 
-/// A printed number beside ours.
+/// A printed number beside the computed one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// What it is.
+    /// Quantity.
     pub what: String,
     /// Unit as printed.
     pub unit: &'static str,
     /// As printed.
     pub thesis: String,
-    /// As computed from the thesis' own data; `None` where nothing follows.
+    /// Computed from the thesis' own data; `None` if it cannot be computed.
     pub ours: Option<f64>,
-    /// Whether it rounds to what is printed.
+    /// Whether it rounds to the printed number.
     pub holds: bool,
-    /// How it is computed.
+    /// Calculation.
     pub calculation: String,
 }
 
@@ -29,47 +29,47 @@ pub struct Row {
 pub struct Table {
     /// Where, for instance "Table 4.1".
     pub place: &'static str,
-    /// What it holds.
+    /// Title.
     pub title: &'static str,
     /// Its numbers.
     pub rows: Vec<Row>,
 }
 
-/// What becomes of a claim.
+/// The verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It holds.
+    /// The claim holds.
     Holds,
-    /// It does not.
+    /// The claim is refuted.
     Refuted,
-    /// Physics is concealed in it.
+    /// The claim conceals physics.
     Concealed,
 }
 
-/// A point of which something is to be said.
+/// A point of the report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// 1 to 17 of the project's list; from 18 on found here.
     pub number: u32,
-    /// In one line.
+    /// Title.
     pub title: String,
-    /// What becomes of it.
+    /// Verdict.
     pub verdict: Verdict,
     /// The calculation, line by line.
     pub calculation: Vec<String>,
-    /// What follows.
+    /// Conclusion.
     pub conclusion: String,
 }
 
-/// Everything.
+/// The report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Version of the document.
     pub schema: &'static str,
     /// Numbers by their place.
     pub tables: Vec<Table>,
-    /// What is to be said.
+    /// Points.
     pub points: Vec<Point>,
 }
 
@@ -99,7 +99,7 @@ impl Report {
         });
     }
 
-    /// Printed numbers that hold, and all of them.
+    /// Number of printed numbers that hold, and of all.
     #[must_use]
     pub fn counts(&self) -> (usize, usize) {
         let rows = || self.tables.iter().flat_map(|table| &table.rows);
@@ -107,7 +107,7 @@ impl Report {
     }
 }
 
-/// A row; the printed inputs' rounding may move ours by `share`.
+/// A row; rounding of the printed inputs may change ours by the fraction `share`.
 pub(crate) fn row(
     what: impl Into<String>,
     unit: &'static str,

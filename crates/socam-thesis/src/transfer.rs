@@ -62,7 +62,7 @@ fn factors(thesis: &Thesis, report: &mut Report) {
     if let [a, b] = real[..] {
         pairs.insert(0, [-(a + b), a * b]);
     }
-    // The factors are of a denominator printed to four digits, so that they follow from it to a thousandth only.
+    // The denominator is printed with four digits, so that its factors follow from it to 0.1 % only.
     let rows = thesis.transfer.factors.iter().zip(&pairs).enumerate().flat_map(|(i, (printed, ours))| {
         let from = "roots of D(s)";
         [
@@ -181,7 +181,7 @@ fn economisation(thesis: &Thesis, report: &mut Report) {
 /// Point 1: the sign of the s^3 term.
 fn sign(thesis: &Thesis, report: &mut Report) {
     let bench = bench(thesis);
-    // Any parameters will do; these are round.
+    // Arbitrary parameters.
     let at: [f64; UNKNOWNS] = [70.0, 50.0, 5e4, 100.0, 0.02, 0.03, 0.1, 0.05];
     let Coefficients { numerator, .. } = bench.coefficients(&at);
     let expected = at[2] * bench.ratio * at[4] * at[5] * at[6];

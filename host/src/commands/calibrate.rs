@@ -14,15 +14,14 @@ use super::Outcome;
 use crate::output::{self, WrongArguments};
 use crate::{model_file, table};
 
-/// Chance below which pairs count as bent.
+/// p-value below which a nonlinearity is reported.
 const BENT: f64 = 0.01;
 
 /// Calibrate sensors, motor and couplings from measured pairs, with uncertainty
 ///
-/// A table's columns say what it calibrates: NAME_V beside NAME_rpm or NAME_Nm a sensor; command_V beside motor_speed_rpm the motor;
-/// NAME_V beside motor_V, motor_A and motor_speed_rpm a torque sensor by electrical power; NAME_torque_Nm beside NAME_twist_deg a
-/// coupling. A recording calibrates the motor from its steady states and holds its tachometers against each other. Rows that do not
-/// belong to the others are named and left out.
+/// The columns of a table determine what it calibrates: NAME_V with NAME_rpm or NAME_Nm a sensor; command_V with motor_speed_rpm the motor;
+/// NAME_V with motor_V, motor_A and motor_speed_rpm a torque sensor by electrical power; NAME_torque_Nm with NAME_twist_deg a coupling. A
+/// recording calibrates the motor from its steady states and compares its tachometers. Outlying rows are reported and left out.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host calibrate tachometer.csv torque.csv -o bench.toml
@@ -33,27 +32,27 @@ pub(crate) struct Args {
     /// Tables of pairs (.csv) or recordings
     #[arg(value_name = "PAIRS", required = true)]
     files: Vec<String>,
-    /// Calibration to correct; the default bench's when not given
+    /// Calibration file to correct [default: that of the default bench]
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Write the corrected calibration, which `record --calibration` takes
+    /// Write the corrected calibration to this file, for `record --calibration`
     #[arg(short = 'o', long, value_name = "FILE")]
     write_calibration: Option<PathBuf>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     model: String,
-    /// Write the model with what was measured of couplings as priors, which `identify --model` takes
+    /// Write the model, with measured stiffnesses as priors, to this file, for `identify --model`
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
-    /// Accuracy of the instruments that references were read from, in per cent of the reading (standard uncertainty)
+    /// Standard uncertainty of the reference instruments, per cent of the reading
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     reference_accuracy: f64,
-    /// The motor's efficiency and its standard uncertainty, for torque from electrical power
+    /// The motor's efficiency and its standard uncertainty (both 0 to 1), for torque from electrical power
     #[arg(long, value_name = "EFFICIENCY:STD")]
     motor_efficiency: Option<String>,
-    /// Draw pairs, lines and what is left of them
+    /// Draw pairs, lines and residuals into this file (.svg)
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
@@ -146,7 +145,7 @@ fn is_recording(file: &str) -> anyhow::Result<bool> {
     Ok(head.is_some_and(|head| head.split(',').next().is_some_and(|first| first.trim() == "t_s")))
 }
 
-/// What a careful reader should know of a task.
+/// Warnings about a calibration.
 fn remarks(task: &Task) -> Vec<String> {
     let (name, line) = (name(task), task.line());
     let mut said = Vec::new();

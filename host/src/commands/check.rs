@@ -13,11 +13,10 @@ use super::Outcome;
 use crate::output::{self, WrongArguments};
 use crate::{model_file, table};
 
-/// Say whether recordings are fit for use, what stands in the way, and what to record instead
+/// Check whether recordings are fit for identification, what is wrong, and what to record instead
 ///
-/// Looks at the channels that the model reads: does the input move enough, at enough frequencies and near the model's
-/// resonances; do speeds keep the ratio that the gears fix; are sensors saturated, stuck, noisy or humming; are rows
-/// missing. What is found is a result: the exit code is 0 even when a recording is not fit for use.
+/// Checks the channels of the model: excitation of the input in amplitude, over frequency and near the model's resonances; speed ratios;
+/// saturated, stuck, noisy or humming sensors; missing rows. Findings are results: the exit code is 0 even if a recording is not fit for use.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host check RUN.mcap
@@ -30,13 +29,13 @@ pub(crate) struct Args {
     runs: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     model: String,
-    /// Leave the model aside: look at all channels, of which this one drives the bench
+    /// Check all channels without a model; this channel is the input
     #[arg(long, value_name = "CHANNEL", conflicts_with = "model")]
     input: Option<String>,
-    /// How far the average ratio of two speeds may be from the one that the gears fix, percent
+    /// Tolerance of the mean ratio of two speeds against that of the gears, percent
     #[arg(long, value_name = "PERCENT", default_value_t = 1.0, allow_hyphen_values = true)]
     ratio_tolerance: f64,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }

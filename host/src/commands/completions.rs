@@ -1,4 +1,4 @@
-//! `completions`: what a shell needs to complete this command line.
+//! `completions`: completion scripts for shells.
 
 use clap::CommandFactory;
 use clap_complete::Shell;
@@ -6,13 +6,13 @@ use clap_complete::Shell;
 use super::Outcome;
 use crate::{cli::Cli, output};
 
-/// Print a script that teaches a shell to complete this command line
+/// Print a completion script for a shell
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host completions bash > ~/.local/share/bash-completion/completions/socam-host
   socam-host completions fish > ~/.config/fish/completions/socam-host.fish")]
 pub(crate) struct Args {
-    /// Shell to write for
+    /// Shell of the script
     shell: Shell,
 }
 

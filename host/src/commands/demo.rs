@@ -1,4 +1,4 @@
-//! `demo`: the whole job on the virtual bench; no hardware.
+//! `demo`: recording, identification and diagnosis on the virtual bench.
 
 mod hidden;
 
@@ -22,15 +22,15 @@ pub(crate) struct Args {
     /// Folder for recordings, models and the report
     #[arg(long, value_name = "DIR", default_value = "socam-demo")]
     dir: PathBuf,
-    /// Draws the sensors' noise
+    /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
 
 const MODEL: &str = "speed-o-cam";
 
-/// What the virtual bench really is, N m/rad and N m s/rad: the stiffnesses that the thesis identified (table 4.6:
-/// 1.21, 0.94, 916.03 and 2.34 N m/deg), and dampings. The model starts from other values: the catalogue's.
+/// True parameters of the virtual bench, N m/rad and N m s/rad: the stiffnesses that the thesis identified (table 4.6: 1.21, 0.94, 916.03
+/// and 2.34 N m/deg), and dampings. The model starts from the catalogue's values.
 const TRUTH: [(&str, f64); 8] = [
     ("k1", 69.33),
     ("k2", 53.86),
@@ -42,9 +42,9 @@ const TRUTH: [(&str, f64); 8] = [
     ("c5", 0.042),
 ];
 
-/// Fitted: noise of all frequencies, steady levels with transients, and resonances one by one.
+/// Profiles of fitted runs: broadband noise, steady levels with transients, and resonances.
 const RUNS: [(&str, f64); 3] = [("multisine", 10.0), ("steps", 12.0), ("chirp", 12.0)];
-/// Not fitted: a test of the result.
+/// Profile of the validation run.
 const HELD_OUT: (&str, f64) = ("prbs", 10.0);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -96,7 +96,7 @@ fn record(
     Ok(if report.summary.lost > 0 { Outcome::LostSamples } else { Outcome::Done })
 }
 
-/// What was found, beside what is true.
+/// Estimates and true values.
 fn report(model: &Model, result: &Identification, test: &Fit, held_out: &Dataset) -> String {
     let rows: Vec<Row> = parameter_rows(result).chain(combination_rows(model, result)).collect();
     let determined: Vec<&Row> = rows.iter().filter(|row| row.estimate.is_some()).collect();
@@ -144,7 +144,7 @@ fn parameter_rows(result: &Identification) -> impl Iterator<Item = Row> {
     })
 }
 
-/// Combinations, their truth from the same formula at the true values.
+/// Combinations; their true values by the same formulas.
 fn combination_rows(model: &Model, result: &Identification) -> impl Iterator<Item = Row> {
     let mut values = model.values();
     for (name, truth) in TRUTH {

@@ -23,11 +23,11 @@ use text::text;
 /// Largest command of the profiles that suit the default bench, V.
 const USUAL_V: f64 = 1.8;
 
-/// Propose the next experiment: the profile that tells most under the rig's limits
+/// Propose the next experiment: the most informative profile within the rig's limits
 ///
-/// Runs profiles of many kinds on a virtual bench of the model, without noise, and reads from the model's slopes what a recording of
-/// each would tell. Without --rival the one is proposed that makes the widest 95 % interval narrowest; with a rival model the one along
-/// which both differ most, whatever their parameters.
+/// Runs profiles of several families on a virtual bench of the model, without noise, and computes their Fisher information from the model's
+/// sensitivities. Without --rival it proposes the profile that minimises the widest 95 % interval; with a rival model, the profile that
+/// maximises the difference between both models that remains after fits of their parameters.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host design --model bench.toml --duration 10s -o next.toml
@@ -36,39 +36,39 @@ const USUAL_V: f64 = 1.8;
   socam-host design --diagnosis report/diagnosis.json --model speed-o-cam -o apart.toml
   socam-host record --device serial --profile next.toml --duration 10s -o run2.mcap")]
 pub(crate) struct Args {
-    /// Recordings that exist already: the proposal adds to what they say
+    /// Existing recordings, whose information is taken into account
     #[arg(value_name = "RUN")]
     runs: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     model: String,
-    /// A model that explains the same recordings otherwise
+    /// A competing model of the same recordings
     #[arg(long, value_name = "MODEL", conflicts_with = "runs")]
     rival: Option<String>,
-    /// The diagnosis.json of `diagnose --report`: its strongest finding against its first rival, both added to --model
+    /// The diagnosis.json of `diagnose --report`: compare its strongest finding with its first rival, each added to --model
     #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "rival"])]
     diagnosis: Option<PathBuf>,
-    /// Length of the recording
+    /// Length of the recording, as in 10s or 1.5min
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = super::record::seconds)]
     duration: f64,
-    /// Largest command, V
+    /// Largest command, V [default: 1.8, or the clamp of the calibration if that is less]
     #[arg(long, value_name = "VOLT")]
     voltage: Option<f64>,
     /// Fastest change of the command, V/s
     #[arg(long, value_name = "VOLT/S", default_value_t = 500.0)]
     slew: f64,
-    /// What a channel may reach at most, SI, in place of the calibration's limit; may be repeated
+    /// Limit of a channel, SI, in place of the calibration's; may be repeated
     #[arg(long, value_name = "CHANNEL=VALUE")]
     limit: Vec<String>,
-    /// Never change direction
+    /// Only profiles that do not change direction
     #[arg(long)]
     one_way: bool,
-    /// Calibration with motor, sensors and their limits; such as suit the model when not given
+    /// Calibration file with motor, sensors and limits [default: one that suits the model]
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Write the profile to this file
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
@@ -180,7 +180,7 @@ fn rig(args: &Args, model: &Model) -> anyhow::Result<Rig> {
     rig.map_err(|error| WrongArguments(error.to_string()).into())
 }
 
-/// What the thesis did: five speeds of equal length.
+/// The profile of the thesis: five speeds of equal duration.
 fn five_steps(args: &Args) -> ProfileFile {
     let highest = args.voltage.unwrap_or(USUAL_V);
     let first = 0.43 * highest;
@@ -202,7 +202,7 @@ fn five_steps(args: &Args) -> ProfileFile {
     }
 }
 
-/// Numbers that people can read.
+/// Rounds the numbers of a profile.
 fn rounded(mut profile: ProfileFile) -> ProfileFile {
     let round = |value: &mut f64, digits: f64| *value = (*value * digits).floor() / digits;
     match &mut profile.course {

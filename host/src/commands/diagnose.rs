@@ -1,4 +1,4 @@
-//! `diagnose`: where recordings and model part, what physics was left out, and the proof.
+//! `diagnose`: missing physics of a model, with validation on held-out recordings.
 
 mod steady;
 
@@ -16,11 +16,11 @@ use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::{model_file, table, watch};
 
-/// Say where recordings and model part, what physics the model leaves out, and whether adding it helps
+/// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
 ///
-/// Fits the model to the recordings, asks whether anything is missing at all, tries every effect of the catalogue at every place,
-/// and keeps what predicts better in cross-validation: each recording left out in turn. Recordings named by --holdout are opened after the last
-/// choice, as the proof; without them nothing is proven.
+/// Fits the model to the recordings, tests whether anything is missing, tries every effect of the catalogue at every place, and keeps those
+/// that predict better in cross-validation (leave one recording out). Recordings of --holdout are opened after the last choice, for
+/// validation; without them the result is not validated.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -30,33 +30,33 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Recordings to prove it on, used in no fit and in no choice; may be repeated
+    /// Held-out recordings for validation, used in no fit and in no choice; may be repeated
     #[arg(long, value_name = "RUN")]
     holdout: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     model: String,
-    /// Hold a parameter, at its value in the model or at the given one (SI); may be repeated
+    /// Fix a parameter at its value in the model or at the given value (SI); may be repeated
     #[arg(long, value_name = "NAME[=VALUE]")]
     fix: Vec<String>,
-    /// Share of benches with nothing missing on which something may be found
+    /// False alarm rate, 0 to 1: share of complete models for which something may be found
     #[arg(long, value_name = "P", default_value_t = 0.01)]
     false_alarm_rate: f64,
-    /// Of steady states: by what share of itself a reading differs by chance from another one of the same operating point [default: 0.002]
+    /// For steady states: relative standard deviation of repeated readings at one operating point [default: 0.002]
     #[arg(long, value_name = "SHARE")]
     repeatability: Option<f64>,
-    /// Where each recording starts from
+    /// Start state of each recording
     #[arg(long, value_enum, default_value = "free")]
     start: Start,
-    /// Share of a channel's standard deviation by which a finding must move its prediction to matter; smaller ones are listed and do not count
+    /// Materiality, a fraction of a channel's standard deviation: findings that change every prediction by less are listed but do not count
     /// as missing physics
     #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
     tolerance: f64,
     #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
     between: Vec<String>,
-    /// Most effects to add
+    /// Greatest number of effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: u8,
-    /// Seed of the start values that compete
+    /// Seed of the random start values
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Write the corrected model to this file
@@ -68,7 +68,7 @@ pub(crate) struct Args {
     /// Print one JSON document instead of tables
     #[arg(long)]
     json: bool,
-    /// Say on stderr how far it is, also where that is no terminal
+    /// Report progress on stderr even if it is not a terminal
     #[arg(long)]
     progress: bool,
 }
@@ -91,7 +91,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let target = args.write_model.as_deref().map(output::create).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     let open = |runs: &[String]| {
-        // Outputs that are missing at most points of a grid would leave a diagnosis without their spectra.
+        // Outputs that are missing at most grid points would have no spectra.
         let each = runs.iter().map(|run| output::open_for(run, &model, 1));
         each.collect::<anyhow::Result<Vec<Dataset>>>()
     };
@@ -127,7 +127,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// No sample may be named twice, whatever its recording is called.
+/// Refuses samples that are named twice, also by different paths.
 fn apart(args: &Args) -> anyhow::Result<()> {
     let mut known: Vec<(&String, Selection)> = Vec::new();
     for run in args.runs.iter().chain(&args.holdout) {
@@ -254,7 +254,7 @@ fn fit(diagnosis: &Diagnosis) -> String {
     )
 }
 
-/// Parameters that the correction moved.
+/// Parameters that the correction changed.
 fn changed(diagnosis: &Diagnosis) -> String {
     let mut rows =
         vec![["parameter", "unit", "before", "after", "95 % interval"].map(str::to_owned).to_vec()];

@@ -1,4 +1,4 @@
-//! `efficiency`: losses between two torque sensors, with uncertainty, and two of them side by side.
+//! `efficiency`: losses between two torque sensors with uncertainty, and a comparison of two reducers.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,9 +14,9 @@ use crate::{calibrated, model_file, table};
 
 /// Measure a reducer's efficiency and its losses from recordings, with uncertainty
 ///
-/// Losses between the model's two torque sensors are split into what grows with speed, what grows with torque and what does neither.
-/// Where gears and shafts tie output and input speed, efficiency is a ratio of torques; a difference between the tachometers is then
-/// told as what it is, a gain, and not counted as a loss.
+/// Splits the losses between the model's two torque sensors into viscous, torque-proportional and constant ones. If gears and shafts fix the
+/// speed ratio, efficiency is a ratio of torques; a difference between the tachometers is then reported as a gain error, and not counted as
+/// a loss.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host efficiency steps.mcap triangle.mcap --map efficiency.svg
@@ -28,22 +28,22 @@ pub(crate) struct Args {
     runs: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     model: String,
-    /// Calibration with the sensors' uncertainty; what travels with the recordings when not given
+    /// Calibration file with the sensors' uncertainty [default: that in the recordings]
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Output and input speed are not tied (a belt, a fluid coupling): believe both tachometers
+    /// The speed ratio is not fixed (a belt, a fluid coupling): use the speeds of both tachometers
     #[arg(long)]
     slips: bool,
     /// Recordings of another reducer to compare with; may be repeated
     #[arg(long, value_name = "RUN")]
     against: Vec<String>,
-    /// The other reducer's model [default: the same]
+    /// Model of the other reducer [default: the same]
     #[arg(long, value_name = "MODEL", requires = "against")]
     against_model: Option<String>,
-    /// Draw efficiency over speed and torque
+    /// Draw efficiency over speed and torque into this file (.svg)
     #[arg(long, value_name = "FILE.svg")]
     map: Option<PathBuf>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
@@ -57,7 +57,7 @@ struct Comparison<'a> {
     differences: Vec<Difference>,
 }
 
-/// First less second at an operating point that both have visited.
+/// Difference of the efficiencies, first minus second, at an operating point that both have recorded.
 #[derive(Serialize)]
 struct Difference {
     speed_rad_s: f64,
@@ -126,7 +126,7 @@ fn measure(model: &Model, runs: &[String], args: &Args) -> anyhow::Result<Effici
     Ok(socam_efficiency::measure(model, &data, &sensors, args.slips)?)
 }
 
-/// At the typical points of both.
+/// Differences at the typical operating points of both.
 fn differences(first: &Efficiency, second: &Efficiency) -> Vec<Difference> {
     let points = first.points.iter().chain(&second.points).map(|point| [point.speed_rad_s, point.torque]);
     let near = |efficiency: &Efficiency, [speed, torque]: [f64; 2]| {

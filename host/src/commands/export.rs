@@ -22,10 +22,10 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// File to write, for a single RUN, `-` for stdout; beside RUN with the extension .csv when not given
+    /// File to write, for a single RUN; `-` for stdout [default: beside RUN, with the extension .csv]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace a file of that name
+    /// Replace an existing file
     #[arg(long)]
     force: bool,
     /// Format to write
@@ -33,7 +33,7 @@ pub(crate) struct Args {
     format: Target,
 }
 
-/// Formats that can be named; only one is there yet.
+/// Formats; there is only one so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Target {
     Csv,
@@ -64,7 +64,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// Writes one table. What a log has lost is lost in the table too, and said by the outcome.
+/// Writes one table. The outcome says whether the log has lost samples.
 fn export(run: &str, output: Option<&Path>, replace: bool) -> anyhow::Result<Outcome> {
     let selection = Selection::parse(run)?;
     let data = output::open(run)?;

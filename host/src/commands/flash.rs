@@ -8,30 +8,30 @@ use anyhow::{Context, anyhow, bail};
 use super::Outcome;
 use crate::{output, uf2};
 
-/// Put the firmware on the board
+/// Flash the firmware onto the board
 ///
-/// Hold the board's BOOTSEL button while plugging it in: it shows up as a drive, takes the image and starts it.
+/// Hold the board's BOOTSEL button while plugging it in: it appears as a drive, accepts the image and starts it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host flash firmware/target/thumbv6m-none-eabi/release/socam-firmware
   socam-host flash FIRMWARE --probe                                             with a debug probe attached")]
 pub(crate) struct Args {
-    /// Image, as `cargo build --release` leaves it in firmware/target (ELF), or as UF2
+    /// Firmware image: ELF, as in firmware/target after `cargo build --release`, or UF2
     #[arg(value_name = "FIRMWARE")]
     image: PathBuf,
-    /// Where the boot drive is mounted; looked for in the usual places when not given
+    /// Folder where the boot drive is mounted [default: searched in the usual places]
     #[arg(long, value_name = "FOLDER", conflicts_with = "probe")]
     drive: Option<PathBuf>,
-    /// Through a debug probe, by the program `probe-rs`
+    /// Flash through a debug probe with the program `probe-rs`
     #[arg(long)]
     probe: bool,
 }
 
-/// The file by which a boot drive is known, and what it says of this chip.
+/// The file that identifies a boot drive, and its text for this chip.
 const MARK: &str = "INFO_UF2.TXT";
 const CHIP: &str = "RPI-RP2";
 
-/// Where systems mount drives: folders of drives, or folders of users with theirs.
+/// Folders in which systems mount drives, directly or in a folder per user.
 const MOUNTS: [&str; 4] = ["/media", "/run/media", "/Volumes", "/mnt"];
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {

@@ -56,7 +56,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut options = options(&args, &model)?;
     let interrupt = Interrupt::listen();
     interrupt.end_after(0);
-    // Where it cannot be written is said before the fit, not after it.
+    // The output file is created before the fit, so that an error is reported before it.
     let target = args.write_model.as_deref().map(output::create).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     if let Some(twice) = args.runs.iter().enumerate().find(|(i, run)| args.runs[..*i].contains(run)) {
@@ -75,7 +75,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let validation = validate(&args, &model, &held_out, &result, &options)?;
     let force_errors = force_errors(&args, &model, &datasets, &result)?;
     if let Some(target) = target {
-        // Sensors' gains are the calibration's, not the drivetrain's.
+        // The written model has no sensor gains, which belong to the calibration.
         write_model(target, &uncalibrated, &result)?;
         interrupt.unfinished(None);
     }
@@ -88,7 +88,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// An option that a method over frequency would not use is refused rather than ignored.
+/// Refuses options that the method does not use.
 fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
     if matches!(args.method, Method::OutputError | Method::InverseDynamics) {
         return match args.frequency.report {

@@ -12,9 +12,9 @@ use crate::output;
 
 /// Turn .csv or legacy .m recordings into MCAP logs
 ///
-/// A .csv begins with a header: `t_s` first (seconds), then one column per channel, its name ending in its unit, such as
-/// command_V, motor_speed_rad_s or torque_in_Nm. A legacy .m holds volts: its speeds become rad/s by the thesis' sensitivities,
-/// and its torques stay in volts unless a calibration says how many there are to the N m.
+/// A .csv begins with a header: `t_s` first (seconds), then one column per channel with its unit at the end of the name, such as
+/// command_V, motor_speed_rad_s or torque_in_Nm. A legacy .m holds volts: speeds are converted to rad/s by the thesis' sensitivities,
+/// torques stay in volts unless a calibration is given.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host import run.csv                                        writes run.mcap
@@ -24,16 +24,16 @@ pub(crate) struct Args {
     /// Recordings (.csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Log to write, for a single RUN; beside RUN with the extension .mcap when not given
+    /// Log to write, for a single RUN [default: beside RUN, with the extension .mcap]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Calibration (`template calibration` prints one to start from) that turns a legacy .m log's volts into SI: its first channel is the log's first input, and so on
+    /// Calibration file (`template calibration` prints one) that converts the volts of a legacy .m log into SI: channels in the order of the log's inputs
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
-    /// Replace a log of that name
+    /// Replace an existing log
     #[arg(long)]
     force: bool,
-    /// Note that travels with the log
+    /// Note to store in the log
     #[arg(long, value_name = "TEXT")]
     note: Option<String>,
 }
@@ -47,7 +47,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A calibration with its file's text, which travels with the log.
+/// A calibration with the text of its file, which is stored in the log.
 fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1])> {
     let calibration = Calibration::open(path)?;
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;

@@ -1,4 +1,4 @@
-//! `info`: what recordings hold.
+//! `info`: contents of recordings.
 
 mod contents;
 mod text;
@@ -9,7 +9,7 @@ use super::Outcome;
 use crate::output;
 use contents::{Info, info};
 
-/// Say what recordings hold: channels, rates, gaps, lost samples, notes, and what is missing
+/// Show the contents of recordings: channels, rates, gaps, lost samples, notes and missing values
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host info run.mcap
@@ -19,7 +19,7 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }

@@ -1,4 +1,4 @@
-//! `record`: a profile on a bench, into a recording.
+//! `record`: run a profile on a bench and record it.
 
 mod result;
 
@@ -19,7 +19,7 @@ pub(crate) use result::{outcome, tell};
 
 /// Run a profile on the bench and record it
 ///
-/// Ctrl-C stops the bench gently, a second Ctrl-C at once; what was recorded until then is kept.
+/// Ctrl-C ramps the bench down, a second Ctrl-C stops it at once; the samples recorded until then are kept.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host record --list-profiles
@@ -35,38 +35,38 @@ pub(crate) struct Args {
     device: Option<Device>,
     #[command(flatten)]
     course: CourseArgs,
-    /// Calibration of the bench (`template calibration` prints one to start from); the default bench's when not given
+    /// Calibration file of the bench (`template calibration` prints one) [default: that of the default bench]
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
-    /// Note that travels with the recording
+    /// Note to store in the recording
     #[arg(long, value_name = "TEXT")]
     note: Option<String>,
-    /// Replace a recording of that name
+    /// Replace an existing recording
     #[arg(long)]
     force: bool,
-    /// Say which profiles are built in, and what for
+    /// List the built-in profiles with their purpose
     #[arg(long)]
     list_profiles: bool,
-    /// Let the virtual board's time pass as on the wall, not as fast as it can
+    /// Run the virtual board in real time, not as fast as possible
     #[arg(long)]
     realtime: bool,
     #[command(flatten)]
     bench: BenchArgs,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
 
-/// What to command, for how long, how often sampled
+/// Profile, duration and sampling rate
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct CourseArgs {
-    /// Profile: a file (`template profile` prints one to start from) or a built-in one (`record --list-profiles`)
+    /// Profile: a file (`template profile` prints one) or a built-in one (`record --list-profiles`)
     #[arg(long, value_name = "FILE|NAME")]
     pub(crate) profile: Option<String>,
-    /// How long it takes until the command is back at 0, as in 10s, 1.5min or 500ms; the profile's own duration when not given
+    /// Time until the command is back at 0, as in 10s, 1.5min or 500ms [default: the profile's duration]
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) duration: Option<f64>,
-    /// Samples per second
+    /// Sampling rate, Hz
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_hyphen_values = true)]
     pub(crate) rate: f64,
 }
@@ -107,8 +107,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     outcome(path, &report)
 }
 
-/// The calibration that was given, or what suits a virtual bench, or else the default one on the board's converters; and its text,
-/// where there is one.
+/// Sets the calibration of a plan: the given one, or that of the virtual bench, or the default one for the board's converters; and
+/// attaches its text, if there is one.
 fn calibrate(
     plan: &mut Plan,
     session: &Session,
@@ -124,7 +124,7 @@ fn calibrate(
     Ok(())
 }
 
-/// Some profiles end by themselves: whoever asked for longer should know.
+/// Warns if a profile ended before the requested duration.
 fn tell_early_end(course: &CourseArgs, report: &Report) {
     let (Some(asked_s), End::Finished) = (course.duration, &report.end) else { return };
     if report.duration_s < 0.95 * asked_s {
@@ -189,7 +189,7 @@ fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
     Ok(period_us.round() as u32)
 }
 
-/// Times as people type them.
+/// Parses a duration with a unit, s.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let end = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |last| last + 1);
     let (number, unit) = text.split_at(end);
@@ -207,7 +207,7 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What can be known of the output before anything moves.
+/// Checks the output path before anything moves.
 fn check_output(path: &std::path::Path, replace: bool) -> anyhow::Result<()> {
     if path.extension().is_none_or(|extension| extension != "mcap") {
         let path = path.display();

@@ -1,4 +1,4 @@
-//! `simulate`: the bench without a bench, or a model driven by what was recorded.
+//! `simulate`: a virtual bench, or a model driven by recorded inputs.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -20,8 +20,8 @@ use crate::{model_file, table};
 
 /// Simulate the bench on a profile, or drive a model by the inputs of a recording and compare
 ///
-/// With --profile a virtual bench is recorded as a real one would be, noise included; the same arguments give the same file.
-/// With --input the model runs on the recorded inputs, and what it predicts is compared with what was measured.
+/// With --profile, a virtual bench is recorded like a real one, with noise; the same arguments give the same file. With --input, the model
+/// is driven by the recorded inputs, and its predictions are compared with the measurement.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host simulate --profile multisine -o run.mcap
@@ -38,17 +38,17 @@ pub(crate) struct Args {
     /// Recording whose inputs drive the model, or a part of it: RUN@FROM..TO in seconds
     #[arg(long, value_name = "RUN", conflicts_with_all = ["duration", "rate", "no_noise"])]
     input: Option<String>,
-    /// A column of that recording that acts beside the model's inputs: a torque or force on a node, or volts on a servo's drive
+    /// A column of that recording that acts in addition to the model's inputs: a torque (N m) or force (N) on a node, or V on a servo's drive
     #[arg(long, value_name = "COLUMN@PLACE", requires = "input")]
     disturb: Vec<Disturbance>,
     #[arg(long, value_name = "[INPUT=]KIND", requires = "input", help = model_file::BETWEEN_HELP)]
     between: Vec<String>,
-    /// Start at rest; otherwise in the states from which the whole recording is met best
+    /// Start at rest [default: start states that fit the whole recording best]
     #[arg(long, requires = "input")]
     from_rest: bool,
     #[command(flatten)]
     bench: BenchArgs,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
@@ -65,7 +65,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What is written, by the file's extension.
+/// Format of the output, by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Mcap,
@@ -85,13 +85,13 @@ impl Kind {
     }
 }
 
-/// The virtual bench, recorded beside the file's place and put there once it is whole.
+/// Records the virtual bench into a temporary file, which is moved to its path once it is complete.
 fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    // Not the name that a conversion's own unfinished file has.
+    // The name must differ from the temporary file of a conversion.
     name.push(".mcap.part");
     let part = path.with_file_name(name);
-    // An error about the file beside it would puzzle; this one names what was asked for.
+    // The error names the requested file, not the temporary one.
     drop(OutputFile::create(path)?);
     let report = simulate_into(&args.course, &args.bench, &part);
     let placed = report.and_then(|report| {
@@ -123,7 +123,7 @@ pub(crate) fn simulate_into(course: &CourseArgs, bench: &BenchArgs, path: &Path)
     run::record(&mut session, plan, &Interrupt::listen())
 }
 
-/// The model driven by a recording.
+/// Drives the model by the inputs of a recording.
 fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outcome> {
     let mut truth = args.bench.truth()?;
     model_file::set_between(&mut truth.model, &args.between)?;
@@ -154,8 +154,8 @@ fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outco
     Ok(Outcome::Done)
 }
 
-/// The states from which the whole recording is met best, as `identify` fits them; where it cannot, as for a recording without the
-/// model's outputs, those that the simulator finds by itself.
+/// Start states that fit the whole recording best, as `identify` estimates them; if it cannot (for example without the model's
+/// outputs), those that the simulator computes.
 fn start(truth: &Truth, data: &Dataset, disturbances: &[Disturbance]) -> Start {
     let Truth { model, values, .. } = truth;
     let fitted = || {

@@ -1,4 +1,4 @@
-//! `template`: files to start from.
+//! `template`: templates of files.
 
 use clap::ValueEnum;
 use socam_recording::{Calibration, ProfileFile};
@@ -7,7 +7,7 @@ use super::Outcome;
 use crate::output::WrongArguments;
 use crate::{model_file, output};
 
-/// Print a model, a calibration or a profile to start a file of your own from
+/// Print a model, a calibration or a profile as a template for your own file
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host template model > bench.toml               the default bench's model
@@ -15,10 +15,10 @@ use crate::{model_file, output};
   socam-host template calibration > calibration.toml
   socam-host template profile chirp > profile.toml")]
 pub(crate) struct Args {
-    /// What to print
+    /// Kind of template
     kind: Kind,
-    /// Embedded model (speed-o-cam, two-mass, emps, emps-loop) or built-in profile (`record --list-profiles`); the default one
-    /// when not given
+    /// Embedded model (speed-o-cam, two-mass, emps, emps-loop) or built-in profile (`record --list-profiles`) [default: the default
+    /// one of its kind]
     name: Option<String>,
 }
 

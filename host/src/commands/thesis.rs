@@ -9,10 +9,10 @@ use socam_thesis::{Report, Verdict};
 use super::Outcome;
 use crate::{output, table};
 
-/// Compute every number of the thesis again, and say which hold
+/// Verify every number of the thesis
 ///
-/// All from the embedded data of X. Song, The Parameter Identification of a Novel Speed Reducer, McGill University, 2002: its printed
-/// numbers beside ours, which of them hold, why the others do not, and what physics its tables conceal.
+/// Computes the numbers of X. Song, The Parameter Identification of a Novel Speed Reducer, McGill University, 2002, from its own data, and
+/// reports which printed numbers hold, why the others do not, and what physics the tables conceal.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host thesis
@@ -21,7 +21,7 @@ pub(crate) struct Args {
     /// Write the page (index.html) and the numbers (thesis.json) into this folder
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }

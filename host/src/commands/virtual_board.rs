@@ -16,25 +16,25 @@ use crate::output;
 
 /// Serve a virtual board on a simulated bench over TCP
 ///
-/// It answers as a real board does, until Ctrl-C.
+/// It behaves like a real board until Ctrl-C.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host virtual-board                                                             in one shell, and in another
   socam-host record --device tcp:127.0.0.1:4711 --profile steps -o run.mcap")]
 pub(crate) struct Args {
-    /// Where to listen; port 0 takes a free one and says which
+    /// Address to listen on; port 0 chooses a free port and prints it
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:4711", value_parser = host_and_port)]
     listen: String,
-    /// Let the board's time pass as fast as the machine allows, but never further ahead than the host keeps up
+    /// Run the board as fast as the machine and the host allow
     #[arg(long)]
     fast: bool,
-    /// Let the board's time pass as on the wall (the default)
+    /// Run the board in real time (the default)
     #[arg(long, conflicts_with = "fast")]
     realtime: bool,
-    /// Calibration of the bench's sensors; such as suit the model when not given
+    /// Calibration file of the bench's sensors [default: one that suits the model]
     #[arg(long, value_name = "C.toml")]
     calibration: Option<std::path::PathBuf>,
-    /// End with the first host that hangs up
+    /// End when the first host disconnects
     #[arg(long)]
     once: bool,
     #[command(flatten)]
@@ -44,10 +44,10 @@ pub(crate) struct Args {
 /// Board time per turn.
 const TURN: Duration = Duration::from_millis(5);
 
-/// In fast mode the board's time waits for the host when it has not been heard for so long: well before its watchdog bites.
+/// In fast mode the board's time stops when the host was silent for this time, well before its watchdog trips.
 const FAST_LEAD_US: u64 = 200_000;
 
-/// A host that takes nothing for so long is gone.
+/// Time without a read after which a host counts as disconnected.
 const TAKES_WITHIN: Duration = Duration::from_secs(2);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -79,10 +79,10 @@ struct Server<'s, 'b> {
     board: &'s mut VirtualBoard<'b>,
     pace: Pace,
     host: Option<TcpStream>,
-    /// When the host was last heard, in the board's time.
+    /// The board's time of the last message of the host.
     heard_us: u64,
     outgoing: Vec<u8>,
-    /// The board's time 0 on the wall.
+    /// Wall-clock time of the board's time 0.
     from: Instant,
 }
 
@@ -118,7 +118,7 @@ impl Server<'_, '_> {
                 self.host = Some(stream);
                 self.heard_us = self.board.now_us();
             }
-            // Nobody there, or someone who went away again while being let in.
+            // No host, or one that disconnected while connecting.
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::ConnectionAborted) => {
                 std::thread::sleep(TURN);
             }
@@ -141,7 +141,7 @@ impl Server<'_, '_> {
                     error.kind(),
                     ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
                 ) => {}
-            // A host that hangs up while samples are on their way resets the connection.
+            // A host that disconnects while samples are in transit resets the connection.
             Err(error) if error.kind() == ErrorKind::ConnectionReset => self.hang_up("hung up"),
             Err(error) => self.hang_up(&error.to_string()),
         }

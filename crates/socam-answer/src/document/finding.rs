@@ -15,15 +15,15 @@ pub struct Finding {
     pub components: Vec<Component>,
     /// Measured shape of the missing torque or channel error, where there is one.
     pub curve: Option<Curve>,
-    /// Where it lives.
+    /// Region of speed, torque, angle, frequency and time where it acts.
     pub region: Region,
-    /// Why it is believed.
+    /// Evidence.
     pub evidence: FindingEvidence,
-    /// What else could be meant, likeliest first, without the finding itself.
+    /// Rivals (competing explanations), most likely first, without the finding itself.
     pub rivals: Vec<Rival>,
-    /// For a mechanic.
+    /// A sentence for a mechanic.
     pub sentence: String,
-    /// The law, for an engineer.
+    /// The equation of the law.
     pub equation: String,
 }
 
@@ -47,7 +47,7 @@ pub struct Component {
     pub parameters: Vec<EffectParameter>,
 }
 
-/// What a curve is drawn over.
+/// Horizontal axis of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
@@ -70,9 +70,9 @@ pub struct Curve {
     pub over: Over,
     /// SI unit of `x`.
     pub unit: String,
-    /// Where it was measured, SI, rising.
+    /// Positions, SI, ascending.
     pub x: Vec<f64>,
-    /// What is missing there, in `torque_unit`; `None` where nothing was measured.
+    /// Missing torque or channel error, in `torque_unit`; `None` where nothing was measured.
     pub torque: Vec<Option<f64>>,
     /// Standard error of each `torque`; empty where it is not known.
     #[serde(default)]
@@ -82,8 +82,8 @@ pub struct Curve {
     pub torque_unit: String,
 }
 
-/// Where a finding lives: ranges that hold four fifths of what the correction takes away (of the misfit, where nothing has a name),
-/// on the training recordings; `None` where it is not confined.
+/// Region where a finding acts: ranges that contain 80 % of the decrease of the misfit on the training recordings (of the misfit itself
+/// if it is unexplained); `None` if it is not confined.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Region {
     /// Speed at the place, rad/s.
@@ -99,37 +99,37 @@ pub struct Region {
     pub frequency_hz: Option<[f64; 2]>,
     /// Time from the start of each recording, s.
     pub time_s: Option<[f64; 2]>,
-    /// The same in words.
+    /// The region in words.
     pub text: String,
 }
 
-/// Why a finding is believed.
+/// Evidence for a finding.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FindingEvidence {
-    /// Chance of as much if nothing were missing, 1.
+    /// p-value: probability of such evidence without missing physics, 1.
     pub p_value: Option<f64>,
-    /// How much it lowers the whitened chi-square of the training recordings.
+    /// Decrease of the whitened chi-square of the training recordings.
     pub chi2_gain: Option<f64>,
-    /// How much it lowers the mean squared residual of data that it was not fitted to, in per cent of what exceeds noise.
+    /// Decrease of the mean squared residual of validation data, per cent of its excess over noise.
     pub holdout_gain_percent: Option<f64>,
-    /// Share of the misfit that it carries, per cent.
+    /// Share of the misfit that it explains, per cent.
     #[serde(default)]
     pub misfit_percent: Option<f64>,
-    /// By how much it raises the predictive log score in cross-validation, and the standard error of that.
+    /// Increase of the predictive log score in cross-validation, and its standard error.
     #[serde(default)]
     pub log_score_gain: Option<[f64; 2]>,
-    /// By how much it moves the prediction of the channel that it moves most, per cent of that channel's standard deviation.
+    /// Greatest change of the prediction of a channel, per cent of that channel's standard deviation.
     #[serde(default)]
     pub moves_percent: Option<f64>,
-    /// That channel.
+    /// The channel with the greatest change.
     #[serde(default)]
     pub moves_channel: Option<String>,
-    /// Whether that is more than the tolerance.
+    /// Whether that change exceeds the tolerance.
     #[serde(default)]
     pub material: Option<bool>,
 }
 
-/// Another explanation.
+/// A competing explanation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rival {
     /// Id in the catalogue.

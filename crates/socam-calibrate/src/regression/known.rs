@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ordinary::{Regression, inverse};
 
-/// A row that decides alone counts as deciding for all but this part.
+/// Least value of 1 - leverage; rows of higher leverage count as having this.
 const LEAST_SHARE: f64 = 0.05;
-/// Rows before and after one whose errors are like its own.
+/// Number of rows on either side that have errors of similar size.
 const NEIGHBOURS: usize = 10;
 
-/// Least squares with what is known of some coefficients beforehand (value, standard deviation), and with a covariance that
-/// neighbouring rows may make wider: rows are moments of a motion, and what the model leaves out lasts longer than one
-/// (sandwich with Bartlett's weights over `lag` neighbours; HC3 of MacKinnon and White 1985, doi:10.1016/0304-4076(85)90158-7).
-/// A row that decides alone says nothing of its own error: it counts as no better than the rows about it.
+/// Least squares with prior knowledge of some coefficients (value, standard deviation). The covariance allows for errors that are
+/// correlated over `lag` rows, since rows are moments of a motion and model errors last longer than one (sandwich estimator with
+/// Bartlett weights; HC3 of MacKinnon and White 1985, doi:10.1016/0304-4076(85)90158-7). A row of high leverage says little about its own
+/// error: its error counts as no smaller than that of its neighbours.
 #[must_use]
 pub fn with_knowledge(
     design: &DMatrix<f64>,

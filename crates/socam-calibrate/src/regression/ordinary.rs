@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// What a regression came to.
+/// Result of a regression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regression {
     /// One for each column of the design.
@@ -12,13 +12,13 @@ pub struct Regression {
     pub covariance: DMatrix<f64>,
     /// Degrees of freedom of [`Self::residual_std`].
     pub degrees: f64,
-    /// Standard deviation of what is left, in units of what is explained.
+    /// Standard deviation of the residuals, in the unit of the measured values.
     pub residual_std: f64,
     /// Rows that were left out, ascending.
     pub outliers: Vec<usize>,
-    /// What each row's own error adds to each coefficient; no rows where all count alike.
+    /// Contribution of each row's error to each coefficient; empty if all rows have equal variance.
     pub(super) shares: DMatrix<f64>,
-    /// Rows whose errors were taken together to say how large one of them is.
+    /// Number of rows from which the variance of one row is estimated.
     pub(super) together: f64,
 }
 
@@ -36,7 +36,7 @@ impl Regression {
         weights.dot(&(&self.covariance * &weights)).max(0.0).sqrt()
     }
 
-    /// Degrees of freedom of [`Self::std_of`], of which a few rows that decide it leave few (Satterthwaite's).
+    /// Satterthwaite's degrees of freedom of [`Self::std_of`]; they are few if few rows dominate.
     #[must_use]
     pub fn degrees_of(&self, weights: &[f64]) -> f64 {
         if self.shares.nrows() == 0 {
@@ -48,18 +48,18 @@ impl Regression {
         if largest <= 0.0 || sum <= 0.0 {
             return self.degrees;
         }
-        // What was known beforehand has no end of degrees, and those rows as many as were taken together.
+        // Prior knowledge has infinite degrees of freedom; a row has at least as many as its variance was estimated from.
         let rows = (sum * sum / largest).max(1.0) * self.degrees / self.shares.nrows() as f64;
         (rows.max(self.together) * (total / sum).max(1.0).powi(2)).min(self.degrees)
     }
 
-    /// Turns a standard deviation into half of a 95 % interval.
+    /// Factor from a standard deviation to the half-width of a 95 % interval.
     #[must_use]
     pub fn quantile(&self) -> f64 {
         quantile95(self.degrees)
     }
 
-    /// Chance of coefficients `which` as far from zero as these, were they zero (F test).
+    /// p-value of the F test that the coefficients `which` are zero.
     #[must_use]
     pub fn chance_of_none(&self, which: &[usize]) -> f64 {
         let n = which.len();
@@ -72,14 +72,14 @@ impl Regression {
     }
 }
 
-/// Half of a 95 % interval in standard deviations, for so many degrees of freedom.
+/// Half-width of a 95 % interval in standard deviations, by Student's t.
 #[must_use]
 pub fn quantile95(degrees: f64) -> f64 {
-    // The search for the quantile of next to infinitely many does not end.
+    // The search for the quantile does not converge for very many degrees of freedom.
     StudentsT::new(0.0, 1.0, degrees.clamp(1.0, 1e4)).map_or(1.96, |t| t.inverse_cdf(0.975))
 }
 
-/// Ordinary least squares on all rows; `None` where they do not determine the coefficients.
+/// Ordinary least squares on all rows; `None` if they do not determine the coefficients.
 #[must_use]
 pub fn plain(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Regression> {
     let all: Vec<usize> = (0..design.nrows()).collect();
@@ -95,7 +95,7 @@ pub(super) fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     }
     let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (sizes[i] * sizes[j]));
     let inverse = scaled.cholesky()?.inverse();
-    // Rounding is all that is left of a direction that nothing speaks of.
+    // Larger entries belong to directions without information, where only rounding errors remain.
     let sane = (0..n).all(|i| inverse[(i, i)].is_finite() && inverse[(i, i)] < 1e13);
     sane.then(|| DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j])))
 }

@@ -1,4 +1,4 @@
-//! Least trimmed squares: a regression that outliers do not move.
+//! Least trimmed squares: a regression that is robust against outliers.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -7,22 +7,22 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::ordinary::{Regression, on, plain};
 
-/// Chance that a set of measurements without outliers loses any of them.
+/// Probability that a row of a set without outliers is rejected.
 const FALSE_ALARM: f64 = 0.01;
 
-/// Random subsets from which a fit to the better half starts (Rousseeuw and Van Driessen 2006, doi:10.1007/s10618-005-0024-4).
+/// Number of random subsets from which the search starts (FAST-LTS, Rousseeuw and Van Driessen 2006, doi:10.1007/s10618-005-0024-4).
 const STARTS: usize = 100;
 
-/// Steps of concentration of each.
+/// Concentration steps of each start.
 const CONCENTRATIONS: usize = 4;
 
-/// What lies within so many standard deviations of that fit belongs to the core that outliers are judged by.
+/// Rows within this many standard deviations of the trimmed fit form the core.
 const CORE: f64 = 2.5;
 
-/// Least squares on the rows that belong together, however far off the others are, as long as they are fewer than half.
+/// Least squares without outliers, which must be fewer than half of the rows.
 ///
-/// The fit to the better half of the rows is found first; then every row is taken in that the fit to those inside does not
-/// refuse by a t test, which costs a set without outliers a row in one of a hundred cases. `None` where too few rows are left.
+/// A fit to the better half of the rows comes first (least trimmed squares). Then rows are included that a t test against the fit to the
+/// included ones does not reject; in 1 % of sets without outliers this rejects a row. `None` if too few rows remain.
 #[must_use]
 pub fn robust(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Regression> {
     let (rows, columns) = design.shape();
@@ -40,7 +40,7 @@ fn residual(design: &DMatrix<f64>, measured: &DVector<f64>, row: usize, coeffici
     measured[row] - coefficients.iter().enumerate().map(|(j, c)| design[(row, j)] * c).sum::<f64>()
 }
 
-/// The coefficients alone, by elimination in the normal equations: many thousand times for one search.
+/// The coefficients alone, by elimination in the normal equations, since a search needs many thousand fits.
 fn coefficients(design: &DMatrix<f64>, measured: &DVector<f64>, rows: &[usize]) -> Option<Vec<f64>> {
     let n = design.ncols();
     let mut system = vec![0.0; n * (n + 1)];
@@ -73,7 +73,7 @@ fn coefficients(design: &DMatrix<f64>, measured: &DVector<f64>, rows: &[usize]) 
     Some(solution)
 }
 
-/// Rows about the fit whose smaller half of squared residuals has the least sum.
+/// Rows near the fit whose smaller half of squared residuals has the least sum.
 fn core(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Vec<usize>> {
     let (rows, columns) = design.shape();
     let half = (rows + columns).div_ceil(2);
@@ -81,7 +81,7 @@ fn core(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Vec<usize>> {
     let mut best: Option<(f64, Vec<f64>)> = None;
     let all: Vec<usize> = (0..rows).collect();
     let starts = std::iter::once(all).chain((0..STARTS).map(|_| {
-        // One row more than would do: the fit counts residuals.
+        // One row more than there are columns, so that there are residuals.
         let mut some: Vec<usize> = Vec::with_capacity(columns + 1);
         while some.len() < columns + 1 {
             let row = random.random_range(0..rows);
@@ -113,18 +113,18 @@ fn core(design: &DMatrix<f64>, measured: &DVector<f64>) -> Option<Vec<usize>> {
         (0..rows).map(|row| residual(design, measured, row, &coefficients).abs()).collect();
     let unsorted = sizes.clone();
     sizes.sort_by(f64::total_cmp);
-    // The median of absolute residuals, of which a few are zero by fitting.
+    // Scale by the median of absolute residuals, with a correction for few rows.
     let spread = 1.4826 * sizes[half - 1] * (1.0 + 5.0 / (rows - columns) as f64);
     let inside = (0..rows).filter(|row| unsorted[*row] <= CORE * spread).collect::<Vec<_>>();
     Some(if inside.len() > columns + 1 { inside } else { (0..rows).collect() })
 }
 
-/// Takes in what the fit does not refuse, and puts out what it does, until nothing moves.
+/// Includes rows that the t test accepts and excludes rows that it rejects, until nothing changes.
 fn grown(design: &DMatrix<f64>, measured: &DVector<f64>, mut inside: Vec<usize>) -> Option<Vec<usize>> {
     let (rows, columns) = design.shape();
     for _ in 0..3 * rows {
         let fitted = on(design, measured, &inside)?;
-        // Squares of residuals over their standard deviations, each judged by the others.
+        // Residual of a row over its standard deviation, estimated from the other rows.
         let judged = |row: usize| {
             let x = design.row(row).transpose();
             let lever = x.dot(&(&fitted.covariance * &x)).max(0.0);
@@ -132,7 +132,7 @@ fn grown(design: &DMatrix<f64>, measured: &DVector<f64>, mut inside: Vec<usize>)
             let own = inside.contains(&row);
             let variance = fitted.residual_std.powi(2);
             if own {
-                // Of a row inside, as if it had been left out.
+                // Leave-one-out residual of an included row.
                 let share = (1.0 - lever / variance.max(f64::MIN_POSITIVE)).max(1e-9);
                 let others =
                     (variance * fitted.degrees - size * size / share) / (fitted.degrees - 1.0).max(1.0);

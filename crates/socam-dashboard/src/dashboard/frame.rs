@@ -6,7 +6,7 @@ use super::Dashboard;
 use crate::layout::View;
 use crate::{live, theme};
 
-/// Width of menus, tabs, the state of the bench and the emergency stop, points.
+/// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
 const ONE_ROW: f32 = 1060.0;
 
 impl Dashboard {
@@ -52,7 +52,7 @@ impl Dashboard {
         }
     }
 
-    /// What went wrong, and what is under way, below the menus.
+    /// Errors, remarks and running jobs, below the menus.
     pub(super) fn messages(&mut self, ui: &mut Ui) {
         if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() {
             return;

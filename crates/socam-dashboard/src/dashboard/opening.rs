@@ -9,7 +9,7 @@ use crate::job::{CANCELLED, Job};
 use crate::outside;
 
 impl Dashboard {
-    /// Draws the shown recordings beside what the model makes of their inputs.
+    /// Simulates the model with the inputs of the shown recordings, and opens the results beside them.
     pub(crate) fn simulate(&mut self, ctx: &egui::Context) {
         let Some(simulate) = self.simulate else { return };
         for entry in self.entries.iter().filter(|entry| entry.shown && entry.recording.path.is_some()) {
@@ -20,7 +20,7 @@ impl Dashboard {
         }
     }
 
-    /// Begins to open what was dropped into the window or named before.
+    /// Begins to open files that were dropped into the window or named before.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn begin_to_open(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
@@ -34,9 +34,9 @@ impl Dashboard {
         }
     }
 
-    /// Shows what has been opened.
+    /// Shows the documents that have been opened since the last pass.
     pub(super) fn take_opened(&mut self) {
-        // In order: what was named first gets the first colour.
+        // In the order in which files were named: the first one gets the first colour.
         while let Some(result) = self.opening.first().and_then(Job::poll) {
             self.opening.remove(0);
             match result.and_then(|result| result) {
@@ -58,7 +58,7 @@ impl Dashboard {
         }
     }
 
-    /// Files have been chosen for something.
+    /// Uses the files that were chosen in a dialog.
     pub(crate) fn answered(&mut self, ctx: &egui::Context, purpose: Purpose, files: Vec<PathBuf>) {
         match purpose {
             Purpose::Open => self.open(files.iter().map(|path| path.display().to_string())),
@@ -84,7 +84,7 @@ impl Dashboard {
         }));
     }
 
-    /// What has been saved by now.
+    /// Reports the files that have been saved since the last pass.
     pub(super) fn take_saved(&mut self) {
         while let Some(result) = self.saving.first().and_then(Job::poll) {
             self.saving.remove(0);

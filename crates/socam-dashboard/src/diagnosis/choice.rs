@@ -1,4 +1,4 @@
-//! Which residuals of a diagnosis are drawn, and over what.
+//! The residuals of a diagnosis that are drawn, and their horizontal axis.
 
 /// Which residuals are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,7 +12,7 @@ pub enum Sides {
     Both,
 }
 
-/// Over what residuals are drawn.
+/// The horizontal axis of the residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[expect(missing_docs, reason = "each is named by its tab")]
 pub enum Over {
@@ -43,7 +43,7 @@ impl Over {
     }
 }
 
-/// What is chosen.
+/// The choice, with the selected channel and recording.
 pub(super) struct Choice<'a> {
     pub(super) sides: Sides,
     pub(super) over: Over,

@@ -1,4 +1,4 @@
-//! The bench as its model has it, with the places of findings framed and numbered, and those of rivals dashed.
+//! The bench of the model; places of findings are framed and numbered, places of rivals are dashed.
 
 mod grid;
 mod symbols;
@@ -14,13 +14,13 @@ use socam_model::{Model, Role};
 use crate::theme;
 use grid::{Grid, LINE, Place, Row, lines, row};
 
-/// Columns side by side: the whole default bench.
+/// Greatest number of columns: the default bench fits in one line.
 const COLUMNS: usize = 13;
 const WIDEST: f32 = 104.0;
-/// A cell narrower than this cannot be read; the chain is wrapped before.
+/// Least width of a cell, points; a chain that needs more room is wrapped.
 const NARROWEST: f32 = 64.0;
 
-/// What is pointed at.
+/// The mark of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mark {
     Finding(usize),
@@ -58,7 +58,7 @@ pub(super) fn bench(ui: &mut Ui, model: &Model, diagnosis: &Diagnosis, selected:
     }
 }
 
-/// Places that findings and rivals name; a place with a finding of its own is no rival's.
+/// Places of findings and of rivals; a place with a finding is not marked as a rival's.
 fn marks(diagnosis: &Diagnosis) -> Vec<(&str, Mark)> {
     let findings =
         diagnosis.findings.iter().enumerate().map(|(n, f)| (f.location.as_str(), Mark::Finding(n + 1)));

@@ -1,4 +1,4 @@
-//! What remains between model and recordings, before and after: over speed, angle, torque, frequency and time.
+//! Residuals before and after the correction, over speed, angle, torque, frequency and time.
 
 mod fit;
 
@@ -106,7 +106,7 @@ fn fill(ui: &Ui, chart: &mut Chart, binned: &Binned, noise_std: f64, sides: Side
     }
     let drawn = chart.bands.iter().flat_map(|(band, _)| band.iter().flat_map(|[_, low, high]| [*low, *high]));
     chart.y = chart.fitted(range_of(drawn.chain([0.0])));
-    // The noise of single samples; means of bins stay well inside.
+    // Standard deviation of the noise of single samples; means of bins scatter less.
     let noise = [chart.x[0], chart.x[1]].map(|x| [x, -noise_std, noise_std]);
     chart.bands.insert(0, (noise.to_vec(), theme::weak(ui).gamma_multiply(0.16)));
 }
@@ -193,7 +193,7 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     chart.show(ui, seen);
 }
 
-/// The missing torque or channel error as it was measured.
+/// The measured shape of the missing torque or channel error.
 fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
     let curves: Vec<_> = diagnosis
         .findings

@@ -1,4 +1,4 @@
-//! What was found, in words and numbers.
+//! The list of findings.
 
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
 use socam_answer::Diagnosis;
@@ -8,7 +8,7 @@ use socam_recording::ProfileFile;
 use crate::parameters::{heads, interval, number};
 use crate::theme;
 
-/// Draws the list. Returns the profile that is to be recorded next, where that was pressed.
+/// Draws the list. Returns the profile of the suggested experiment if its button was pressed.
 pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<String>) -> Option<ProfileFile> {
     let mut wanted = None;
     for (index, finding) in diagnosis.findings.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A diagnosis on a thread of its own: what it is to be made of, how far it is, what came out.
+//! A diagnosis on a thread of its own: its options, progress and result.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::job::{CANCELLED, Handle, Job};
 use crate::recording::{Recording, short};
 use crate::theme;
 
-/// What came out.
+/// The result.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) diagnosis: Diagnosis,
@@ -23,10 +23,10 @@ pub(super) struct Answer {
 
 type Outcome = Result<Answer, String>;
 
-/// What a new diagnosis is made of, and the one that is under way.
+/// Options of the next diagnosis, and the running one.
 #[derive(Debug, Default)]
 pub(super) struct Maker {
-    /// Recordings that are kept for the proof.
+    /// Held-out recordings.
     held_out: Vec<String>,
     job: Option<Job<Outcome>>,
     problem: Option<String>,
@@ -50,7 +50,7 @@ impl Maker {
         self.job = Some(start(ctx, model, fitted, kept));
     }
 
-    /// What came out, once.
+    /// The result, once.
     pub(super) fn poll(&mut self) -> Option<Answer> {
         let outcome = self.job.as_ref().and_then(Job::poll)?;
         self.job = None;
@@ -62,7 +62,7 @@ impl Maker {
         None
     }
 
-    /// Draws what a new diagnosis would be made of, or how far the one is that is under way.
+    /// Draws the options of the next diagnosis, or the progress of the running one.
     pub(super) fn ui(&mut self, ui: &mut Ui, recordings: &[&Recording], model: &Model, is_first: bool) {
         if let Some(job) = &self.job {
             if job.ui(ui) {

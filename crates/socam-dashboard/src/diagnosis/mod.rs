@@ -1,10 +1,10 @@
-//! The diagnosis: the bench as a drawing with what is missing lit, the evidence, the rivals, and what to record next.
+//! The diagnosis view: the bench with the places of findings, residuals, rivals and the suggested experiment.
 
 mod choice;
 mod drawing;
 mod evidence;
 mod findings;
-// In a browser none is made, only shown.
+// A browser shows diagnoses but cannot make them.
 #[cfg(not(target_arch = "wasm32"))]
 mod maker;
 
@@ -19,13 +19,13 @@ use crate::recording::Recording;
 use crate::{layout, theme};
 pub use choice::{Over, Sides};
 
-/// What the view remembers.
+/// State of the view.
 #[derive(Debug, Default)]
 pub struct DiagnosisView {
     shown: Option<Shown>,
     /// Which residuals are drawn.
     pub sides: Sides,
-    /// Over what they are drawn.
+    /// The horizontal axis of the residuals.
     pub over: Over,
     channel: usize,
     recording: usize,
@@ -35,7 +35,7 @@ pub struct DiagnosisView {
     maker: maker::Maker,
 }
 
-/// A diagnosis and what belongs to it.
+/// A diagnosis with its residuals and model.
 #[derive(Debug)]
 struct Shown {
     diagnosis: Diagnosis,
@@ -53,7 +53,7 @@ impl DiagnosisView {
         self.maker.is_busy()
     }
 
-    /// Begins a diagnosis of recordings; those that are held out are the proof.
+    /// Begins a diagnosis of recordings; held-out ones are used for validation only.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn start(
         &mut self,
@@ -69,14 +69,14 @@ impl DiagnosisView {
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
         self.selected = None;
         (self.channel, self.recording) = (0, 0);
-        // The evidence that shows the strongest finding best comes first.
+        // The axis is the one that shows the strongest finding best.
         if let Some(finding) = diagnosis.findings.first() {
             let region = &finding.region;
             self.over = match () {
-                // A file has no residuals, but it has these.
+                // A file has no residuals, but may have a measured shape.
                 () if evidence.is_none() && finding.curve.is_some() => Over::Shape,
                 () if evidence.is_none() => Over::Fit,
-                // A band is worth a spectrum where it is narrow.
+                // A spectrum shows narrow bands.
                 () if region.frequency_hz.is_some_and(|[low, high]| high < 4.0 * low) => Over::Frequency,
                 () if region.torque_nm.is_some() => Over::Torque,
                 () => Over::Speed,

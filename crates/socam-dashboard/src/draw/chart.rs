@@ -1,4 +1,4 @@
-//! One chart: lines over an axis that others may share, with what is special about the axis marked.
+//! One chart: curves, bands, shaded ranges and flags on a pair of axes.
 
 mod axes;
 mod empty;
@@ -14,16 +14,16 @@ use crate::theme;
 use axes::{at_an_end, decade, decades, moved, number, padded, scaled, small, steps, unscaled};
 pub use axes::{range_of, with_room};
 pub use empty::empty_state;
-use wheel::turned;
+use wheel::after_wheel;
 
 /// One chart.
 #[derive(Debug, Clone)]
 pub struct Chart {
-    /// Its own name among all charts.
+    /// Identity, unique among all charts.
     pub id: egui::Id,
-    /// What is drawn, with its unit: stands at the top left.
+    /// Title at the top left: quantity and unit.
     pub title: String,
-    /// What the horizontal axis is, with its unit; empty: its numbers are not shown.
+    /// Quantity and unit of the horizontal axis; if empty, its numbers are not shown.
     pub x_label: String,
     /// Size in points.
     pub size: egui::Vec2,
@@ -35,19 +35,19 @@ pub struct Chart {
     pub scales: [Scale; 2],
     /// Lines.
     pub curves: Vec<Curve>,
-    /// Stretches of the horizontal axis that are shaded, such as gaps.
+    /// Shaded ranges of the horizontal axis, such as gaps.
     pub shaded: Vec<([f64; 2], Color32)>,
     /// Bands between two lines: low and high at each x.
     pub bands: Vec<(Vec<[f64; 3]>, Color32)>,
-    /// Vertical lines with a word.
+    /// Vertical lines with a text.
     pub flags: Vec<Flag>,
-    /// Whether the words of the flags are drawn, not only their lines.
+    /// Whether the texts of the flags are drawn, not only their lines.
     pub flag_words: bool,
-    /// What it says where it holds nothing to draw.
+    /// Text that is shown if there is nothing to draw.
     pub when_empty: &'static str,
 }
 
-/// What became of a chart.
+/// A chart after it was drawn.
 #[derive(Debug)]
 pub struct Shown {
     /// For clicks and drags.
@@ -60,13 +60,13 @@ pub struct Shown {
     pub x_moved: bool,
     /// Whether the user changed the vertical range.
     pub y_moved: bool,
-    /// Where the pointer is, on the horizontal axis.
+    /// Position of the pointer on the horizontal axis.
     pub pointer_x: Option<f64>,
-    /// Where data are drawn.
+    /// The area of the data.
     pub frame: Rect,
 }
 
-/// What is seen of a chart, for exports.
+/// Contents of a drawn chart, for exports.
 #[derive(Debug, Clone)]
 pub struct Seen {
     /// The chart's title.
@@ -77,17 +77,17 @@ pub struct Seen {
     pub curves: Vec<Curve>,
 }
 
-/// Room for the numbers beside the vertical axis: the same for all, so that stacked charts align.
+/// Width of the numbers beside the vertical axis, points: the same for all charts, so that stacked ones align.
 const AXIS_WIDTH: f32 = 58.0;
-/// Between lines of the grid, points.
+/// Least distance between lines of the grid, points.
 const LINES_APART: f32 = 14.0;
-/// From this height on numbers beside the vertical axis may stand farther apart.
+/// Height from which on numbers beside the vertical axis stand farther apart, points.
 const TALL: f32 = 260.0;
-/// From marker to marker on a marked line, points.
+/// Distance between markers on a marked line, points.
 const MARKERS_APART: f64 = 160.0;
-/// Height of the horizontal axis with its numbers and label.
+/// Height of the horizontal axis with its numbers and label, points.
 pub const X_AXIS: f32 = 34.0;
-/// Height of the title.
+/// Height of the title, points.
 const TITLE_STRIP: f32 = 20.0;
 
 impl Chart {
@@ -115,8 +115,7 @@ impl Chart {
         }
     }
 
-    /// The vertical axis for values of this range: room at both ends, and above them for the title. The horizontal axis' label has
-    /// to be known.
+    /// Range of the vertical axis for values of this range, with margins and room for the title. `x_label` must be set before.
     #[must_use]
     pub fn fitted(&self, range: Option<[f64; 2]>) -> [f64; 2] {
         let Some(range) = range else { return [0.0, 1.0] };
@@ -127,7 +126,7 @@ impl Chart {
         unscaled([low, high + strip * (high - low)], log)
     }
 
-    /// Draws it, and adds it to what is seen.
+    /// Draws the chart and adds its contents to `seen`.
     pub fn show(self, ui: &mut Ui, seen: &mut Vec<Seen>) -> Shown {
         let [log_x, log_y] = self.scales.map(|scale| scale == Scale::Log);
         let (x, y) = (padded(scaled(self.x, log_x)), padded(scaled(self.y, log_y)));
@@ -153,7 +152,7 @@ impl Chart {
         answer.response.widget_info(|| WidgetInfo::labeled(Role::Figure, true, format!("Chart {title}")));
         let pointer = answer.response.hover_pos().filter(|pos| frame.contains(*pos));
         let pointer_at = pointer.map(|pos| transform.value_from_position(pos).x);
-        let x_now = turned(ui, frame, transform.bounds().range_x(), pointer_at);
+        let x_now = after_wheel(ui, frame, transform.bounds().range_x(), pointer_at);
         let y_now = transform.bounds().range_y();
         let y_now = [*y_now.start(), *y_now.end()];
         let beside = |flag: &&Flag| pointer.is_some_and(|pos| (at(flag.x) - pos.x).abs() < 4.0);

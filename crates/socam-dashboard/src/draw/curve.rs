@@ -1,4 +1,4 @@
-//! What a chart is made of: curves, flags, scales.
+//! Elements of a chart: curves, flags, scales.
 
 use egui::Color32;
 
@@ -7,33 +7,33 @@ use super::style::Style;
 /// A line of a chart.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    /// What it is: in exports and where it is pointed at.
+    /// Name, for exports and for the text at the pointer.
     pub name: String,
     /// Its colour.
     pub colour: Color32,
-    /// Parts that are not joined, each of points.
+    /// Parts, each a list of points; a line does not join parts.
     pub parts: Vec<Vec<[f64; 2]>>,
     /// How it is drawn.
     pub style: Style,
 }
 
-/// Something at a place of the horizontal axis.
+/// A marked position on the horizontal axis.
 #[derive(Debug, Clone)]
 pub struct Flag {
-    /// Where.
+    /// Position.
     pub x: f64,
-    /// In a few words; may be empty.
+    /// Short text; may be empty.
     pub text: String,
     /// Its colour.
     pub colour: Color32,
 }
 
-/// What the scale of an axis is.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// Even.
+    /// Linear.
     #[default]
     Linear,
-    /// By decades: values of curves are turned into their decimal logarithms, those that have none are left out.
+    /// Logarithmic: values of curves are drawn by their decimal logarithms; values that are not positive are left out.
     Log,
 }

@@ -1,11 +1,11 @@
-//! What is seen, as a table.
+//! The contents of the drawn charts as a table.
 
 use std::fmt::Write;
 
 use super::chart::Seen;
 
-/// All lines that are seen, one point per row: `chart,line,x,y`. Where a chart draws least and greatest of many samples, the table
-/// has these.
+/// The table has one point per row: `chart,line,x_axis,x,y`. Where a chart draws the least and greatest of many samples, the table has
+/// these.
 #[must_use]
 pub fn csv(seen: &[Seen]) -> String {
     let mut out = String::from("chart,line,x_axis,x,y\n");

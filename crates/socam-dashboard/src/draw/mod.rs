@@ -1,4 +1,4 @@
-//! Pictures: charts, the bench, and what turns the window into a file.
+//! Charts, and the window as a picture file.
 
 pub mod chart;
 mod curve;

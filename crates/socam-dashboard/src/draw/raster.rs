@@ -6,14 +6,14 @@ use egui::epaint::{Primitive, Vertex};
 use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 use std::collections::HashMap;
 
-/// Textures of the window, as they are known from its output so far.
+/// Textures of the window, collected from its output.
 #[derive(Debug, Default)]
 pub struct Raster {
     textures: HashMap<TextureId, ColorImage>,
 }
 
 impl Raster {
-    /// Takes what an output says of textures; every output has to be told, in order.
+    /// Applies the texture changes of an output; every output must be given, in order.
     pub fn take(&mut self, delta: &mut TexturesDelta) {
         for (id, changes) in std::mem::take(&mut delta.set) {
             for change in changes {
@@ -73,7 +73,7 @@ impl Raster {
     }
 }
 
-/// Columns and rows inside a rectangle: from, to, from, to.
+/// First and end column, first and end row inside a rectangle.
 fn pixels(rect: Rect, scale: f32, size: [usize; 2]) -> [i32; 4] {
     let edge = |value: f32, most: usize| (value * scale).round().clamp(0.0, most as f32) as i32;
     [
@@ -84,14 +84,14 @@ fn pixels(rect: Rect, scale: f32, size: [usize; 2]) -> [i32; 4] {
     ]
 }
 
-/// An edge of a triangle: which side of it a pixel is on.
+/// An edge of a triangle; its value says on which side a pixel is.
 #[derive(Clone, Copy)]
 struct Edge {
     from: Pos2,
     along: Vec2,
     /// Columns per row.
     slope: f32,
-    /// Of an edge that two triangles share, each pixel belongs to one of them.
+    /// Each pixel on an edge that two triangles share belongs to one of them.
     owns: bool,
 }
 
@@ -161,7 +161,7 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, corners: [Vertex; 3], 
             Paint::Opaque(colour) => pixels.fill(*colour),
             Paint::Even(colour) => pixels.iter_mut().for_each(|pixel| blend(pixel, *colour)),
             Paint::Shaded(shade) => {
-                // Even steps along a row.
+                // Colours and texture coordinates change by equal steps along a row.
                 let at = |column: i32| {
                     let x = column as f32 + 0.5;
                     shade.at(edges.map(|edge| edge.area(x, y)))
@@ -186,7 +186,7 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, corners: [Vertex; 3], 
     }
 }
 
-/// What a triangle is filled with; most have one colour, or one shade of the texture in colours that vary.
+/// The filling of a triangle.
 enum Paint {
     Opaque(Color32),
     Even([f32; 4]),
@@ -246,7 +246,7 @@ fn texel(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
 fn blend(pixel: &mut Color32, source: [f32; 4]) {
     let under = pixel.to_array();
     let rest = 1.0 - source[3] / 255.0;
-    // A number becomes a byte by being cut off at both ends.
+    // The conversion to a byte saturates.
     let over: [u8; 4] = std::array::from_fn(|k| (source[k] + f32::from(under[k]) * rest + 0.5) as u8);
     *pixel = Color32::from_rgba_premultiplied(over[0], over[1], over[2], over[3]);
 }

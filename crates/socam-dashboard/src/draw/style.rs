@@ -13,6 +13,6 @@ pub enum Style {
     Dotted,
     /// Markers only.
     Markers(MarkerShape),
-    /// A line with a marker every now and then: for lines whose colour is another's already.
+    /// A line with markers at large distances, for lines whose colour another line has already.
     Marked(MarkerShape),
 }

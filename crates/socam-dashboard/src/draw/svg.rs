@@ -1,4 +1,4 @@
-//! The window as SVG: egui's shapes before they become triangles. Text stays text.
+//! The window as SVG, from egui's shapes; text stays text.
 
 use std::fmt::Write;
 

@@ -1,10 +1,10 @@
-//! The last minute of samples, for the eye.
+//! The last minute of samples.
 
 use socam_recording::Channel;
 
 use super::link::Batch;
 
-/// Seconds that are kept.
+/// Length of the buffer, s.
 const KEPT_S: f64 = 61.0;
 
 /// Samples of all channels, oldest first.
@@ -22,7 +22,7 @@ impl Buffer {
         Self { columns: vec![Vec::new(); channels.len()], channels, step_s, ..Self::default() }
     }
 
-    /// Whether samples of these channels at this rate go on where it ends.
+    /// Whether samples of these channels at this rate can be appended.
     pub(super) fn fits(&self, channels: &[Channel], step_s: f64) -> bool {
         self.channels == channels && self.step_s == step_s
     }
@@ -39,7 +39,7 @@ impl Buffer {
         self.time_s.last().copied().unwrap_or_default()
     }
 
-    /// Samples between those that arrived.
+    /// Number of samples that did not arrive.
     pub(super) fn missed(&self) -> u64 {
         self.missed
     }
@@ -51,7 +51,7 @@ impl Buffer {
         }
         for (time, row) in batch.time_s.iter().zip(batch.values.chunks_exact(width)) {
             match self.time_s.last() {
-                // A board that was switched on again counts from the beginning.
+                // The time of a board that was reset begins at 0 again.
                 Some(last) if time <= last => {
                     self.time_s.clear();
                     self.columns.iter_mut().for_each(Vec::clear);
@@ -67,14 +67,14 @@ impl Buffer {
             }
         }
         let old = self.time_s.partition_point(|time| *time < self.end_s() - KEPT_S);
-        // In large pieces, since what stays is moved.
+        // Removed in large pieces, since the rest is moved.
         if old > self.time_s.len() / 4 {
             self.time_s.drain(..old);
             self.columns.iter_mut().for_each(|column| drop(column.drain(..old)));
         }
     }
 
-    /// A channel's line: least and greatest of every few samples. Parts end where samples are missing.
+    /// The line of a channel: least and greatest values of blocks of samples. Parts end where samples are missing.
     pub(super) fn line(&self, channel: usize, [from, to]: [f64; 2], pixels: usize) -> Vec<Vec<[f64; 2]>> {
         let first = self.time_s.partition_point(|time| *time < from).saturating_sub(1);
         let last = self.time_s.partition_point(|time| *time <= to);
@@ -83,7 +83,7 @@ impl Buffer {
         let mut parts = Vec::new();
         let mut part: Vec<[f64; 2]> = Vec::new();
         let column = &self.columns[channel];
-        // Blocks are counted from a fixed time, so that the line does not shimmer while it moves.
+        // Blocks begin at multiples of a fixed time, so that the line does not flicker while it moves.
         let offset =
             (self.time_s.get(first).copied().unwrap_or_default() / self.step_s).round() as usize % block;
         let mut start = first;
@@ -100,7 +100,7 @@ impl Buffer {
             }
             if extremes[0].is_finite() {
                 let [low, high] = extremes.map(f64::from);
-                // First the one that is nearer to where the line comes from.
+                // The value nearer to the last point comes first.
                 let rises = part.last().is_none_or(|[_, last]| (low - last).abs() <= (high - last).abs());
                 let (first, second) = if rises { (low, high) } else { (high, low) };
                 part.push([time, first]);

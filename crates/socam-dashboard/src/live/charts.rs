@@ -7,7 +7,7 @@ use crate::draw::chart::{self, Chart, Curve, Seen, Style, range_of};
 use crate::theme;
 
 impl Live {
-    /// Draws them.
+    /// Draws the charts.
     pub(super) fn charts(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {
         if self.buffer.rows() == 0 {
             let (title, advice) = match self.link {
@@ -41,7 +41,7 @@ impl Live {
         let axis = chart::X_AXIS;
         let count = channels.len().max(1) as f32;
         let height = ((room.y - axis - 4.0 * count) / count).max(70.0);
-        // Until there are enough samples they come in from the left.
+        // Until the window is full, samples begin at its left edge.
         let from_s = (self.buffer.end_s() - self.window_s).max(0.0);
         let x = [from_s, from_s + self.window_s];
         ui.spacing_mut().item_spacing.y = 3.0;

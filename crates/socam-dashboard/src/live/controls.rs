@@ -12,7 +12,7 @@ use super::{Link, Live, Order, Plan};
 use crate::draw::chart::{Chart, Curve, Style, range_of};
 use crate::{layout, theme};
 
-/// Draws it. Returns a recording that is to be looked at.
+/// Draws the panel. Returns a recording that the user wants to open.
 pub(super) fn panel(live: &mut Live, ui: &mut Ui) -> Option<String> {
     let mut wanted = None;
     let shown = egui::Panel::left("bench")
@@ -254,7 +254,7 @@ fn buttons(live: &mut Live, ui: &mut Ui) {
 }
 
 impl Live {
-    /// The next run: its file has the first free number after its name.
+    /// The plan of the next run; its file is the name with the first free number.
     pub(super) fn plan(&self) -> Plan {
         let name = self.name.trim();
         let name = if name.is_empty() { "run" } else { name };

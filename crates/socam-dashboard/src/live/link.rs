@@ -1,7 +1,6 @@
-//! What passes between the window and whoever talks to the board.
+//! Messages between the window and the thread that talks to the board.
 //!
-//! Samples come through a channel of limited length that is never waited for: when the window is slow, it misses samples, not the
-//! recording.
+//! Samples pass through a channel of limited length without blocking: a slow window misses samples, the recording does not.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,7 +10,7 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender};
 use socam_core::State;
 use socam_recording::{Channel, ProfileFile};
 
-/// What the window asks of whoever talks to the board.
+/// An order of the window to the thread that talks to the board.
 #[derive(Debug, Clone)]
 pub enum Order {
     /// Open the link to a device: `sim`, `serial`, `serial:PATH` or `tcp:HOST:PORT`.
@@ -24,70 +23,70 @@ pub enum Order {
     Run,
     /// Write a note into the recording.
     Note(String),
-    /// Put away a fault that the board remembers.
+    /// Clear a stored fault.
     ClearFault,
 }
 
-/// What a run is to be.
+/// Plan of a run.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// What is commanded.
+    /// The command.
     pub signal: ProfileFile,
     /// Its name, for the recording.
     pub name: String,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Where the recording goes.
+    /// File of the recording.
     pub path: PathBuf,
-    /// Note that travels with it.
+    /// Note for the recording.
     pub note: String,
 }
 
-/// What the board and its recorder say.
+/// News of the board and its recorder.
 #[derive(Debug, Clone)]
 pub enum News {
     /// The link is open.
     Connected {
         /// Board, firmware and such, in words.
         board: String,
-        /// What it measures, the command first.
+        /// Channels, the command first.
         channels: Vec<Channel>,
         /// Sampling period, s.
         step_s: f64,
     },
-    /// How the board is.
+    /// State of the board.
     Status(Health),
-    /// A recording has begun or ended: where, and how it went (`None` while it goes on).
+    /// A recording has begun or ended.
     Recording {
         /// The file.
         path: PathBuf,
-        /// Once it is closed: what became of it, and whether all is well.
+        /// After it was closed: the result in words, and whether it succeeded.
         end: Option<(String, bool)>,
     },
-    /// Something did not work; the link stays open.
+    /// An error; the link stays open.
     Problem(String),
-    /// The link is closed; a sentence where nobody asked for that.
+    /// The link is closed; a sentence if it was not closed by an order.
     Disconnected(Option<String>),
 }
 
-/// How the board is.
+/// State of the board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Health {
     /// State of its safety machine.
     pub state: State,
     /// The fault that stopped it, in words.
     pub fault: Option<String>,
-    /// Sampling periods that it could not keep.
+    /// Number of sampling periods that the board missed.
     pub overruns: u64,
-    /// Samples that it dropped because the link was slow.
+    /// Number of samples that the board dropped because the link was slow.
     pub dropped: u64,
-    /// Damaged frames, both ways.
+    /// Number of damaged frames in both directions.
     pub link_errors: u64,
-    /// Samples in the recording, and lost from it.
+    /// Number of recorded and of lost samples.
     pub recorded: Option<[u64; 2]>,
 }
 
-/// Samples for the window: rows of values, one per channel.
+/// Samples for the window: rows with one value per channel.
 #[derive(Debug, Clone)]
 pub struct Batch {
     /// Time of each row since the link was opened, s.
@@ -102,30 +101,30 @@ pub type Presses = Arc<AtomicU32>;
 /// The window's end of a link.
 #[derive(Debug)]
 pub struct Port {
-    /// To whoever talks to the board.
+    /// Orders to the thread that talks to the board.
     pub orders: Sender<Order>,
-    /// What it says.
+    /// News.
     pub news: Receiver<News>,
-    /// Samples; those that find the channel full are not shown.
+    /// Samples; they are discarded while the channel is full.
     pub samples: Receiver<Batch>,
-    /// Stops do not wait behind orders.
+    /// Presses of stop; they overtake orders.
     pub presses: Presses,
 }
 
 /// The other end of a [`Port`].
 #[derive(Debug)]
 pub struct Bench {
-    /// From the window.
+    /// Orders of the window.
     pub orders: Receiver<Order>,
-    /// To the window.
+    /// News for the window.
     pub news: Sender<News>,
-    /// Samples, to be tried, never waited for.
+    /// Samples; send them with `try_send`.
     pub samples: SyncSender<Batch>,
     /// How often stop was pressed since the last run began.
     pub presses: Presses,
 }
 
-/// Batches that may wait for the window: about a second.
+/// Capacity of the channel in batches: about 1 s.
 const BATCHES: usize = 512;
 
 /// Both ends of a link.
@@ -139,5 +138,5 @@ pub fn link() -> (Port, Bench) {
     (port, Bench { orders: theirs, news, samples, presses })
 }
 
-/// Makes a link: starts whoever talks to the board. It may ask for a new picture at any time.
+/// Makes a link: starts the thread that talks to the board. The thread may request a repaint at any time.
 pub type Connector = Box<dyn Fn(&egui::Context) -> Port>;

@@ -1,6 +1,6 @@
-//! The bench that runs: what it measures, how it is, and what it is told.
+//! The live view: samples, state and control of the running bench.
 //!
-//! Whoever talks to the board does so on a thread of its own, at the other end of a [`Port`].
+//! A thread of its own talks to the board, at the other end of a [`Port`].
 
 mod buffer;
 mod charts;
@@ -24,7 +24,7 @@ use signal::Signal;
 /// Whether a bench can be reached: not from a page in a browser.
 pub const REACHABLE: bool = cfg!(not(target_arch = "wasm32"));
 
-/// What is known of the link.
+/// State of the link.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Link {
     Closed,
@@ -49,10 +49,10 @@ pub struct Live {
     window_s: f64,
     paused: bool,
     recording: Option<PathBuf>,
-    /// What became of the last run, and whether all is well.
+    /// File and result of the last run, and whether it succeeded.
     ended: Option<(PathBuf, String, bool)>,
     problem: Option<String>,
-    /// The picture of a signal, and of which.
+    /// A signal and its preview.
     preview: Option<(ProfileFile, signal::Preview)>,
 }
 
@@ -85,7 +85,7 @@ impl Live {
         }
     }
 
-    /// Says how a link is made; without it there is no live view.
+    /// Sets the function that makes a link; without it there is no live view.
     pub fn connect_by(&mut self, connector: Connector) {
         self.connector = Some(connector);
     }
@@ -100,7 +100,7 @@ impl Live {
         self.rate_hz = rate_hz;
     }
 
-    /// Whether a board is at the other end.
+    /// Whether a board is connected.
     #[must_use]
     pub fn is_connected(&self) -> bool {
         matches!(self.link, Link::Open { .. })
@@ -112,13 +112,13 @@ impl Live {
         self.health.as_ref().map(|health| health.state)
     }
 
-    /// What became of the last run.
+    /// File and result of the last run, and whether it succeeded.
     #[must_use]
     pub fn ended(&self) -> Option<(&std::path::Path, &str, bool)> {
         self.ended.as_ref().map(|(path, text, well)| (path.as_path(), text.as_str(), *well))
     }
 
-    /// Samples that are shown, of all channels alike.
+    /// Number of samples in the buffer, per channel.
     #[must_use]
     pub fn samples_shown(&self) -> usize {
         self.buffer.rows()
@@ -131,13 +131,13 @@ impl Live {
         }
     }
 
-    /// What does not work, in one sentence.
+    /// The last error, in one sentence.
     #[must_use]
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
 
-    /// Loads the signal and has the board watch all limits; nothing moves.
+    /// Loads the signal; the board then monitors all limits, and nothing moves.
     pub fn arm(&mut self) {
         let plan = self.plan();
         self.ended = None;
@@ -150,7 +150,7 @@ impl Live {
         self.order(Order::Run);
     }
 
-    /// Closes the link. One that is still being opened is given up: whoever opens it finds nobody there, and ends.
+    /// Closes the link. A link that is still being opened is abandoned: its thread finds the channel closed and ends.
     fn disconnect(&mut self) {
         if self.link == Link::Opening {
             (self.link, self.port) = (Link::Closed, None);
@@ -167,7 +167,7 @@ impl Live {
 
     fn order(&self, order: Order) {
         if let Some(port) = &self.port {
-            // Where nobody listens any more, the news say why.
+            // If the thread has ended, its news say why.
             let _ = port.orders.send(order);
         }
     }
@@ -186,7 +186,7 @@ impl Live {
         self.order(Order::Connect(self.device.trim().to_owned()));
     }
 
-    /// Takes what the board said.
+    /// Processes the news and samples that have arrived.
     pub fn listen(&mut self) {
         let Some(port) = &self.port else { return };
         let mut closed = false;
@@ -195,7 +195,7 @@ impl Live {
         for one in news {
             match one {
                 News::Connected { board, channels, step_s } => {
-                    // What was seen at the same rate stays in sight.
+                    // Samples of the same channels at the same rate are kept.
                     if !self.buffer.fits(&channels, step_s) {
                         self.buffer = Buffer::new(channels, step_s);
                     }
@@ -225,7 +225,7 @@ impl Live {
         }
     }
 
-    /// A word on the bench for the bar at the top.
+    /// The state of the bench, for the bar at the top.
     pub(crate) fn lamp(&self, ui: &mut Ui) {
         let (text, colour) = match (&self.link, &self.health) {
             (Link::Closed, _) => ("no board".to_owned(), theme::weak(ui)),
@@ -240,10 +240,10 @@ impl Live {
         ui.label(RichText::new(text).strong().color(colour));
     }
 
-    /// Draws the view. Returns a recording that is to be looked at.
+    /// Draws the view. Returns a recording that the user wants to open.
     pub(crate) fn ui(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) -> Option<String> {
         if self.port.is_some() {
-            // A picture every so often, whether or not the pointer moves.
+            // 40 pictures per second, even if the pointer rests.
             ui.ctx().request_repaint_after_secs(1.0 / 40.0);
         }
         let wanted = controls::panel(self, ui);

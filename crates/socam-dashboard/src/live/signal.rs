@@ -1,4 +1,4 @@
-//! The input signal: that of the thesis' program within its limits, or any other profile.
+//! The input signal: a sine or a constant within the limits of the thesis' program, or any other profile.
 
 use socam_core::Command;
 use socam_recording::{Course, ProfileFile};
@@ -7,12 +7,12 @@ use socam_recording::{Course, ProfileFile};
 pub const AMPLITUDE_V: [f64; 2] = [0.2, 2.3];
 /// Frequencies of the sine, Hz.
 pub const FREQUENCY_HZ: [f64; 2] = [0.05, 5.0];
-/// What the command never exceeds, V: offset and amplitude together.
+/// Limit of the command, V: offset plus amplitude.
 pub const LIMIT_V: f64 = 2.5;
 /// Durations, s.
 pub const DURATION_S: [f64; 2] = [1.0, 600.0];
 
-/// What kind of signal it is.
+/// Kind of a signal.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
     /// A sine around an offset.
@@ -23,7 +23,7 @@ pub enum Kind {
     Other(String, ProfileFile),
 }
 
-/// What the panel shows.
+/// Settings of the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// What kind.
@@ -36,7 +36,7 @@ pub struct Settings {
     pub offset_v: f64,
     /// Of the constant, V.
     pub level_v: f64,
-    /// Until it ends, s.
+    /// Duration, s.
     pub duration_s: f64,
 }
 
@@ -54,7 +54,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Within all limits: how the settings differ from what was asked, in words; nothing where they do not.
+    /// Limits all settings. Returns a note on what was limited, if anything.
     pub fn limit(&mut self) -> Option<String> {
         let before = self.clone();
         let clamp =
@@ -102,7 +102,7 @@ impl Settings {
         }
     }
 
-    /// What a recording calls it.
+    /// Name for the recording.
     #[must_use]
     pub fn name(&self) -> String {
         match &self.kind {
@@ -113,14 +113,14 @@ impl Settings {
     }
 }
 
-/// The settings, and how they came to be.
+/// The settings with their history.
 #[derive(Debug, Clone, Default)]
 pub struct Signal {
-    /// What the panel shows.
+    /// Settings of the panel.
     pub settings: Settings,
     undone: Vec<Settings>,
     done: Vec<Settings>,
-    /// What was limited last.
+    /// Note on what was limited last.
     pub note: Option<String>,
 }
 
@@ -128,7 +128,7 @@ pub struct Signal {
 const REMEMBERED: usize = 100;
 
 impl Signal {
-    /// Takes changed settings: limits them, and remembers what was there.
+    /// Changes the settings within the limits; the change can be undone.
     pub fn change(&mut self, mut settings: Settings) {
         let note = settings.limit();
         if settings != self.settings {
@@ -143,10 +143,10 @@ impl Signal {
         }
     }
 
-    /// Takes a profile: into the panel's own fields where it is a sine or a constant within the limits.
+    /// Loads a profile; a sine or a constant within the limits is shown in the panel's own fields.
     ///
     /// # Errors
-    /// When no board would run it; one sentence.
+    /// When a board would refuse the profile; one sentence.
     pub fn take(&mut self, file: &ProfileFile) -> Result<(), String> {
         file.profile(1000).map_err(|error| error.to_string())?;
         let mut settings = Settings { duration_s: file.duration_s, ..self.settings.clone() };
@@ -175,7 +175,7 @@ impl Signal {
         Ok(())
     }
 
-    /// Takes a built-in profile.
+    /// Loads a built-in profile.
     ///
     /// # Errors
     /// When there is none of that name.
@@ -185,7 +185,7 @@ impl Signal {
         Ok(())
     }
 
-    /// One step back.
+    /// Undo.
     pub fn undo(&mut self) {
         if let Some(before) = self.done.pop() {
             self.undone.push(std::mem::replace(&mut self.settings, before));
@@ -193,14 +193,14 @@ impl Signal {
         }
     }
 
-    /// One step forth again.
+    /// Redo.
     pub fn redo(&mut self) {
         if let Some(after) = self.undone.pop() {
             self.done.push(std::mem::replace(&mut self.settings, after));
         }
     }
 
-    /// Whether there is something to undo, and to do again.
+    /// Whether there is a step to undo and a step to redo.
     #[must_use]
     pub fn history(&self) -> [bool; 2] {
         [!self.done.is_empty(), !self.undone.is_empty()]
@@ -223,13 +223,13 @@ impl Signal {
     }
 }
 
-/// A line of seconds and V (rad/s), or why there is none.
+/// Points of time in s and command in V (or rad/s), or an error.
 pub type Preview = Result<Vec<[f64; 2]>, String>;
 
-/// The command over time as the board will put it out: points of seconds and V (rad/s), about twice as many as asked for.
+/// The command over time as the board will output it: points of time in s and command in V (or rad/s), about `2 * points` of them.
 ///
 /// # Errors
-/// When no board would run it; one sentence.
+/// When a board would refuse the profile; one sentence.
 pub fn preview(file: &ProfileFile, points: usize) -> Preview {
     const PERIOD_US: u32 = 1000;
     let profile = file.profile(PERIOD_US).map_err(|error| error.to_string())?;

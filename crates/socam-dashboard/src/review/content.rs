@@ -33,7 +33,7 @@ pub(super) fn curves(
     curves
 }
 
-/// Shades what no sample covers between two segments of a recording, as wide as it is.
+/// Shades the gaps between segments of a recording.
 pub(super) fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing: &mut Chart) {
     let per_pixel = (x[1] - x[0]) / f64::from(width.max(1.0));
     for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
@@ -42,7 +42,7 @@ pub(super) fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing:
         for pair in entry.recording.samples.segments().windows(2) {
             let gap = [pair[0].end_s + entry.shift_s, pair[1].start_s + entry.shift_s];
             let visible = gap[1] > x[0] && gap[0] < x[1];
-            // Of gaps closer than a pixel one mark is enough.
+            // Gaps closer than a pixel share one mark.
             if visible && gap[1] - last > per_pixel {
                 drawing.shaded.push((gap, colour));
                 last = gap[1];
@@ -56,7 +56,7 @@ pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
     for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
         for event in &entry.recording.about.events {
             let at = event.time_s + entry.shift_s;
-            // That it began is no news.
+            // The start of a recording is not marked.
             if (x[0]..=x[1]).contains(&at) && event.kind != "start" {
                 let is_grave = event.kind == "fault" || event.kind == "stop";
                 let colour =
@@ -71,7 +71,7 @@ pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
         }
     }
     flags.sort_by(|a, b| a.x.total_cmp(&b.x).then_with(|| a.text.cmp(&b.text)));
-    // Of runs of one profile, what happens to all at once is said once.
+    // Simultaneous events of several recordings with the same text are marked once.
     let together = 1e-3 * (x[1] - x[0]);
     flags.dedup_by(|later, earlier| later.text == earlier.text && later.x - earlier.x < together);
     flags

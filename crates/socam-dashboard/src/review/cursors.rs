@@ -1,4 +1,4 @@
-//! What the channels are at the two cursors, and the differences.
+//! The table of channel values at the two cursors, with their differences.
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 

@@ -1,4 +1,4 @@
-//! One run minus another: sample by sample at the run's own times, the other interpolated between its samples.
+//! Differences of recordings: at the sample times of one recording, the reference interpolated.
 
 use egui::Ui;
 use socam_recording::Channel;
@@ -9,13 +9,13 @@ use crate::recording::Recording;
 use crate::samples::Samples;
 use crate::theme;
 
-/// Differences are formed while the picture holds no more rows than this.
+/// Greatest number of rows in the picture for which differences are computed.
 const MOST_ROWS: usize = 500_000;
 
-/// What the chart says where there is no difference to draw.
+/// Text of a chart without differences.
 pub(super) const WHY_NONE: &str = "no difference here: the other recordings lack this channel, or more than 500 000 rows are shown (zoom in)";
 
-/// The differences of all recordings shown to a reference, in a channel.
+/// Differences of a channel between all shown recordings and the reference.
 pub(super) fn curves(
     ui: &Ui,
     entries: &[Entry],
@@ -49,7 +49,7 @@ pub(super) fn curves(
     curves
 }
 
-/// Values between samples; NaN in gaps and outside.
+/// Interpolated values at given times; NaN in gaps and outside.
 pub(crate) fn at_times(samples: &Samples, channel: usize, times: impl Iterator<Item = f64>) -> Vec<f64> {
     let wanted: Vec<f64> = times.collect();
     let (Some(first), Some(last)) = (wanted.first(), wanted.last()) else { return Vec::new() };
@@ -81,7 +81,7 @@ pub(crate) fn at_times(samples: &Samples, channel: usize, times: impl Iterator<I
         .collect()
 }
 
-/// Least and greatest of each pixel's points, in parts without missing values.
+/// Least and greatest point of each pixel, in parts without missing values.
 pub(crate) fn thinned(points: &[[f64; 2]], pixels: usize) -> Vec<Vec<[f64; 2]>> {
     let block = points.len().div_ceil(2 * pixels.max(1)).max(1);
     let mut parts = Vec::new();

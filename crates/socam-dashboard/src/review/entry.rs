@@ -14,11 +14,11 @@ pub struct Entry {
     pub recording: Recording,
     /// Whether it is drawn.
     pub shown: bool,
-    /// How much later it is drawn than its own time says, s.
+    /// Delay that is added to its times in the drawing, s.
     pub shift_s: f64,
 }
 
-/// The channels of all recordings that are drawn, each once, in the order in which they first come.
+/// The distinct channels of all shown recordings, in order of first appearance.
 pub(super) fn channels(entries: &[Entry]) -> Vec<Channel> {
     let mut channels: Vec<Channel> = Vec::new();
     for channel in

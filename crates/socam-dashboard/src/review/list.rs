@@ -1,4 +1,4 @@
-//! The list of recordings and channels: legend and switchboard at once.
+//! The list of recordings and channels: the legend, with switches for what is shown.
 
 use egui::{Button, DragValue, RichText, ScrollArea, Ui};
 
@@ -7,7 +7,7 @@ use super::entry::{Entry, channels, swatch};
 use crate::recording::short;
 use crate::{layout, theme};
 
-/// Draws it at the left. Returns the recording that was closed.
+/// Draws the list. Returns the index of a recording that was closed.
 pub(super) fn panel(review: &mut Review, ui: &mut Ui, entries: &mut [Entry]) -> Option<usize> {
     let mut closed = None;
     let width = layout::panel(ui, "recordings", 252.0);

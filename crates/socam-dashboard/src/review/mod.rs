@@ -19,7 +19,7 @@ pub use entry::Entry;
 use entry::channels;
 pub(crate) use entry::swatch;
 
-/// What the view over time remembers.
+/// State of the view over time.
 #[derive(Debug, Default)]
 pub struct Review {
     /// The time axis of all charts, s; `None` shows everything.
@@ -36,22 +36,22 @@ pub struct Review {
     pub reference: Option<usize>,
 }
 
-/// Height below which a chart cannot be read.
+/// Least height of a chart, points.
 const LEAST_HEIGHT: f32 = 92.0;
 
 impl Review {
-    /// Shows everything again.
+    /// Shows all data.
     pub fn fit(&mut self) {
         self.x = None;
         self.y.clear();
     }
 
-    /// Shows a stretch of time, s.
+    /// Shows a range of time, s.
     pub fn show_span(&mut self, x: [f64; 2]) {
         self.x = Some(x);
     }
 
-    /// The time that is shown, s.
+    /// The range of time that is shown, s.
     #[must_use]
     pub fn span(&self, entries: &[Entry]) -> [f64; 2] {
         self.x.unwrap_or_else(|| {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::groups::MAGIC;
 
-/// Indexes that are kept; the least recently used go first.
+/// Number of index files that are kept; the oldest are removed.
 const KEPT: usize = 8;
 
-/// Where the index of a recording is kept: it changes with the file's place, length and time.
+/// Path of the index of a recording; it depends on the recording's path, length and modification time.
 #[must_use]
 pub fn path_of(recording: &Path) -> Option<PathBuf> {
     use std::hash::{DefaultHasher, Hash, Hasher};

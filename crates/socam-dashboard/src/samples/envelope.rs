@@ -1,28 +1,28 @@
-//! A stretch of a channel as a line of about as many points as the picture has pixels.
+//! A range of a channel as a line with about as many points as the picture has pixels.
 
 use super::pyramid::BASE;
 use super::stored::Samples;
 
-/// A line in the channel's unit over seconds, in parts that are not to be joined: a gap or missing values lie between.
+/// A line of values in the channel's unit over time in s. Gaps and missing values separate its parts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Envelope {
     /// The parts, each of points `[time_s, value]`.
     pub parts: Vec<Vec<[f64; 2]>>,
-    /// Every point is a sample, and there are few enough for markers.
+    /// Whether each point is a sample and there is room for markers.
     pub sparse: bool,
 }
 
-/// Samples per pixel up to which every one is drawn; beyond, a block covers a pixel or more.
+/// Samples per pixel up to which every sample is drawn; above, blocks of a pixel or more are drawn.
 const DRAWN: usize = 1;
-/// Pixels per sample from which each gets a marker.
+/// Pixels per sample from which on each sample gets a marker.
 const APART: usize = 8;
 
-/// The line of a channel from one time to another, for a picture so many pixels wide. A block's least and greatest value are both in
-/// it, and blocks are counted from the recording's first row, so that panning does not make the line shimmer.
+/// The line of a channel from one time to another for a picture that is `pixels` wide. It contains the least and the greatest value of
+/// each block. Blocks are counted from the recording's first row, so that the line does not flicker while it is panned.
 #[must_use]
 pub fn envelope(samples: &Samples, channel: usize, from_s: f64, to_s: f64, pixels: usize) -> Envelope {
     let pixels = pixels.max(1);
-    // One more to either side, so that lines run to the picture's edge.
+    // One sample more at either side, so that the line reaches the edges.
     let first = samples.row_at(from_s).saturating_sub(1);
     let last = (samples.row_at(to_s) + 1).min(samples.rows());
     let rows = last.saturating_sub(first);
@@ -61,7 +61,7 @@ fn samples_of(samples: &Samples, channel: usize, start: usize, end: usize, parts
     }
 }
 
-/// Blocks smaller than those of the pyramid, from the samples themselves.
+/// Blocks smaller than the base of the pyramid, from the samples.
 fn small_blocks(
     samples: &Samples,
     channel: usize,
@@ -87,7 +87,7 @@ fn small_blocks(
     }
 }
 
-/// Whole blocks of the pyramid; a block that begins or ends outside of the stretch is cut to it.
+/// Whole blocks of the pyramid; blocks at the ends are cut to the range.
 fn large_blocks(
     samples: &Samples,
     channel: usize,
@@ -109,7 +109,7 @@ fn large_blocks(
     }
 }
 
-/// Times of whole blocks are known without reading.
+/// Time of a row; the first row of each block needs no reading.
 fn time_of(samples: &Samples, row: usize) -> f64 {
     if row.is_multiple_of(BASE) {
         return samples.knots[row / BASE];
@@ -119,7 +119,7 @@ fn time_of(samples: &Samples, row: usize) -> f64 {
 
 fn add(part: &mut Vec<[f64; 2]>, parts: &mut Vec<Vec<[f64; 2]>>, time: f64, [low, high]: [f64; 2]) {
     if low.is_finite() && time.is_finite() {
-        // First the one that is nearer to where the line comes from: the picture is the same, with fewer crossings.
+        // The value nearer to the last point comes first: the picture is the same with fewer crossings.
         let rises = part.last().is_none_or(|[_, last]| (low - last).abs() <= (high - last).abs());
         let (first, second) = if rises { (low, high) } else { (high, low) };
         part.push([time, first]);

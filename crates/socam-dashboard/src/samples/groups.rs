@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The last bytes of every index file; they change with its format.
 pub(super) const MAGIC: [u8; 8] = *b"socamix1";
-/// Rows that stand together in the file: their times, then each column's values.
+/// Number of rows in a group of the file: their times, then the values of each column.
 pub(super) const GROUP: usize = 1 << 16;
 
 /// The groups of rows in an index file.
@@ -21,7 +21,7 @@ const fn group_bytes(columns: usize) -> u64 {
 }
 
 impl Groups {
-    /// NaN where the file cannot be read any more: there is no time then, and nothing is drawn.
+    /// Times of rows, s; NaN if the file cannot be read any more, so that nothing is drawn.
     pub(super) fn times(&self, rows: Range<usize>) -> Vec<f64> {
         let mut times = Vec::with_capacity(rows.len());
         self.read(0, 8, rows.clone(), |bytes| {
@@ -40,7 +40,7 @@ impl Groups {
         values
     }
 
-    /// The parts of a column, which begins `at` bytes after its group.
+    /// Reads rows of a column that begins `at` bytes after the start of its group.
     fn read(&self, at: usize, size: usize, rows: Range<usize>, mut take: impl FnMut(&[u8])) {
         let mut bytes = Vec::new();
         let mut next = rows.start;

@@ -1,5 +1,5 @@
-//! The index of a long recording: its samples decoded, and the lowest level of their pyramids, in one file beside others in the
-//! user's cache. It is built once; opening it again reads some bytes per block of samples, not the samples.
+//! The index file of a long recording: decoded samples and the lowest levels of their pyramids. It is built once, in the user's cache;
+//! opening it again reads a few bytes per block, not the samples.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
@@ -14,7 +14,7 @@ use super::pyramid::{self, BASE, Extremes, Pyramid};
 use super::stored::{Samples, Store};
 use crate::about::About;
 
-/// What stands in the file besides numbers.
+/// The metadata at the end of the file.
 #[derive(Serialize, Deserialize)]
 struct Tail {
     about: About,
@@ -24,7 +24,7 @@ struct Tail {
     segments: Vec<(u64, u64, f64, f64, f64, f64)>,
 }
 
-/// An index while it is built. Dropped before [`Writer::finish`], it leaves nothing behind.
+/// An index file under construction. If it is dropped before [`Writer::finish`], the file is removed.
 pub struct Writer {
     file: BufWriter<tempfile::NamedTempFile>,
     path: PathBuf,
@@ -37,7 +37,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins an index at `path`, whose folder is made if need be; `middles` are the middles of the channels' ranges.
+    /// Begins an index at `path` and makes its folder; `middles` are the middles of the channels' ranges.
     ///
     /// # Errors
     /// When the file cannot be written there.
@@ -58,7 +58,7 @@ impl Writer {
         })
     }
 
-    /// Takes further rows: times, and a value for each in every column (NaN where it is missing).
+    /// Appends rows: times in s, and a value for each in every column (NaN if missing).
     ///
     /// # Errors
     /// When the disk is full.
@@ -95,7 +95,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes what is left and puts the file in its place.
+    /// Writes the last group and the metadata, and moves the file to its path.
     ///
     /// # Errors
     /// When the disk is full.
@@ -135,7 +135,7 @@ impl Writer {
 /// Opens an index that was built before.
 ///
 /// # Errors
-/// When the file is not there or is no whole index.
+/// When the file does not exist or is not a complete index.
 pub fn open(path: &Path) -> io::Result<(About, Samples)> {
     let mut file = File::open(path)?;
     let length = file.seek(SeekFrom::End(-24))?;

@@ -1,7 +1,6 @@
-//! Least and greatest values of blocks of a column, of pairs of blocks, of pairs of these, and so on.
+//! Least and greatest values of blocks of a column, in levels: each level joins pairs of blocks of the level below.
 //!
-//! A picture of any width asks for as many blocks as it has pixels, whatever the length of the recording, and a spike of one
-//! sample is in the block that is drawn.
+//! A picture reads about as many blocks as it has pixels, for recordings of any length, and a spike of one sample remains visible.
 
 /// Samples of a block of the lowest level.
 pub const BASE: usize = 64;
@@ -9,17 +8,17 @@ pub const BASE: usize = 64;
 /// Least and greatest value; both NaN where there is no value.
 pub type Extremes = [f32; 2];
 
-/// Nothing known yet: neutral under [`join`].
+/// Extremes of no values: the neutral element of [`join`].
 pub(crate) const NOTHING: Extremes = [f32::NAN; 2];
 
-/// Of both. Missing values are passed over.
+/// Extremes of both. Missing values (NaN) are ignored.
 pub(crate) fn join(a: Extremes, b: Extremes) -> Extremes {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-/// Of some values. Missing values (NaN) are passed over.
+/// Extremes of values. Missing values (NaN) are ignored.
 pub(crate) fn of(values: &[f32]) -> Extremes {
-    // Eight running extremes side by side, which the compiler turns into vectors; `min` drops NaN.
+    // Eight independent extremes, so that the compiler can vectorise; `min` ignores NaN.
     let mut low = [f32::NAN; 8];
     let mut high = [f32::NAN; 8];
     let (chunks, rest) = values.as_chunks::<8>();
@@ -40,7 +39,7 @@ pub(crate) struct Pyramid {
 }
 
 impl Pyramid {
-    /// From the blocks of the lowest level.
+    /// A pyramid on the blocks of the lowest level.
     pub(crate) fn new(blocks: Vec<Extremes>) -> Self {
         let mut levels = vec![blocks];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {
@@ -50,7 +49,7 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// Of whole blocks of the lowest level, by index.
+    /// Extremes of blocks of the lowest level, by index.
     pub(crate) fn of_blocks(&self, mut from: usize, mut to: usize) -> Extremes {
         let mut result = NOTHING;
         for level in &self.levels {
@@ -63,7 +62,7 @@ impl Pyramid {
                 from += 1;
             }
             if to % 2 == 1 && from < to {
-                // An odd last block has no partner on the next level either; it is taken here.
+                // An odd last block has no partner on the next level.
                 to -= 1;
                 result = join(result, level[to]);
             }

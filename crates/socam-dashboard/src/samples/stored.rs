@@ -7,7 +7,7 @@ use super::groups::Groups;
 use super::pyramid::{self, BASE, Extremes, Pyramid};
 use socam_recording::Segment;
 
-/// Where the samples themselves are.
+/// Storage of the samples.
 #[derive(Debug)]
 pub(super) enum Store {
     Memory {
@@ -23,7 +23,7 @@ pub(super) enum Store {
 pub struct Samples {
     pub(super) rows: usize,
     pub(super) store: Store,
-    /// Middle of each channel's range: what is added to what is stored.
+    /// Middle of each channel's range, which is added to the stored values.
     pub(super) middles: Vec<f64>,
     pub(super) pyramids: Vec<Pyramid>,
     /// Time of each block's first row, s.
@@ -65,7 +65,7 @@ impl Samples {
         self.pyramids.len()
     }
 
-    /// Uniform stretches; a gap lies between each and the next.
+    /// Uniformly sampled segments, separated by gaps.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         &self.segments
@@ -77,7 +77,7 @@ impl Samples {
         Some([self.segments.first()?.start_s, self.segments.last()?.end_s])
     }
 
-    /// Memory that it takes, bytes.
+    /// Memory in use, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let raw = match &self.store {
@@ -88,7 +88,7 @@ impl Samples {
         raw + 8 * self.knots.len() + self.pyramids.iter().map(Pyramid::bytes).sum::<usize>()
     }
 
-    /// Times of some rows, s. Rows that cannot be read any more have no time (NaN).
+    /// Times of rows, s; NaN for rows that cannot be read any more.
     #[must_use]
     pub fn times(&self, rows: Range<usize>) -> Vec<f64> {
         let rows = self.inside(rows);
@@ -174,7 +174,7 @@ impl Samples {
     }
 }
 
-/// Middle of the range of the values that are there.
+/// Middle of the range of the finite values.
 fn middle(values: &[f64]) -> f64 {
     let range = values.iter().fold([f64::NAN; 2], |[low, high], value| [low.min(*value), high.max(*value)]);
     let middle = 0.5 * (range[0] + range[1]);

@@ -1,4 +1,4 @@
-//! Whether recordings can carry a fit: what `check` finds, in place.
+//! The check view: the findings of `check` for the open recordings.
 
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
 use socam_model::Model;
@@ -10,10 +10,10 @@ use crate::recording::short;
 use crate::review::Entry;
 use crate::theme;
 
-/// Averages of speeds may break their ratio by so much.
+/// Relative tolerance of the ratio of mean speeds.
 const RATIO_TOLERANCE: f64 = 0.01;
 
-/// What is known of the recordings that are open.
+/// Results of the checks.
 #[derive(Debug, Default)]
 pub struct Checks {
     known: Vec<(String, Result<Check, String>)>,
@@ -27,7 +27,7 @@ impl Checks {
         self.job.is_some()
     }
 
-    /// Forgets all results: they were of another model.
+    /// Discards all results, since the model has changed.
     pub(crate) fn forget(&mut self) {
         self.known.clear();
         self.job = None;

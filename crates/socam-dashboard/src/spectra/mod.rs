@@ -1,4 +1,4 @@
-//! Recordings and the model over frequency: spectra, responses with coherence, poles.
+//! The frequency view: spectra, frequency responses with coherence, poles and zeros.
 
 pub mod check;
 mod legend;
@@ -20,7 +20,7 @@ use crate::theme;
 use legend::legend;
 use model_response::model_response;
 
-/// What is drawn over frequency.
+/// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
     /// Amplitude spectral densities.
@@ -32,23 +32,23 @@ pub enum Kind {
     Poles,
 }
 
-/// A spectrum and what it was made of.
-struct Known {
+/// Spectra with the samples and the input that they were computed from.
+struct Computed {
     samples: Arc<Samples>,
     input: usize,
     spectra: Result<welch::Spectra, String>,
 }
 
-/// What the view remembers.
+/// State of the view.
 #[derive(Default)]
 pub struct Spectra {
-    /// What is drawn.
+    /// The kind of chart.
     pub kind: Kind,
     input: Option<String>,
     output: Option<String>,
-    between: poles::Between,
-    known: Vec<Known>,
-    job: Option<Job<Known>>,
+    between: poles::ZeroChannels,
+    computed: Vec<Computed>,
+    job: Option<Job<Computed>>,
 }
 
 impl std::fmt::Debug for Spectra {
@@ -97,7 +97,7 @@ impl Spectra {
         }
     }
 
-    /// The channel over which responses are formed: the chosen one, else what drives the model, else the first.
+    /// The input channel of responses: the chosen one, else the model's input, else the first channel.
     fn input_of(&self, recording: &Recording, model: &Model) -> usize {
         let named =
             |name: &str| recording.about.channels.iter().position(|channel| channel.column_name() == name);
@@ -108,19 +108,20 @@ impl Spectra {
             .unwrap_or(0)
     }
 
-    fn find(&self, recording: &Recording, model: &Model) -> Option<&Known> {
+    fn find(&self, recording: &Recording, model: &Model) -> Option<&Computed> {
         let input = self.input_of(recording, model);
-        self.known
+        self.computed
             .iter()
-            .find(|known| Arc::ptr_eq(&known.samples, &recording.samples) && known.input == input)
+            .find(|computed| Arc::ptr_eq(&computed.samples, &recording.samples) && computed.input == input)
     }
 
     fn compute(&mut self, ui: &mut Ui, shown: &[(usize, &Recording)], model: &Model) {
         if let Some(result) = self.job.as_ref().and_then(Job::poll) {
             self.job = None;
-            self.known.extend(result);
+            self.computed.extend(result);
         }
-        self.known.retain(|known| shown.iter().any(|(_, r)| Arc::ptr_eq(&r.samples, &known.samples)));
+        self.computed
+            .retain(|computed| shown.iter().any(|(_, r)| Arc::ptr_eq(&r.samples, &computed.samples)));
         if self.job.is_none()
             && let Some((_, recording)) =
                 shown.iter().find(|(_, recording)| self.find(recording, model).is_none())
@@ -129,7 +130,7 @@ impl Spectra {
             let title = format!("Spectra of {}", crate::recording::short(&recording.about.name));
             self.job = Some(Job::start(&title, ui.ctx(), move |handle| {
                 let spectra = welch::spectra(&samples, input, handle);
-                Known { samples, input, spectra }
+                Computed { samples, input, spectra }
             }));
         }
         if let Some(job) = &self.job {
@@ -207,7 +208,7 @@ impl Spectra {
 
     fn why_empty(&self, shown: &[(usize, &Recording)], model: &Model) -> &'static str {
         let failed =
-            shown.iter().any(|(_, r)| self.find(r, model).is_some_and(|known| known.spectra.is_err()));
+            shown.iter().any(|(_, r)| self.find(r, model).is_some_and(|computed| computed.spectra.is_err()));
         if failed { welch::TOO_SHORT } else { "no spectrum yet" }
     }
 
@@ -269,7 +270,7 @@ impl Spectra {
         }
     }
 
-    /// Frequencies of all spectra.
+    /// Range of the frequencies of all spectra, Hz.
     fn range(&self, shown: &[(usize, &Recording)], model: &Model) -> [f64; 2] {
         let spectra = shown.iter().filter_map(|(_, r)| self.find(r, model)?.spectra.as_ref().ok());
         let ends = spectra.flat_map(|own| [own.frequency_hz(1), own.highest_hz()]);

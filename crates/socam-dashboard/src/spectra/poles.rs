@@ -1,4 +1,4 @@
-//! The model's poles, and the zeros from an input to an output, on the plane and as a table.
+//! Poles of the model and zeros from an input to an output, on the complex plane and as a table.
 
 use egui::{ComboBox, Grid, RichText, ScrollArea, Ui, vec2};
 use nalgebra::Complex;
@@ -8,15 +8,15 @@ use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Seen, Style, range_of,
 use crate::parameters::{heads, number};
 use crate::theme;
 
-/// Between which channels zeros are shown, by their places among the model's outputs and inputs.
+/// Output and input of the zeros, as indices of the model's outputs and inputs.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Between {
+pub(super) struct ZeroChannels {
     output: usize,
     input: usize,
 }
 
-/// Draws them.
-pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut Vec<Seen>) {
+/// Draws the view.
+pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut ZeroChannels, seen: &mut Vec<Seen>) {
     let Ok(equations) = model.equations(&model.values()) else {
         ui.label(RichText::new("this model has no linear part to show").color(theme::alarm(ui)));
         return;
@@ -37,7 +37,7 @@ pub(super) fn ui(ui: &mut Ui, model: &Model, between: &mut Between, seen: &mut V
 }
 
 /// The channels between which zeros are shown.
-fn choose(ui: &mut Ui, between: &mut Between, outputs: &[&str], inputs: &[&str]) {
+fn choose(ui: &mut Ui, between: &mut ZeroChannels, outputs: &[&str], inputs: &[&str]) {
     ui.horizontal(|ui| {
         for (chosen, name, names) in
             [(&mut between.output, "zeros of", outputs), (&mut between.input, "over", inputs)]
@@ -115,7 +115,7 @@ fn plane(ui: &mut Ui, poles: Vec<[f64; 2]>, zeros: Vec<[f64; 2]>, seen: &mut Vec
     chart.show(ui, seen);
 }
 
-/// A number, or a pair of conjugate ones.
+/// A real number, or a conjugate pair.
 fn complex(re: f64, im: f64) -> String {
     if im == 0.0 { number(re) } else { format!("{} +- {} i", number(re), number(im.abs())) }
 }

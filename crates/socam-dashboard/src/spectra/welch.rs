@@ -1,4 +1,4 @@
-//! Spectra of a recording's channels, and of each together with the one that drives it.
+//! Welch's spectra of a recording's channels, and cross spectra with the input.
 
 use nalgebra::Complex;
 use socam_recording::{Welch, without_mean};
@@ -6,12 +6,12 @@ use socam_recording::{Welch, without_mean};
 use crate::job::Handle;
 use crate::samples::Samples;
 
-/// Windows that are averaged at most, spread over the recording.
+/// Greatest number of averaged windows, spread over the recording.
 const WINDOWS: usize = 300;
 const SHORTEST: usize = 64;
 const LONGEST: usize = 1 << 15;
 
-/// What is said where there are no windows.
+/// Text for a recording without windows.
 pub(super) const TOO_SHORT: &str =
     "too short for a spectrum: it takes 64 samples without a gap or a missing value";
 
@@ -23,21 +23,21 @@ pub(super) struct Spectra {
     cross: Vec<Vec<Complex<f64>>>,
     input: usize,
     windows: u64,
-    /// From sums to densities.
+    /// Factor from sums to densities.
     scale: f64,
 }
 
-/// Output over input.
+/// Frequency response, output over input.
 pub(super) struct Response {
-    /// Where it is coherent beyond chance; parts that are not joined.
+    /// Magnitude where the coherence is significant, in parts.
     pub(super) magnitude: Vec<Vec<[f64; 2]>>,
-    /// Degrees, likewise; broken also where it wraps.
+    /// Phase, degrees, in the same parts and interrupted where it wraps.
     pub(super) phase: Vec<Vec<[f64; 2]>>,
-    /// Everywhere.
+    /// Coherence at all frequencies.
     pub(super) coherence: Vec<[f64; 2]>,
 }
 
-/// Where windows of one length begin: half overlapping, none across a gap.
+/// First rows of windows of one length; they overlap by half and do not cross gaps.
 fn starts(samples: &Samples, length: usize) -> Vec<usize> {
     let mut starts = Vec::new();
     for segment in samples.segments().iter().filter(|segment| segment.rows as usize >= length) {
@@ -74,7 +74,7 @@ pub(super) fn spectra(samples: &Samples, input: usize, handle: &Handle) -> Resul
             welch.transform(without_mean(&values)).to_vec()
         };
         let lines: Vec<Vec<Complex<f64>>> = (0..channels).map(&mut transformed).collect();
-        // A missing value makes its whole window one.
+        // A window with a missing value is skipped.
         let whole = |lines: &Vec<Complex<f64>>| lines[0].re.is_finite();
         if !whole(&lines[input]) {
             continue;
@@ -140,12 +140,12 @@ impl Spectra {
     }
 }
 
-/// Stretches without missing values.
+/// Ranges without missing values.
 fn parts(line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     line.split(|point| point[1].is_nan()).filter(|part| !part.is_empty()).map(<[_]>::to_vec).collect()
 }
 
-/// A phase in parts: where it wraps from one end to the other there is no line.
+/// A phase in parts that end where it wraps.
 pub(super) fn unjoined(phase: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     phase.chunk_by(|a, b| (a[1] - b[1]).abs() < 180.0).map(<[[f64; 2]]>::to_vec).collect()
 }

@@ -14,14 +14,14 @@ pub(super) enum Term {
     Zero,
 }
 
-/// What a loss in proportion to torque, of share `f`, makes of the other losses, and how that changes with it. Sensors share in the
-/// torque before and after what loses ([`Moment::size`]) but for what is lost itself: of the part `w` of the inertia that lies before
-/// it, forward (1 - w f) of the torque, and backward (1 + w f).
+/// Factors by which a loss proportional to torque, of share `f`, scales the other losses, with their derivatives. The torque at the loss
+/// is interpolated between both sensors ([`Moment::size`]); with the fraction `w` of the inertia before the loss, this is (1 - w f) of the
+/// torque when the input drives and (1 + w f) when the load drives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scaling {
-    /// Factor of the torque's size, and its slope with `f`.
+    /// Factor of the torque, and its derivative with respect to `f`.
     along: [f64; 2],
-    /// Factor of what is lost before the loss in proportion, and its slope with `f`.
+    /// Factor of losses before the proportional loss, and its derivative with respect to `f`.
     beside: [f64; 2],
 }
 
@@ -40,7 +40,7 @@ impl Scaling {
 }
 
 impl Term {
-    /// What one unit of the coefficient adds to the torque that is lost.
+    /// Lost torque per unit of the coefficient.
     pub(super) fn column(self, moment: &Moment, scaling: Scaling) -> f64 {
         match self {
             Self::Share => moment.size * moment.direction * scaling.along[0],
@@ -54,7 +54,7 @@ impl Term {
         }
     }
 
-    /// How its column changes with the share.
+    /// Derivative of its column with respect to the share.
     pub(super) fn slope(self, moment: &Moment, scaling: Scaling) -> f64 {
         match self {
             Self::Share => moment.size * moment.direction * scaling.along[1],

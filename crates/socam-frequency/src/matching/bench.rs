@@ -6,7 +6,7 @@ use super::programme::Equations;
 use super::unknowns::UNKNOWNS;
 use crate::{polynomial, rational::TransferFunction};
 
-/// What is known of the bench. Any consistent units: inertia times 1/time^2 is a stiffness.
+/// Known constants of the bench, in any consistent units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bench {
     /// Inertia of the cam shaft.
@@ -19,7 +19,7 @@ pub struct Bench {
     pub ratio: f64,
 }
 
-/// Coefficients of the model's P and Q, ascending, as they are: not normalised.
+/// Coefficients of the model's P and Q, ascending, not normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
     /// Of the numerator, s^0 to s^3.
@@ -36,7 +36,7 @@ impl Bench {
         let n = self.ratio;
         let (first, second, third) = ([k1, c2], [k2, c3], [k4, c4]);
         let product = polynomial::product;
-        // M s^2 + C s + K has three diagonals, so that its determinant is a recursion.
+        // M s^2 + C s + K is tridiagonal, so that its determinant is a recursion.
         let coupling = |element: &[f64]| product(element, element);
         let motor_side = polynomial::sum(&first, &second);
         let cam_side = polynomial::sum(&second, &[k3 / (n * n), 0.0, self.cam_shaft + self.disk / (n * n)]);
@@ -54,7 +54,7 @@ impl Bench {
         }
     }
 
-    /// How P and Q change with each parameter: exact, since both are affine in every one.
+    /// Derivatives of P and Q with respect to each parameter; exact, since both are affine in each.
     #[must_use]
     pub fn slopes(&self, at: &[f64; UNKNOWNS]) -> [Coefficients; UNKNOWNS] {
         std::array::from_fn(|index| {
@@ -76,7 +76,7 @@ impl Bench {
         TransferFunction { numerator: numerator.to_vec(), denominator: denominator.to_vec() }
     }
 
-    /// Its response at s, and how it changes with the logarithm of each parameter.
+    /// Its response at s, with derivatives with respect to the logarithm of each parameter.
     pub(crate) fn response(
         &self,
         at: &[f64; UNKNOWNS],
@@ -94,8 +94,8 @@ impl Bench {
         (response, std::array::from_fn(change))
     }
 
-    /// Equations that match a transfer function: the ten coefficients of P/Q with Q monic, each as a share of the measured
-    /// one's. The common scale of P and Q is free, so that eq. 4.4d, which sets it, is no equation here; P(0)/Q(0) = 1/N is.
+    /// Equations that match a transfer function: the ten coefficients of P/Q with monic Q, each relative to the measured coefficient.
+    /// The common scale of P and Q is free, so eq. 4.4d, which sets it, is left out; P(0)/Q(0) = 1/N is included.
     #[must_use]
     pub fn equations(&self, measured: &TransferFunction) -> BenchEquations {
         let leading = measured.denominator.get(6).copied().unwrap_or(1.0);
@@ -114,14 +114,14 @@ pub struct BenchEquations {
 }
 
 impl BenchEquations {
-    /// What each equation is about.
+    /// Name of each equation.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         let numerator = (0..4).map(|i| format!("numerator s^{i}"));
         numerator.chain((0..6).map(|i| format!("denominator s^{i}"))).collect()
     }
 
-    /// Model's coefficient over the measured one's.
+    /// Coefficients of the model over the measured ones.
     #[must_use]
     pub fn ratios(&self, at: &[f64; UNKNOWNS]) -> Vec<f64> {
         self.normalised(at).iter().zip(&self.targets).map(|(value, target)| value / target).collect()

@@ -2,12 +2,12 @@
 
 use super::unknowns::UNKNOWNS;
 
-/// A number that a transfer function determines whichever of the two couplings in a row is which.
+/// A combination of parameters that is invariant under a swap of the two couplings in series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
     /// Its name.
     pub name: &'static str,
-    /// What it is made of.
+    /// Formula.
     pub expression: &'static str,
     /// Its SI unit.
     pub unit: &'static str,
@@ -15,7 +15,7 @@ pub struct Combination {
     pub value: f64,
 }
 
-/// The combinations that stay when couplings 1 and 2 are swapped.
+/// The combinations that are invariant under a swap of couplings 1 and 2.
 #[must_use]
 pub fn combinations(at: &[f64; UNKNOWNS]) -> Vec<Combination> {
     let [k1, k2, k3, k4, c2, c3, c4, c5] = *at;

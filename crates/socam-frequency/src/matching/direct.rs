@@ -1,4 +1,4 @@
-//! The same parameters fitted to the response itself, where errors are those of a measurement.
+//! Fit of the same parameters to the frequency response, whose errors are known.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -7,18 +7,18 @@ use crate::{least_squares, rational::Point};
 
 const MOST_STEPS: usize = 300;
 
-/// Where a direct fit ended.
+/// Result of a direct fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direct {
     /// Parameters, all positive.
     pub at: [f64; UNKNOWNS],
-    /// Standard deviation of each as a share of it; large ones are not determined.
+    /// Relative standard deviations; a large one means not determined.
     pub relative_std: [f64; UNKNOWNS],
-    /// Standard deviation of the couplings' series stiffness as a share of it.
+    /// Relative standard deviation of the couplings' series stiffness.
     pub series_relative_std: f64,
-    /// Root mean square of what is missed, in the points' own deviations.
+    /// Root mean square residual in standard deviations of the points.
     pub misfit: f64,
-    /// Whether it came to rest.
+    /// Whether the search converged.
     pub converged: bool,
 }
 
@@ -37,7 +37,7 @@ pub fn direct(bench: &Bench, points: &[Point], start: &[f64; UNKNOWNS]) -> Direc
         }
         let wanted = (-&errors).insert_rows(rows, UNKNOWNS, 0.0);
         let Ok(step) = least_squares::real(&design, &wanted, "a step") else { break };
-        // Along what is not determined a step may be of any size; a factor of three is enough.
+        // Steps along undetermined directions may be arbitrarily large; they are limited to a factor of three.
         let step = step.map(|change| change.clamp(-1.1, 1.1));
         let cost = errors.norm_squared();
         let promised = cost - (&errors + &slopes * &step).norm_squared();

@@ -9,21 +9,21 @@ use nalgebra::{DMatrix, DVector};
 use super::unknowns::UNKNOWNS;
 
 const MOST_STEPS: usize = 2000;
-/// A step may take at most this share of an unknown away, so that all stay positive,
-const LEAST_LEFT: f64 = 0.9;
-/// and add at most this multiple of it.
+/// Greatest relative decrease of an unknown in a step; all unknowns stay positive.
+const MOST_REMOVED: f64 = 0.9;
+/// Greatest relative increase of an unknown in a step.
 const MOST_ADDED: f64 = 3.0;
-/// A gain of less than this share of the cost in [`SLOW_STEPS`] steps is none.
+/// Relative decrease of the cost in [`SLOW_STEPS`] steps below which the search has converged.
 const SLOW_GAIN: f64 = 1e-9;
 const SLOW_STEPS: usize = 25;
-/// Below this sum of weighted squares nothing is left to search for.
+/// Cost below which the equations hold exactly.
 const EXACT: f64 = 1e-26;
-/// Errors of all equations below this are rounding, whatever their weights.
+/// Errors of equations below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// Equations phi(x) = 0 in eight unknowns.
 pub trait Equations {
-    /// How many.
+    /// Number of equations.
     fn count(&self) -> usize;
     /// phi.
     fn errors(&self, at: &[f64; UNKNOWNS]) -> Vec<f64>;
@@ -31,7 +31,7 @@ pub trait Equations {
     fn slopes(&self, at: &[f64; UNKNOWNS]) -> Vec<[f64; UNKNOWNS]>;
 }
 
-/// Where the search ended.
+/// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matched {
     /// The unknowns, all positive.
@@ -40,17 +40,17 @@ pub struct Matched {
     pub cost: f64,
     /// Its gradient (thesis after Table 4.5).
     pub gradient: [f64; UNKNOWNS],
-    /// The gradient with the logarithm of each unknown over twice the cost: what is left to gain, whatever the units. Nought where an
-    /// unknown runs to zero.
+    /// Gradient with respect to the logarithm of each unknown over twice the cost, which has no units. Zero if an unknown tends to
+    /// zero.
     pub relative_gradient: [f64; UNKNOWNS],
-    /// Greatest difference between this gradient and one by differences of the cost, relative to the largest entry, rounding taken
-    /// off; `None` where the equations hold to rounding, which leaves no gradient to check.
+    /// Greatest difference between this gradient and central differences of the cost, relative to its largest entry, less rounding errors;
+    /// `None` if the equations hold to rounding.
     pub gradient_check: Option<f64>,
     /// Quadratic programmes solved.
     pub steps: usize,
-    /// Whether nothing more was to be gained; unlike an exhausted number of steps.
+    /// Whether the search converged before the greatest number of steps.
     pub converged: bool,
-    /// Singular values of the weighted slopes with the logarithms of the unknowns, the largest first: a small one is a
+    /// Singular values of the weighted Jacobian with respect to the logarithms of the unknowns, largest first: a small one belongs to a
     /// combination that the equations hardly determine.
     pub singular_values: Vec<f64>,
 }
@@ -60,7 +60,7 @@ fn cost(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWNS]) -> f64
     equations.errors(at).iter().zip(weights).map(|(error, weight)| 0.5 * weight * error * error).sum()
 }
 
-/// Weighted errors and their slopes with the logarithms of the unknowns.
+/// Weighted errors and their Jacobian with respect to the logarithms of the unknowns.
 fn linearised(
     equations: &dyn Equations,
     weights: &[f64],
@@ -139,7 +139,7 @@ fn report(
     }
 }
 
-/// The exact gradient beside central differences of the cost.
+/// Relative difference between the exact gradient and central differences of the cost.
 fn gradient_check(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWNS], gradient: &[f64]) -> f64 {
     let step = 1e-5;
     let largest = gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
@@ -149,7 +149,7 @@ fn gradient_check(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWN
             there[i] *= 1.0 + share;
             cost(equations, weights, &there)
         };
-        // What rounding of the cost makes of a difference is no error of the gradient.
+        // Rounding of the cost limits the accuracy of the differences.
         let rounding = 1e-15 * cost(equations, weights, at) / step;
         ((moved(step) - moved(-step)) / (2.0 * step) - gradient[i]).abs() - rounding
     });
@@ -157,9 +157,9 @@ fn gradient_check(equations: &dyn Equations, weights: &[f64], at: &[f64; UNKNOWN
     if largest > 0.0 { worst / largest } else { 0.0 }
 }
 
-/// One quadratic programme: relative steps within their limits that make the linearised errors least.
+/// One quadratic programme: the relative steps within their limits that minimise the linearised errors.
 fn programme(errors: &DVector<f64>, slopes: &DMatrix<f64>, damping: f64) -> Option<Vec<f64>> {
-    // Columns of one size for the solver, and the whole of size one.
+    // Columns and errors are scaled to unit norm for the solver.
     let norms: Vec<f64> = slopes.column_iter().map(|c| c.norm().max(1e-150)).collect();
     let size = errors.norm().max(1e-150);
     let scaled = DMatrix::from_fn(slopes.nrows(), UNKNOWNS, |i, j| slopes[(i, j)] / norms[j]);
@@ -171,8 +171,8 @@ fn programme(errors: &DVector<f64>, slopes: &DMatrix<f64>, damping: f64) -> Opti
     let (mut rows, mut right) = (Vec::new(), Vec::new());
     for i in 0..UNKNOWNS {
         let width = norms[i] / size;
-        for (sign, limit) in [(1.0, MOST_ADDED), (-1.0, LEAST_LEFT)] {
-            // Limits far beyond any step only spoil the scaling.
+        for (sign, limit) in [(1.0, MOST_ADDED), (-1.0, MOST_REMOVED)] {
+            // Limits far beyond any step are left out, since they impair the scaling.
             if limit * width < 1e6 {
                 let mut row = vec![0.0; UNKNOWNS];
                 row[i] = sign;
@@ -192,6 +192,6 @@ fn programme(errors: &DVector<f64>, slopes: &DMatrix<f64>, damping: f64) -> Opti
     solver.solve();
     let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
     let steps = solver.solution.x.iter().zip(&norms);
-    let steps: Vec<f64> = steps.map(|(z, norm)| (z * size / norm).clamp(-LEAST_LEFT, MOST_ADDED)).collect();
+    let steps: Vec<f64> = steps.map(|(z, norm)| (z * size / norm).clamp(-MOST_REMOVED, MOST_ADDED)).collect();
     (solved && steps.iter().all(|step| step.is_finite())).then_some(steps)
 }

@@ -1,6 +1,6 @@
 //! The unknowns of the bench.
 
-/// Unknowns.
+/// Number of unknowns.
 pub const UNKNOWNS: usize = 8;
 
 /// Their names: stiffnesses of coupling 1, coupling 2, roller pins and coupling 3, dampings of the couplings 1 to 3 and of the load

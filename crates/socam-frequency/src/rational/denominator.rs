@@ -1,4 +1,4 @@
-//! A monic denominator, by its coefficients or, where it must be stable, by its sections.
+//! A monic denominator, by its coefficients or, if it must be stable, by second-order sections.
 
 use nalgebra::Complex;
 
@@ -10,7 +10,7 @@ type C = Complex<f64>;
 pub(super) enum Denominator {
     /// All but the leading 1, ascending.
     Coefficients(Vec<f64>),
-    /// s^2 + a s + b for each pair and s + p for a single pole, by the logarithms of a, b, p: stable whatever they are.
+    /// s^2 + a s + b for each pair and s + p for a single pole, by the logarithms of a, b, p, so that it is always stable.
     Sections { pairs: Vec<[f64; 2]>, single: Option<f64> },
 }
 
@@ -45,7 +45,7 @@ impl Denominator {
         }
     }
 
-    /// Its value, and how that changes with each unknown.
+    /// Its value, with derivatives with respect to each unknown.
     pub(super) fn value(&self, s: C) -> (C, Vec<C>) {
         match self {
             Self::Coefficients(values) => {

@@ -1,4 +1,4 @@
-//! Levenberg and Marquardt's descent to the most likely coefficients.
+//! Maximum likelihood by the method of Levenberg and Marquardt.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -8,10 +8,10 @@ use crate::least_squares;
 type C = Complex<f64>;
 
 const MOST_STEPS: usize = 200;
-/// A step that promises less than this, relative to the cost, is the last.
+/// Predicted relative decrease of the cost below which the search has converged.
 const ENOUGH: f64 = 1e-12;
 
-/// Where a descent ended.
+/// Result of a descent.
 pub(super) struct Descent {
     pub(super) point: Candidate,
     pub(super) converged: bool,
@@ -22,7 +22,7 @@ pub(super) fn residuals(scaled: &Scaled<'_>, at: &Candidate) -> DVector<f64> {
     linearised_with(scaled, at, false).0
 }
 
-/// Residuals and their slopes with [denominator | numerator].
+/// Residuals and their Jacobian with respect to [denominator | numerator].
 pub(super) fn linearised(scaled: &Scaled<'_>, at: &Candidate) -> (DVector<f64>, DMatrix<f64>) {
     linearised_with(scaled, at, true)
 }
@@ -63,7 +63,7 @@ pub(super) fn descend(scaled: &Scaled<'_>, start: Candidate) -> Descent {
     for _ in 0..MOST_STEPS {
         let columns = slopes.ncols();
         let rows = slopes.nrows();
-        // Damped least squares as more rows: the condition number is not squared.
+        // Damping as additional rows, so that the condition number is not squared.
         let mut design = slopes.clone().insert_rows(rows, columns, 0.0);
         for j in 0..columns {
             design[(rows + j, j)] = (damping * slopes.column(j).norm_squared()).sqrt().max(1e-300);

@@ -12,14 +12,14 @@ type C = Complex<f64>;
 pub struct ModeEstimate {
     /// The mode.
     pub mode: Mode,
-    /// Of its natural frequency, Hz.
+    /// Standard deviation of its natural frequency, Hz.
     pub frequency_std_hz: f64,
-    /// Of its damping ratio.
+    /// Standard deviation of its damping ratio.
     pub damping_std: f64,
 }
 
 impl ModeEstimate {
-    /// Whether its damping is told from none; that of a real pole needs no telling.
+    /// Whether its damping is significant; a real pole counts as damped.
     pub(super) fn is_damped(&self) -> bool {
         self.mode.pole.im == 0.0 || self.mode.damping_ratio.abs() > 1.96 * self.damping_std
     }
@@ -34,22 +34,22 @@ pub struct Fit {
     pub transfer: TransferFunction,
     /// Standard deviations of the numerator's coefficients, ascending.
     pub numerator_std: Vec<f64>,
-    /// Of the denominator's, the leading one 0.
+    /// Standard deviations of the denominator's coefficients, the leading one 0.
     pub denominator_std: Vec<f64>,
     /// Modes, the slowest first.
     pub modes: Vec<ModeEstimate>,
     /// Standard deviation of the final value.
     pub final_value_std: f64,
-    /// Mean square of residuals in units of their standard deviation; about 1 where orders suffice.
+    /// Mean square of normalised residuals; about 1 if the orders suffice.
     pub misfit: f64,
-    /// Whether the descent came to rest.
+    /// Whether the descent converged.
     pub converged: bool,
     /// Rissanen's description length up to a constant; the least of several orders is advised.
     pub description_length: f64,
     pub(super) known: Known,
 }
 
-/// What is known of the coefficients: in powers of `unit`, denominator without its leading one, then numerator.
+/// Coefficients in powers of `unit` with their covariance: denominator without its leading 1, then numerator.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Known {
     /// rad/s.
@@ -60,13 +60,13 @@ pub(super) struct Known {
 }
 
 impl Fit {
-    /// Standard deviations of the response's magnitude, relative to it, and of its phase, rad; as far as orders suffice.
+    /// Standard deviations of the relative magnitude and of the phase, rad, of the response; valid if the orders suffice.
     #[must_use]
     pub fn response_std(&self, frequency_hz: f64) -> [f64; 2] {
         let Known { unit, denominator, numerator, covariance } = &self.known;
         let s = C::new(0.0, std::f64::consts::TAU * frequency_hz / unit);
         let (below, above) = (polynomial::value(denominator, s), polynomial::value(numerator, s));
-        // Slopes of ln B - ln A.
+        // Derivatives of ln B - ln A.
         let order = denominator.len() - 1;
         let slopes: Vec<C> = (0..order)
             .map(|i| -s.powu(i as u32) / below)

@@ -12,13 +12,13 @@ use crate::polynomial::{self, Mode};
 
 type C = Complex<f64>;
 
-/// Directions of the coefficients that move the response by less than this part of the most are not spoken of by the data.
-const SPOKEN_OF: f64 = 1e-7;
+/// Singular values below this fraction of the largest are truncated.
+const TRUNCATED: f64 = 1e-7;
 
 pub(super) fn report(scaled: &Scaled<'_>, orders: Orders, best: &Descent) -> Result<Fit, FrequencyError> {
     let denominator = best.point.denominator.coefficients();
     let order = orders.denominator;
-    // What is known of the coefficients, however they were searched.
+    // The covariance of the coefficients, whatever the parametrisation of the search.
     let coefficients = Candidate {
         numerator: best.point.numerator.clone(),
         denominator: Denominator::Coefficients(denominator[..order].to_vec()),
@@ -26,7 +26,7 @@ pub(super) fn report(scaled: &Scaled<'_>, orders: Orders, best: &Descent) -> Res
     let (residuals, slopes) = descent::linearised(scaled, &coefficients);
     let freedom = (2 * scaled.points.len()).saturating_sub(slopes.ncols()).max(1) as f64;
     let misfit = 2.0 * residuals.norm_squared() / freedom;
-    // Each residual's real part has half of the variance; a misfit beyond noise widens all.
+    // Each residual's real part has half of the variance; a misfit above 1 widens all intervals.
     let widened = 0.5 * misfit.max(1.0);
     let root = root_of_inverse(&slopes)?;
     let mut directions = &slopes * &root;
@@ -62,8 +62,8 @@ pub(super) fn report(scaled: &Scaled<'_>, orders: Orders, best: &Descent) -> Res
     })
 }
 
-/// R of (J^T J)^-1 = R R^T, without directions that the data say nothing of: where orders are too many, a pole runs off to infinity and moves no
-/// response there, but would drown all else in rounding.
+/// R of (J^T J)^-1 = R R^T with small singular values truncated: if the orders are too high, a pole tends to infinity without effect on the
+/// response, and its rounding errors would dominate.
 fn root_of_inverse(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyError> {
     let singular = FrequencyError::Singular { what: "the transfer function" };
     let scales: Vec<f64> = slopes.column_iter().map(|c| c.norm()).collect();
@@ -73,11 +73,11 @@ fn root_of_inverse(slopes: &DMatrix<f64>) -> Result<DMatrix<f64>, FrequencyError
     let scaled = DMatrix::from_fn(slopes.nrows(), slopes.ncols(), |i, j| slopes[(i, j)] / scales[j]);
     let decomposed = scaled.qr().r().svd(false, true);
     let (Some(right), sizes) = (decomposed.v_t, decomposed.singular_values) else { return Err(singular) };
-    let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > SPOKEN_OF * sizes.max()).collect();
+    let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > TRUNCATED * sizes.max()).collect();
     Ok(DMatrix::from_fn(right.ncols(), kept.len(), |j, k| right[(kept[k], j)] / (sizes[kept[k]] * scales[j])))
 }
 
-/// Modes and, by how the poles move with the coefficients, their standard deviations.
+/// Modes, with standard deviations from the derivatives of the poles with respect to the coefficients.
 fn modes(denominator: &[f64], covariance: &DMatrix<f64>, unit: f64) -> Vec<ModeEstimate> {
     let order = denominator.len() - 1;
     let slopes: Vec<f64> = denominator.iter().enumerate().skip(1).map(|(i, c)| c * i as f64).collect();

@@ -1,4 +1,4 @@
-//! Data and coefficients in scaled frequencies, in which all powers are of one size.
+//! Data and coefficients in scaled frequencies, so that all powers are of similar size.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -7,13 +7,13 @@ use crate::{FrequencyError, least_squares};
 
 type C = Complex<f64>;
 
-/// Frequencies are taken in units of their geometric mean, so that powers are of one size.
+/// The unit of frequencies, rad/s: their geometric mean, so that powers are of similar size.
 pub(super) fn unit(points: &[Point]) -> f64 {
     let logs = points.iter().map(|point| point.frequency_hz.max(1e-12).ln());
     std::f64::consts::TAU * (logs.sum::<f64>() / points.len() as f64).exp()
 }
 
-/// Points with frequencies in units.
+/// Points with scaled frequencies.
 pub(super) struct Scaled<'a> {
     pub(super) points: &'a [Point],
     /// rad/s.
@@ -26,7 +26,7 @@ impl Scaled<'_> {
     }
 }
 
-/// Numerator and denominator in units.
+/// Numerator and denominator in scaled frequencies.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub(super) numerator: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Where a fit starts: linear problems in a row.
+//! Start values by iterated linear least squares.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -10,7 +10,7 @@ use crate::FrequencyError;
 
 type C = Complex<f64>;
 
-/// Iterations; the weights settle in fewer or not at all.
+/// Number of iterations; the weights converge in fewer or not at all.
 const ROUNDS: usize = 25;
 
 /// The iteration of Sanathanan and Koerner: A output - B input, divided by the last A.

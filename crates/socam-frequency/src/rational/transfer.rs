@@ -42,8 +42,8 @@ impl TransferFunction {
         self.at(Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
     }
 
-    /// Its response as a measurement: `count` lines from the lowest to the highest frequency, in equal ratios, each known to so large a
-    /// part of itself.
+    /// Its response as a measurement: `count` lines at equal ratios from the lowest to the highest frequency, with a relative standard
+    /// deviation.
     #[must_use]
     pub fn measured(&self, [low_hz, high_hz]: [f64; 2], count: u32, relative_std: f64) -> Vec<Point> {
         let line = |i: u32| {
@@ -68,7 +68,7 @@ impl TransferFunction {
         polynomial::roots(&self.numerator)
     }
 
-    /// Where a unit step ends (the final-value theorem); without meaning where a pole is not stable.
+    /// Final value of the unit step response; meaningless if a pole is not stable.
     #[must_use]
     pub fn final_value(&self) -> f64 {
         self.numerator[0] / self.denominator[0]

@@ -6,10 +6,10 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use crate::lines::Line;
 use crate::periodic::Periodic;
 
-/// Noise alone seems distorted so seldom.
+/// Probability that noise alone counts as distortion.
 const FALSE_ALARM: f64 = 1e-3;
 
-/// Power where nothing drives the bench.
+/// Power of the output at lines that are not excited.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distortion {
     /// Even multiples of the base frequency.
@@ -20,31 +20,31 @@ pub struct Distortion {
     pub lines: Vec<OutputLine>,
 }
 
-/// Lines of one parity that nothing drives.
+/// Lines of one parity that are not excited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parity {
-    /// How many.
+    /// Number of lines.
     pub lines: usize,
-    /// Root mean square of distortion per line over that of the output's driven lines, noise taken off, dB.
+    /// Root mean square distortion per line relative to that of the excited output lines, less noise, dB.
     pub level_db: Option<f64>,
-    /// The same of noise.
+    /// Noise in the same measure, dB.
     pub noise_db: f64,
-    /// Mean power over what noise alone leaves.
+    /// Mean power over that of noise.
     pub over_noise: f64,
-    /// Probability that noise alone reaches that.
+    /// Probability that noise alone reaches this ratio.
     pub p_value: f64,
-    /// Whether it is too much for noise.
+    /// Whether it is significant.
     pub significant: bool,
 }
 
-/// What a line of the output is.
+/// Kind of an output line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Driven {
     /// The input drives it.
     Excited,
-    /// It is an even multiple that nothing drives.
+    /// An even multiple that is not excited.
     Even,
-    /// An odd one.
+    /// An odd multiple that is not excited.
     Odd,
 }
 
@@ -53,11 +53,11 @@ pub enum Driven {
 pub struct OutputLine {
     /// Hz.
     pub frequency_hz: f64,
-    /// What it is.
+    /// Kind.
     pub driven: Driven,
-    /// Amplitude; where nothing drives it, of what the input's remainder does not explain.
+    /// Amplitude; at a line that is not excited, without the response to the remaining input.
     pub amplitude: f64,
-    /// Standard deviation that noise gives it.
+    /// Standard deviation of its noise.
     pub noise: f64,
 }
 
@@ -86,7 +86,7 @@ pub(super) fn distortion(records: &[Periodic], lines: &[Line], to_hz: f64) -> Op
             return None;
         }
         let over_noise = ratios / lines as f64;
-        // Neighbouring lines share most of the bins that their noise is estimated from.
+        // Neighbouring lines share most of the bins from which their noise is estimated.
         let shared = (freedom * lines as f64 / 4.0).max(freedom);
         let p_value = FisherSnedecor::new(2.0 * lines as f64, 2.0 * shared).map_or(1.0, |f| f.sf(over_noise));
         let own = total - noise;
@@ -130,7 +130,7 @@ fn output_lines(records: &[Periodic], lines: &[Line], to_hz: f64) -> (Vec<Output
     (output, freedom)
 }
 
-/// Response between two lines, along straight lines of its real and imaginary part; beyond the ends, that of the end.
+/// Linear interpolation of the response between lines; constant beyond the ends.
 fn between(lines: &[Line], frequency_hz: f64) -> Complex<f64> {
     let after = lines.partition_point(|line| line.frequency_hz < frequency_hz);
     let (Some(low), Some(high)) = (lines.get(after.saturating_sub(1)), lines.get(after.min(lines.len() - 1)))

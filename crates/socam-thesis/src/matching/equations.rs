@@ -4,7 +4,7 @@ use socam_frequency::matching::{Bench, Coefficients, Equations, UNKNOWNS};
 
 use crate::{Printed, Thesis};
 
-/// The equations 4.7 as printed: dimensionless, their constants as printed, inertias as the thesis put them in.
+/// Equations 4.7 with the printed constants, dimensionless, with the inertias in the units that the thesis used.
 pub(super) struct Printed47 {
     pub(super) bench: Bench,
     pub(super) stiffness: f64,
@@ -17,7 +17,7 @@ pub(super) const EQUATIONS: usize = 10;
 impl Printed47 {
     pub(super) fn new(thesis: &Thesis) -> Self {
         let matching = &thesis.matching;
-        // kg mm2, beside stiffnesses in N mm/deg: their printed coefficients leave no doubt.
+        // kg mm2, although stiffnesses are in N mm/deg: the printed coefficients show it.
         let bench = Bench {
             cam_shaft: thesis.inertia.cam_shaft_kgmm2.value,
             disk: thesis.inertia.disk_kgmm2.value,
@@ -32,7 +32,7 @@ impl Printed47 {
         }
     }
 
-    /// What each equation is divided by.
+    /// The divisor of each equation.
     pub(super) fn norms(&self) -> [f64; EQUATIONS] {
         let (k, c, n) = (self.stiffness, self.damping, self.bench.ratio);
         let cam = self.cam();

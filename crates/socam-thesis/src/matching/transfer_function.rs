@@ -49,7 +49,7 @@ fn complex(value: Complex<f64>) -> String {
     }
 }
 
-/// Point 8: what the transfer function cannot tell.
+/// Point 8: parameters that the transfer function does not determine.
 pub(super) fn identifiability(thesis: &Thesis, report: &mut Report) {
     let bench = transfer::bench(thesis);
     let catalogue = thesis.couplings.catalogue_Nm_per_deg.each_ref().map(|p| p.value.to_degrees());
@@ -84,7 +84,7 @@ pub(super) fn identifiability(thesis: &Thesis, report: &mut Report) {
     );
 }
 
-/// What the ETF asks of the bench in consistent units.
+/// Point 20: the parameters of the bench that match the ETF in consistent units.
 pub(super) fn properly(thesis: &Thesis, report: &mut Report) {
     let bench = transfer::bench(thesis);
     let etf = transfer::measured(thesis);

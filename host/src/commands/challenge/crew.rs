@@ -1,11 +1,11 @@
-//! Many cases at once, with the same digits for any number of threads.
+//! Many cases in parallel, with identical results for any number of threads.
 
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Works on all items; the answers come in their order. Each item is worked on by one thread from beginning to end, so that sums
-/// are always taken in the same order.
+/// Processes all items and returns the results in their order. One thread processes an item from beginning to end, so that the order of
+/// sums does not change.
 pub(super) fn run<T: Sync, R: Send>(
     items: &[T],
     threads: usize,

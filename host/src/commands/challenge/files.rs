@@ -1,4 +1,4 @@
-//! What a challenge keeps in its folder: for every case the sealed truth, the answer, and the score.
+//! The folder of a challenge: for each case the sealed truth, the answer and the score.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,11 +15,11 @@ pub(super) struct Folder(PathBuf);
 /// One of a case's files.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum File {
-    /// What is hidden: written before the diagnosis, opened after its answer is on disk.
+    /// The truth: written before the diagnosis, opened after its answer is on disk.
     Sealed,
     /// The answer.
     Diagnosis,
-    /// Both compared; a case that has it is finished.
+    /// The score; a case that has it is finished.
     Score,
 }
 
@@ -51,7 +51,7 @@ impl Folder {
             .with_context(|| format!("`{}` is not what a challenge writes", path.display()))
     }
 
-    /// What a diagnosis of a case may see, as files that the `diagnose` command takes.
+    /// The data of a case that a diagnosis may see, as files for the `diagnose` command.
     pub(super) fn keep(&self, case: &Case, recordings: &Recordings) -> anyhow::Result<()> {
         let folder = self.0.join(stem(case.seed, case.number));
         std::fs::create_dir_all(&folder)
@@ -77,7 +77,7 @@ impl Folder {
     }
 }
 
-/// Of the names of all that is kept of a case.
+/// Prefix of the names of all files of a case.
 fn stem(seed: u64, number: u64) -> String {
     format!("seed-{seed}-case-{number:05}")
 }

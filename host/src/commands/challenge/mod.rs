@@ -24,11 +24,11 @@ use score::Score;
 
 /// Hide physics in random machines, diagnose their recordings, and count how often the answer is right
 ///
-/// Each case is drawn from the seed and its number: of twenty, eight hide nothing, seven one effect of the catalogue, three two of
-/// them, and two something that is not there. Machines are of nine families, their models' start values wrong by up to a factor of
-/// three. What is hidden obeys other laws than those that are fitted. Cases of odd numbers are realistic: they have a background that
-/// no case names, and are scored apart. The truth is sealed in a file before the diagnosis begins and opened once its answer is on
-/// disk.
+/// Each case is drawn from the seed and its number. Of twenty cases, eight hide nothing, seven hide one effect of the catalogue, three hide
+/// two, and two hide an effect that is not in the catalogue. Machines are of nine families; the start values of their models are wrong by up
+/// to a factor of three. Hidden effects obey other equations than the fitted ones. Cases with odd numbers are realistic: they have further
+/// unmodelled background effects, and are scored separately. The truth is sealed in a file before the diagnosis begins and opened once its
+/// answer is on disk.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host challenge
@@ -37,25 +37,25 @@ use score::Score;
   socam-host challenge --cases 0..200 --family link --json
   socam-host challenge --cases 5..6 --resume challenge --recordings      into challenge/seed-1-case-00005")]
 pub(crate) struct Args {
-    /// Numbers of the cases, the last one left out
+    /// Range of case numbers, FROM..TO; TO is excluded
     #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = range)]
     cases: std::ops::Range<u64>,
-    /// Another number, other cases
+    /// Seed of the cases
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Keep everything in this folder, and leave out the cases that are finished there
+    /// Keep truths, answers and scores in this folder, and skip cases that are finished there
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
-    /// Keep each case's base model and recordings too, in a folder of its own beside the rest, to be diagnosed by hand
+    /// Also keep each case's base model and recordings in a folder of its own, for a diagnosis by hand
     #[arg(long, requires = "resume")]
     recordings: bool,
     /// Only machines of this family
     #[arg(long, value_name = "NAME", value_parser = FAMILY_NAMES)]
     family: Option<String>,
-    /// Only benches with nothing hidden: how often the diagnosis cries wolf
+    /// Only benches with nothing hidden, to measure the false alarm rate
     #[arg(long)]
     clean: bool,
-    /// Number of threads; all cores when not given
+    /// Number of threads [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Print one JSON document instead of tables
@@ -71,7 +71,7 @@ fn range(text: &str) -> Result<std::ops::Range<u64>, String> {
     if from < to { Ok(from..to) } else { Err(wrong()) }
 }
 
-/// What is tried: a diagnosis sees the base model, the training recordings and the held-out ones.
+/// The diagnosis under test, a function of base model, training recordings and held-out recordings.
 type Diagnose<'a> = dyn Fn(&Model, &[Dataset], &[Dataset]) -> Result<Diagnosis, String> + Sync + 'a;
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -126,7 +126,7 @@ fn score_all(
     Ok((scores, failures))
 }
 
-/// One case from its drawing to its score, unless it is finished.
+/// Draws, diagnoses and scores one case, unless it is finished.
 fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> anyhow::Result<Score> {
     let seed = args.seed;
     let finished = folder.read::<Score>(seed, number, File::Score).ok();
@@ -138,7 +138,7 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
         return Ok(finished);
     }
     let (model, recordings) = conceal(args, number, folder)?;
-    // A case is worked on by one thread from beginning to end.
+    // One thread processes a case from beginning to end.
     let clock = cpu_time::ThreadTime::now();
     let answer = diagnose(&model, &recordings.training, &recordings.holdout);
     let cpu_s = clock.elapsed().as_secs_f64();
@@ -157,7 +157,7 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
     Ok(score)
 }
 
-/// Draws a case, seals its truth away, and hands out what a diagnosis may see.
+/// Draws a case, seals its truth, and returns the data that a diagnosis may see.
 fn conceal(args: &Args, number: u64, folder: &Folder) -> anyhow::Result<(Model, Recordings)> {
     let case = Case::draw(args.seed, number)?;
     folder.write(args.seed, number, File::Sealed, &case)?;

@@ -1,5 +1,5 @@
-//! An oracle that is told what is hidden: by how much it predicts the held-out recordings better than a fit that is not, and whether
-//! another effect would predict them as well.
+//! An oracle that knows the hidden effects: their detectability on the held-out recordings, and whether another effect is observationally
+//! equivalent.
 
 use socam_identify::comparison::{self, Evaluation, NoiseModel};
 use socam_identify::{Intersample, NoiseLevels, Options, Problem};
@@ -7,31 +7,32 @@ use socam_model::{Model, effects};
 use socam_recording::Dataset;
 use socam_sim::challenge::{Case, Drive, Hidden, Kind, Recordings};
 
-/// Fits begin at the truth, so that they end soon.
+/// Greatest number of iterations of a fit; few suffice, since fits start at the truth.
 const MAX_ITERATIONS: usize = 30;
-/// An effect must gain as much in whitened chi-square on the held-out recordings, in units of what is left when all is known.
+/// Least decrease of the whitened chi-square of the held-out recordings by a detectable effect, in units of the chi-square per value of the
+/// true model.
 pub(super) const DETECTABLE_GAIN: f64 = 25.0;
-/// Another effect is observationally equivalent where it loses no more, in the same units: the 99.8 % point of one degree of freedom.
+/// Greatest increase of chi-square by an observationally equivalent effect, in the same units: the 99.8 % quantile for one degree of freedom.
 const EQUIVALENT_LOSS: f64 = 10.0;
 
-/// What it saw.
+/// Result of the oracle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Oracle {
-    /// What each hidden effect gains in whitened chi-square, all others known; `None` where a fit fails.
+    /// Decrease of the whitened chi-square by each hidden effect, all others known; `None` if a fit fails.
     pub(super) gain: Vec<Option<f64>>,
-    /// What is left when all is known, as whitened chi-square per value: 1 where the catalogue says all there is to say.
+    /// Whitened chi-square per value of the true model; 1 if the catalogue describes the bench completely.
     pub(super) misfit: Option<f64>,
 }
 
 impl Oracle {
-    /// Whether every hidden effect gains enough to be found, beside a background that nothing explains.
+    /// Whether each hidden effect is detectable beside the unexplained background.
     pub(super) fn detects_all(&self) -> bool {
         let unit = self.misfit.unwrap_or(1.0).max(1.0);
         self.gain.iter().all(|gain| gain.is_some_and(|gain| gain >= DETECTABLE_GAIN * unit))
     }
 }
 
-/// Asks it.
+/// Runs the oracle.
 pub(super) fn ask(case: &Case, recordings: &Recordings) -> Oracle {
     let nothing = || Oracle { gain: vec![None; case.hidden.len()], misfit: None };
     let answer =
@@ -53,8 +54,8 @@ fn told_all(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     Ok(Oracle { gain, misfit: with_all.as_ref().map(misfit) })
 }
 
-/// Where the catalogue has no law, the same machine is recorded with nothing hidden: what the base model misses more with it than
-/// without is what could be found.
+/// For an effect without a law in the catalogue, the same machine is also recorded with nothing hidden: the difference of chi-square of the
+/// base model is the detectable part.
 fn outside(case: &Case, recordings: &Recordings) -> anyhow::Result<Oracle> {
     let base = told(case, &[])?;
     let plain = case.without_hidden().record()?;
@@ -69,8 +70,8 @@ fn misfit(measured: &Evaluation) -> f64 {
     measured.total() / measured.count.iter().sum::<f64>()
 }
 
-/// Whether another effect, in the place of one that is hidden, predicts the held-out recordings as well: then no answer to these
-/// recordings could tell them apart. Computed by fits to the case's own recordings, so it holds for any machine.
+/// Whether another effect, in place of a hidden one, predicts the held-out recordings equally well: then these recordings cannot
+/// distinguish them. It is computed by fits to the recordings of the case.
 pub(super) fn is_equivalent(
     case: &Case,
     recordings: &Recordings,
@@ -92,7 +93,7 @@ pub(super) fn is_equivalent(
     answer().unwrap_or(false)
 }
 
-/// The base model at the true parameters with some of what is hidden, by the catalogue's laws, whose parameters are then fitted.
+/// The base model at the true parameters with some of the hidden effects by the laws of the catalogue, whose parameters are fitted.
 fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
     let mut model = case.base()?;
     for hidden in hidden.iter().filter(|hidden| effects::find(&hidden.effect).is_some()) {
@@ -121,7 +122,7 @@ fn noise_model(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::R
     Ok(NoiseModel::new(&[&training, &holdout], &model.values(), levels)?)
 }
 
-/// Fitted to the training recordings, what a model leaves on the others.
+/// Whitened chi-square on the held-out recordings of a model that is fitted to the training recordings.
 fn left(
     case: &Case,
     model: &Model,
@@ -147,7 +148,7 @@ fn problem<'a>(case: &Case, model: &'a Model, data: &'a [Dataset]) -> anyhow::Re
     Ok(Problem::new(model, data, options(case))?)
 }
 
-/// What is true of a clean bench: a drive ramps from sample to sample, a motion that is prescribed is smooth.
+/// Intersample behaviour of a clean bench: a drive ramps between samples, a prescribed motion is smooth.
 pub(super) fn options(case: &Case) -> Options {
     let ramps = case.machine.input.drive != Drive::Speed;
     Options { intersample: ramps.then_some(Intersample::Linear), ..Options::default() }

@@ -1,4 +1,4 @@
-//! What probabilities that an answer states are worth.
+//! Calibration of the stated probabilities.
 
 use std::fmt::Write as _;
 
@@ -6,29 +6,29 @@ use serde::Serialize;
 
 use super::rates::Rate;
 
-/// A truth that is not mentioned has no probability of 0: it counts as this.
+/// Least probability of a truth, so that one that is not mentioned has a finite logarithm.
 const LEAST: f64 = 1e-3;
 /// Edges of the bins of stated probability.
 const EDGES: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
 
-/// Mean natural logarithm of the probabilities given to what is hidden.
+/// Mean natural logarithm of the probabilities of the hidden effects.
 pub(super) fn log_score(probabilities: &[f64]) -> Option<f64> {
     let sum: f64 = probabilities.iter().map(|probability| probability.max(LEAST).ln()).sum();
     (!probabilities.is_empty()).then(|| sum / probabilities.len() as f64)
 }
 
-/// Statements of about the same probability.
+/// Statements with a probability in one bin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Bin {
     /// From and to.
     pub(super) stated: [f64; 2],
-    /// Mean of what was stated.
+    /// Mean stated probability.
     pub(super) mean: Option<f64>,
-    /// How often it was true.
+    /// Frequency of true statements.
     pub(super) true_rate: Rate,
 }
 
-/// Statements by their probability, and how often they are true.
+/// Frequency of true statements by stated probability.
 pub(super) fn calibration(statements: impl Iterator<Item = (f64, bool)>) -> Vec<Bin> {
     let all: Vec<(f64, bool)> = statements.collect();
     let bin = |edges: &[f64]| {
@@ -46,7 +46,7 @@ pub(super) fn calibration(statements: impl Iterator<Item = (f64, bool)>) -> Vec<
 }
 
 impl Bin {
-    /// Lines for people; nothing where nothing was stated.
+    /// Lines of text; empty without statements.
     pub(super) fn table(bins: &[Self]) -> String {
         let mut text = String::new();
         for Self { stated: [from, to], mean, true_rate } in bins {

@@ -1,9 +1,9 @@
-//! Shares with their uncertainty.
+//! Rates with their uncertainty.
 
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
-/// How often something holds.
+/// A rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Rate {
     pub(super) hits: usize,
@@ -48,7 +48,7 @@ fn interval(hits: usize, of: usize) -> [f64; 2] {
     [100.0 * low, 100.0 * high]
 }
 
-/// Chance of as many hits or more, were each as likely as stated (binomial).
+/// p-value: probability of as many hits or more at the stated rate (binomial).
 pub(super) fn as_many_by_chance(rate: &Rate, stated: f64) -> Option<f64> {
     let binomial = Binomial::new(stated, rate.of as u64).ok()?;
     Some(match rate.hits {

@@ -13,10 +13,10 @@ use crate::table;
 
 const SCHEMA: &str = "socam.challenge/2";
 
-/// Nothing named.
+/// Word for no finding.
 const NOTHING: &str = "nothing";
 
-/// What is printed. The names are part of the JSON document.
+/// The report. The names are part of the JSON document.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     schema: &'static str,
@@ -31,33 +31,32 @@ pub(super) struct Report {
 struct Part {
     cases: usize,
     kinds: Vec<KindReport>,
-    /// Right answers by family, of those that can be detected.
+    /// Correct answers by family, of detectable cases.
     families: BTreeMap<String, Rate>,
-    /// True effect -> what was named first -> cases, of those with one effect that can be detected.
+    /// Confusion matrix: true effect -> first finding -> number of cases with one detectable effect.
     confusion: BTreeMap<String, BTreeMap<String, usize>>,
     false_alarms: FalseAlarms,
-    /// Intervals of effects' parameters that hold the truth.
+    /// Coverage of the intervals of effects' parameters.
     intervals: Rate,
-    /// Mean natural logarithm of the probability given to what is hidden, and how many it is the mean of; of effects that can
-    /// be detected.
+    /// Mean natural logarithm of the probability of the hidden effects, and their number; of detectable effects.
     log_score: Option<f64>,
     log_score_of: usize,
-    /// How often statements of a probability are true.
+    /// Calibration of the stated probabilities.
     calibration: Vec<Bin>,
-    /// Right answers after whose correction all channels are predicted down to 1.15 times their noise, of benches that hide
-    /// effects of the catalogue.
+    /// Rate of correct answers whose corrected model predicts all channels within 1.15 times their noise, of benches that hide effects of the
+    /// catalogue.
     at_the_floor: Rate,
 }
 
 #[derive(Debug, Serialize)]
 struct FalseAlarms {
-    /// Benches with nothing hidden on which something is named, whatever it is.
+    /// False alarms: benches with nothing hidden on which something is found.
     any: Rate,
-    /// The same but for names of what the bench has by its background.
+    /// False alarms, except findings that belong to the background of the bench.
     beside_background: Rate,
-    /// What a diagnosis says of itself; the largest of all cases.
+    /// Greatest false alarm rate that the diagnoses state.
     stated_rate: Option<f64>,
-    /// Chance of as many of `beside_background`, or more, at the stated rate.
+    /// p-value of `beside_background` at the stated rate.
     p_value: Option<f64>,
 }
 
@@ -110,7 +109,7 @@ impl Report {
         text + &self.misses()
     }
 
-    /// One line for each case that went wrong.
+    /// One line for each wrong answer.
     fn misses(&self) -> String {
         let wrong = |score: &&Score| !score.right && (score.detectable || score.error.is_some());
         let mut text = String::new();
@@ -237,7 +236,7 @@ impl FalseAlarms {
 impl KindReport {
     fn new(kind: Kind, cases: &[&Score]) -> Self {
         let of_kind = || cases.iter().filter(move |score| score.kind == kind);
-        // Where nothing is hidden there is nothing to be detected.
+        // A bench with nothing hidden has nothing to detect.
         let counted = || of_kind().filter(|score| score.detectable);
         let mut times: Vec<f64> = of_kind().filter_map(|score| score.cpu_s).collect();
         times.sort_by(f64::total_cmp);
@@ -266,7 +265,7 @@ impl KindReport {
     }
 }
 
-/// What was named first: the effect, and the place where that alone is wrong.
+/// The first finding: its effect, with the place if only that is wrong.
 fn first(score: &Score) -> String {
     let Some((effect, location)) = score.named.first() else {
         return if score.error.is_some() { "failed".into() } else { NOTHING.into() };

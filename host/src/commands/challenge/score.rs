@@ -1,4 +1,4 @@
-//! What an answer is worth, once the truth is known.
+//! Score of an answer, once the truth is known.
 
 use std::f64::consts::TAU;
 
@@ -10,9 +10,9 @@ use super::oracle::Oracle;
 
 pub(super) const SCHEMA: &str = "socam.challenge-case/2";
 
-/// With all findings, curves included, residuals on held-out recordings may be so many times their noise floor.
+/// Greatest ratio of held-out residuals to the noise floor for a prediction down to the noise, with all findings and curves.
 const AT_THE_FLOOR: f64 = 1.15;
-/// A rival ties with a finding whose weight is no more than so many times its own.
+/// Greatest ratio of a finding's weight to that of a rival that ties with it.
 const TIE: f64 = 2.0;
 
 /// One case, diagnosed and scored.
@@ -26,26 +26,26 @@ pub(super) struct Score {
     /// Whether the bench has a background that no case names.
     pub(super) realistic: bool,
     pub(super) hidden: Vec<Hidden>,
-    /// What was named, strongest first: effect and location.
+    /// Findings, strongest first: effect and location.
     pub(super) named: Vec<(String, String)>,
-    /// Why there is no answer.
+    /// Error, if there is no answer.
     pub(super) error: Option<String>,
-    /// What an oracle gains by each hidden effect; `None` where it fails.
+    /// Decrease of chi-square by each hidden effect with the oracle; `None` if it fails.
     pub(super) oracle_gain: Vec<Option<f64>>,
-    /// What it leaves, as whitened chi-square per value.
+    /// Whitened chi-square per value of the oracle.
     pub(super) oracle_misfit: Option<f64>,
-    /// Whether each of them gains enough to be found.
+    /// Whether each hidden effect is detectable.
     pub(super) detectable: bool,
     pub(super) right: bool,
-    /// Something is named that is not there, and nothing that is there ties with it.
+    /// Whether there is a finding that was not hidden and that no hidden effect ties with.
     pub(super) wrong_name: bool,
-    /// Findings that name what belongs to the bench's background.
+    /// Findings that belong to the background of the bench.
     pub(super) background_named: usize,
-    /// Share of benches with nothing missing on which the diagnosis says that it finds something.
+    /// False alarm rate that the diagnosis states.
     pub(super) stated_false_alarm_rate: Option<f64>,
-    /// Probability that the answer gives to each hidden effect of the catalogue; 0 where it is not mentioned.
+    /// Stated probability of each hidden effect of the catalogue; 0 if it is not mentioned.
     pub(super) probability: Vec<f64>,
-    /// Every named effect and every rival: its weight, and whether it is hidden there.
+    /// Each finding and rival: its weight, and whether it was hidden.
     pub(super) statements: Vec<(f64, bool)>,
     /// Whether all channels are predicted down to their noise with all findings, curves included; of right answers only.
     pub(super) at_the_floor: Option<bool>,
@@ -98,7 +98,7 @@ impl Score {
     }
 }
 
-/// What a finding gives to itself among its rivals.
+/// Weight of a finding among its rivals.
 fn own_weight(finding: &Finding) -> f64 {
     (1.0 - finding.rivals.iter().map(|rival| rival.weight).sum::<f64>()).clamp(0.0, 1.0)
 }
@@ -107,11 +107,11 @@ fn is_named((effect, place): (&str, &str), hidden: &Hidden) -> bool {
     effect == hidden.effect && place == hidden.place
 }
 
-/// Findings beside the truth.
+/// Findings with the truth.
 struct Judge<'a> {
     case: &'a Case,
     findings: &'a [Finding],
-    /// For each finding, which of the hidden effects it is.
+    /// For each finding, the index of the hidden effect that it is.
     is: Vec<Vec<bool>>,
 }
 
@@ -129,7 +129,7 @@ impl<'a> Judge<'a> {
         match self.case.kind {
             Kind::Clean => self.findings.iter().all(|finding| self.is_background(finding)),
             Kind::Single => !self.findings.is_empty() && is(0, 0),
-            // Both, in any order, before anything else.
+            // Both hidden effects come first, in any order.
             Kind::Double => self.findings.len() >= 2 && (is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0)),
             Kind::Outside => self.findings.first().is_some_and(|first| {
                 first.effect == UNEXPLAINED
@@ -138,8 +138,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether some name is wrong: for physics outside the catalogue, a name at another place with nothing left unexplained
-    /// beside it; otherwise any that was not hidden and that nothing hidden ties with.
+    /// Whether a finding is wrong: for physics outside the catalogue, one at another place without an unexplained finding; otherwise any that
+    /// was not hidden and that no hidden effect ties with.
     fn has_wrong_name(&self, right: bool) -> bool {
         let outside = self.case.kind == Kind::Outside;
         if outside && self.findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
@@ -155,7 +155,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Whether a finding names what the bench has by its background.
+    /// Whether a finding belongs to the background of the bench.
     fn is_background(&self, finding: &Finding) -> bool {
         let named = (finding.effect.as_str(), finding.location.as_str());
         let wrong_constant = self.case.background.input_gain.is_some()
@@ -164,7 +164,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Whether a finding is what was hidden, or owns up to it among its rivals where no recording tells them apart.
+/// Whether a finding is a hidden effect, or has it among its rivals if it is observationally equivalent.
 fn is_it(finding: &Finding, hidden: &Hidden, index: usize, equivalent: &Equivalent<'_>) -> bool {
     let owns_up = || finding.rivals.iter().any(|rival| is_named((&rival.effect, &rival.location), hidden));
     is_named((&finding.effect, &finding.location), hidden) || (owns_up() && equivalent(finding, index))
@@ -178,7 +178,7 @@ fn has_tying_truth(case: &Case, finding: &Finding) -> bool {
     })
 }
 
-/// Benches whose model has massless points have some inertia there: where what was hidden has been found, that is no wrong name.
+/// Benches whose model has massless points have some inertia there: such a finding is not wrong once the hidden effects are found.
 fn is_small_mass(case: &Case, finding: &Finding) -> bool {
     let nodes = &case.machine.nodes;
     finding.effect == "missing_inertia"
@@ -186,7 +186,7 @@ fn is_small_mass(case: &Case, finding: &Finding) -> bool {
         && nodes.iter().any(|node| node.name == finding.location && node.inertia.is_none())
 }
 
-/// What an answer gives to each hidden effect of the catalogue, as a finding or as a rival of one.
+/// Stated probability of each hidden effect of the catalogue, as a finding or as a rival.
 fn probabilities(case: &Case, findings: &[Finding]) -> Vec<f64> {
     if case.kind == Kind::Outside {
         return Vec::new();
@@ -217,7 +217,7 @@ fn statements(case: &Case, finding: &Finding) -> Vec<(f64, bool)> {
     named.map(|(effect, place, weight)| (weight, is_true(effect, place))).collect()
 }
 
-/// `None` where the answer does not say how far it is from the noise.
+/// `None` if the answer has no residuals or noise floors.
 fn at_the_floor(diagnosis: &Diagnosis) -> Option<bool> {
     let channels = diagnosis.fit.channels.iter();
     let ratios: Vec<f64> =
@@ -225,7 +225,7 @@ fn at_the_floor(diagnosis: &Diagnosis) -> Option<bool> {
     (!ratios.is_empty()).then(|| ratios.iter().all(|ratio| *ratio <= AT_THE_FLOOR))
 }
 
-/// Parameters with an interval, and whether it holds the truth.
+/// Parameters with an interval, and whether it contains the truth.
 fn intervals(hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
     let Some(finding) =
         findings.iter().find(|finding| is_named((&finding.effect, &finding.location), hidden))
@@ -245,7 +245,7 @@ fn intervals(hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
     each.collect()
 }
 
-/// The same phase, in the turn that an interval is in.
+/// The phase, shifted by whole turns to the interval.
 fn nearest_turn(phase: f64, low: f64, high: f64) -> f64 {
     let middle = 0.5 * (low + high);
     if middle.is_finite() { phase + TAU * ((middle - phase) / TAU).round() } else { phase }

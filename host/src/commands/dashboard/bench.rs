@@ -1,4 +1,4 @@
-//! The board behind the live view: a thread that talks to it, records, and tells the window what it can take.
+//! The board of the live view: a thread that talks to it, records, and sends news and samples to the window.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::TryRecvError;
@@ -18,17 +18,17 @@ use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
 use crate::model_file;
 
-/// Its patience is half a second.
+/// Interval of heartbeats; the watchdog of the board waits for 0.5 s.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
-/// Makes links to boards; the virtual one stands on `bench`.
+/// Makes links to boards; the virtual board runs on `bench`.
 pub(super) fn connector(bench: BenchArgs, calibration: Option<Calibration>) -> Connector {
     Box::new(move |ctx| {
         let (port, own) = live::link();
         let (bench, calibration, ctx) = (bench.clone(), calibration.clone(), ctx.clone());
         let serve = move || {
             let ended = attend(&own, &bench, calibration);
-            // A window that was closed does not care.
+            // The receiver is gone if the window was closed.
             let _ = own.news.send(News::Disconnected(ended.err().map(|error| format!("{error:#}"))));
             ctx.request_repaint();
         };
@@ -39,7 +39,7 @@ pub(super) fn connector(bench: BenchArgs, calibration: Option<Calibration>) -> C
     })
 }
 
-/// Opens the link that is asked for and keeps the conversation up until it is closed.
+/// Opens the requested link and serves it until it is closed.
 fn attend(own: &Bench, bench: &BenchArgs, calibration: Option<Calibration>) -> anyhow::Result<()> {
     let Ok(Order::Connect(device)) = own.orders.recv() else { return Ok(()) };
     let device: Device =
@@ -68,7 +68,7 @@ fn attend(own: &Bench, bench: &BenchArgs, calibration: Option<Calibration>) -> a
     talk.go_on()
 }
 
-/// A conversation.
+/// An open link.
 struct Talk<'a> {
     session: &'a mut Session,
     own: &'a Bench,
@@ -86,7 +86,7 @@ impl Talk<'_> {
         let _ = self.own.news.send(news);
     }
 
-    /// Lets samples flow while nothing runs, where the board lets itself be configured.
+    /// Configures the board, if it permits, and streams samples while nothing runs.
     fn look(&mut self) -> anyhow::Result<()> {
         self.session.request(Request::Stream(false))?.ok();
         match self.session.request(Request::Configure(self.calibration.config(IDLE_PERIOD_US)?))? {
@@ -125,7 +125,7 @@ impl Talk<'_> {
             }
             match self.own.orders.try_recv() {
                 Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
-                    // A bench that nobody watches stands still.
+                    // A bench without a window is stopped.
                     self.session.post(Request::Stop)?;
                     self.session.post(Request::Stream(false))?;
                     return Ok(());
@@ -204,7 +204,7 @@ impl Talk<'_> {
         })
     }
 
-    /// Runs what is armed. Only a link that broke ends the conversation.
+    /// Runs the armed plan. An error is returned only if the link is broken.
     fn record(&mut self, mut plan: Plan) -> anyhow::Result<()> {
         let path = plan.path.clone();
         plan.start_unix_ns = now_unix_ns();

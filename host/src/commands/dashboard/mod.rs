@@ -20,17 +20,17 @@ use super::Outcome;
 use crate::device::virtual_bench::BenchArgs;
 use crate::output::{self, WrongArguments};
 
-/// Show the bench live, recordings, parameters and diagnoses
+/// Open the dashboard: the running bench, recordings, parameters and diagnoses
 ///
 /// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
-/// report). With --screenshot it draws one picture without a display instead.
+/// report). With --screenshot it draws one picture without a display.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host dashboard                                  connect to a board, or drop files into the window
   socam-host dashboard run.mcap@2..8 other.csv
   socam-host dashboard report --screenshot bench.png    a diagnosis as a picture")]
 pub(crate) struct Args {
-    /// What to open: recordings or parts of them (RUN@FROM..TO), .toml, .json, the folder of a report
+    /// Files to open: recordings or parts of them (RUN@FROM..TO, seconds), .toml, .json, or the folder of a report
     #[arg(value_name = "RUN")]
     files: Vec<String>,
     /// Draw a picture into this file (.png), without a display
@@ -39,51 +39,51 @@ pub(crate) struct Args {
     /// View to begin with: live, time, frequency, check, parameters, diagnosis
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
-    /// Light ground
+    /// Light theme
     #[arg(long, conflicts_with = "dark")]
     light: bool,
-    /// Dark ground
+    /// Dark theme
     #[arg(long)]
     dark: bool,
     /// Size of the picture or window, points
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[f32; 2]>,
-    /// Pixels of the picture per point
+    /// Scale of the picture, pixels per point
     #[arg(long, value_name = "N", default_value_t = 1.0, requires = "screenshot")]
     scale: f32,
-    /// Difference of every other recording to the first one, in the view over time
+    /// Show differences of the other recordings to the first one in the view over time
     #[arg(long)]
     difference: bool,
     /// Diagnose the recordings as soon as they are open
     #[arg(long)]
     diagnose: bool,
-    /// Recordings among them that are not fitted, but are the proof; may be repeated
+    /// Held-out recordings, used for validation only; may be repeated
     #[arg(long, value_name = "RUN", requires = "diagnose")]
     holdout: Vec<String>,
-    /// Cursors A and B in the view over time, s
+    /// Positions of the cursors A and B in the view over time, s
     #[arg(long, value_name = "A,B", value_delimiter = ',', allow_hyphen_values = true)]
     cursors: Vec<f64>,
     /// Device to connect to: sim, serial, serial:PATH, tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
-    /// Samples per second of a run
+    /// Sampling rate of a run, Hz
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Run the virtual bench at once for so many seconds and record it, then say how many pictures a second were drawn and close the
-    /// window; a picture is drawn while it runs
+    /// Run and record the virtual bench for this time, s, report the frames per second and close the window; with --screenshot, draw the
+    /// picture while it runs
     #[arg(long, value_name = "SECONDS", conflicts_with = "diagnose", value_parser = rehearsed)]
     rehearse: Option<f64>,
-    /// Calibration of the bench; the default bench's when not given
+    /// Calibration file of the bench [default: that of the default bench]
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
-    /// Folder into which runs are recorded
+    /// Folder for recorded runs
     #[arg(long, value_name = "DIR", default_value = ".")]
     record_into: PathBuf,
     #[command(flatten)]
     bench: BenchArgs,
 }
 
-/// How long a picture waits for its files.
+/// Greatest time that a picture waits for its files.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -112,7 +112,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 
 /// The layout of the last window, or the default one for a picture, changed as the options say.
 fn layout(args: &Args) -> anyhow::Result<Layout> {
-    // A picture is the same on every machine, whatever window was open last.
+    // A picture does not depend on the layout of the last window.
     let mut layout = if args.screenshot.is_some() { Layout::default() } else { window::remembered() };
     if args.light || args.dark {
         layout.look = if args.light { Look::Light } else { Look::Dark };

@@ -1,4 +1,4 @@
-//! A run of the virtual bench that begins by itself: for pictures of a bench that moves, and to measure what showing it costs.
+//! An automatic run of the virtual bench, for pictures of a running bench and to measure the frame rate.
 
 use std::time::{Duration, Instant};
 
@@ -7,22 +7,22 @@ use socam_core::State;
 use socam_dashboard::Dashboard;
 use socam_dashboard::live::signal::Settings;
 
-/// How long a bench may take for each step.
+/// Timeout of each step.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A run that nobody clicks.
+/// An automatic run.
 pub(super) struct Rehearsal {
     length: Duration,
     asked: Option<State>,
     is_connecting: bool,
     since: Instant,
     runs_since: Option<Instant>,
-    /// Of the second half of the run, when the picture is full.
+    /// Frames and time of the second half of the run, when the picture is full.
     frames: u32,
 }
 
 impl Rehearsal {
-    /// A run of the default input signal for so long.
+    /// A run of the default input signal for a given time.
     pub(super) fn new(dashboard: &mut Dashboard, length: Duration) -> Self {
         let signal = Settings { duration_s: length.as_secs_f64(), ..Settings::default() };
         dashboard.live.signal.change(signal);
@@ -30,10 +30,10 @@ impl Rehearsal {
         Self { length, asked, is_connecting: false, since: Instant::now(), runs_since, frames: 0 }
     }
 
-    /// Before each picture: takes the next step. `true` once the run has ended.
+    /// Takes the next step; called before each frame. `true` once the run has ended.
     ///
     /// # Errors
-    /// When the bench does not do what it is told; one sentence.
+    /// When a step fails or times out; one sentence.
     pub(super) fn go_on(&mut self, dashboard: &mut Dashboard, ctx: &egui::Context) -> anyhow::Result<bool> {
         let live = &mut dashboard.live;
         if let Some((_, text, _)) = live.ended() {
@@ -65,7 +65,7 @@ impl Rehearsal {
         Ok(false)
     }
 
-    /// The same without a window, until something is true or the run has ended.
+    /// Draws frames without a window until a condition holds or the run has ended.
     pub(super) fn go_on_until(
         &mut self,
         dashboard: &mut Dashboard,
@@ -82,12 +82,12 @@ impl Rehearsal {
         Ok(())
     }
 
-    /// Whether the picture shows a good part of the run, which goes on.
+    /// Whether the picture shows a large part of the run, which still goes on.
     pub(super) fn is_in_sight(&self) -> bool {
         self.runs_since.is_some_and(|since| since.elapsed() > self.length.mul_f64(0.8))
     }
 
-    /// Pictures per second while the second half of the run was shown.
+    /// Frames per second during the second half of the run.
     pub(super) fn frames_per_s(&self) -> f64 {
         f64::from(self.frames) / (0.5 * self.length.as_secs_f64())
     }

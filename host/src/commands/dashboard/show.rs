@@ -33,13 +33,13 @@ impl Show {
         for sample in batch.samples() {
             let ticks = self.last_tick.map_or(1, |last| sample.tick.wrapping_sub(last));
             self.last_tick = Some(sample.tick);
-            // Ticks that were counted at another rate, or not at all, tell nothing.
+            // A zero or implausible tick difference (another rate, or a reset) counts as one tick.
             self.time_us += u64::from(if ticks == 0 || ticks > 1_000_000 { 1 } else { ticks })
                 * u64::from(self.period_us);
             shown.time_s.push(self.time_us as f64 * 1e-6);
             self.columns.read(&self.calibration, &sample, inputs, &mut shown.values);
         }
-        // A window that does not keep up misses these; nothing waits for it.
+        // A slow window misses these samples.
         let _ = self.samples.try_send(shown);
     }
 }

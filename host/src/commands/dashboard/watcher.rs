@@ -10,7 +10,7 @@ use socam_wire::{BoardStatus, SampleBatch};
 use super::show::Show;
 use crate::device::run::{self, End, Monitor, Report};
 
-/// What became of a run: in words, whether all is well, and why the link is gone if it is.
+/// Result of a run: a sentence, whether it succeeded, and the reason if the link is broken.
 pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
     let summary = &report.summary;
     let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
@@ -41,7 +41,7 @@ pub(super) fn health(
     }
 }
 
-/// Follows a run from the window.
+/// Monitors a run for the window.
 pub(super) struct Watcher<'a> {
     pub(super) presses: &'a Presses,
     pub(super) orders: &'a Receiver<Order>,

@@ -1,4 +1,4 @@
-//! The dashboard in a window of the desktop, and what is remembered of it.
+//! The dashboard in a window of the desktop, and its stored layout.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ struct Window {
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        // A window that opens does not know yet how large everything is to be.
+        // The zoom factor of a new window is not known yet.
         let size = ui.ctx().content_rect().size() * ui.ctx().zoom_factor();
         self.dashboard.layout.window = [size.x, size.y];
         if let Some(rehearsal) = &mut self.rehearsal {
@@ -36,12 +36,12 @@ impl eframe::App for Window {
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        // Where it cannot be written, the next start looks as the first.
+        // If the layout cannot be written, the next start uses the default.
         let _ = path().map(|path| remember(&path, &self.dashboard.layout));
     }
 }
 
-/// Shows it until it is closed.
+/// Shows the window until it is closed.
 pub(super) fn show(dashboard: Dashboard, rehearsal: Option<Rehearsal>) -> anyhow::Result<()> {
     let [width, height] = dashboard.layout.window;
     let viewport = egui::ViewportBuilder::default()
@@ -72,7 +72,7 @@ pub(super) fn remembered() -> Layout {
     path().map_or_else(Layout::default, |path| recall(&path))
 }
 
-/// What was remembered there; the default where there is nothing, or it is of another version.
+/// The stored layout; the default if there is none, or if it is of another version.
 fn recall(path: &Path) -> Layout {
     let text = std::fs::read_to_string(path).ok();
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()

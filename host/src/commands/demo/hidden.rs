@@ -1,4 +1,4 @@
-//! The second half of `demo`: the same bench once something rubs in it that the model does not know.
+//! The second half of `demo`: the same bench with a hidden friction.
 
 use std::path::Path;
 
@@ -11,12 +11,12 @@ use crate::commands::diagnose;
 use crate::interrupt::Interrupt;
 use crate::{output, watch};
 
-/// What is concealed: a pad that drags at the load with a torque that does not grow with speed.
+/// The hidden effect: Coulomb friction at the load.
 const HIDDEN: &str = "coulomb_friction@load_bearing:torque=0.25";
 const FITTED: [&str; 4] = ["multisine", "steps", "triangle", "reversals"];
 const HELD_OUT: &str = "prbs";
 const DURATION_S: f64 = 10.0;
-/// Other noise than in the first half.
+/// Seed offset: the noise differs from that of the first half.
 const SEEDS: u64 = 100;
 
 pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcome> {

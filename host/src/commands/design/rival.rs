@@ -7,7 +7,7 @@ use socam_model::Model;
 
 use crate::output::WrongArguments;
 
-/// A rival and what both are called.
+/// A rival model, and the names of both.
 pub(super) struct Rival {
     pub(super) model: Model,
     pub(super) names: [String; 2],
@@ -46,7 +46,7 @@ pub(super) fn of_diagnosis(base: &Model, path: &Path) -> anyhow::Result<(Model, 
     Ok((found, Rival { model: rival, names }))
 }
 
-/// A rival from where its fit may begin: the same torque or share, and usual sizes of what only it has.
+/// A rival with start values: those of parameters that both effects have, else typical ones.
 fn rival(base: &Model, effect: &str, place: &str, known: &[(&str, f64)]) -> anyhow::Result<Model> {
     let catalogue =
         socam_model::effects::find(effect).with_context(|| format!("there is no effect {effect}"))?;

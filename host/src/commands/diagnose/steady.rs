@@ -11,7 +11,7 @@ use super::{Args, text};
 use crate::commands::Outcome;
 use crate::output::{self, WrongArguments};
 
-/// Whether tables of steady states are named; all of what is named or nothing.
+/// Whether the files are tables of steady states; a mixture is an error.
 pub(super) fn are_named(args: &Args) -> anyhow::Result<bool> {
     let all: Vec<&String> = args.runs.iter().chain(&args.holdout).collect();
     let is_table = |run: &&&String| matches!(detect(Path::new(run)), Ok(Format::SteadyStates));

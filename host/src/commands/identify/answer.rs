@@ -1,4 +1,4 @@
-//! The frequency response of one output, beside the model's.
+//! The frequency response of one output, with that of the model.
 
 use socam_frequency::{Complex, response::Response};
 
@@ -8,7 +8,7 @@ use super::{beside::Beside, signals::Pair};
 pub(super) struct Answer<'m> {
     pub(super) pair: Pair<'m>,
     pub(super) response: Response,
-    /// The model's own response at each line.
+    /// The model's response at each line.
     pub(super) model: Vec<Complex<f64>>,
 }
 

@@ -9,10 +9,9 @@ use crate::{band, model_file};
 
 /// Identify stiffness, damping and friction from recordings
 ///
-/// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. A
-/// parameter that the recordings do not determine gets no number: the note says why, and combinations that are
-/// determined are given instead. Ctrl-C ends the search at the best point so far, which is then reported; a second one ends at
-/// once.
+/// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. For a parameter that the
+/// recordings do not determine, a note says why, and combinations that are determined are printed. Ctrl-C ends the search and reports the
+/// best point so far; a second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host identify RUN1.mcap RUN2.mcap
@@ -28,36 +27,36 @@ pub(crate) struct Args {
     pub(super) runs: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
     pub(super) model: String,
-    /// How to estimate
+    /// Estimation method
     #[arg(long, value_enum, default_value = "output-error")]
     pub(super) method: Method,
-    /// Hold a parameter, at its value in the model or at the given one (SI); may be repeated
+    /// Fix a parameter at its value in the model or at the given value (SI); may be repeated
     #[arg(long, value_name = "NAME[=VALUE]")]
     pub(super) fix: Vec<String>,
-    /// Start a parameter's search from this value (SI); may be repeated
+    /// Start value of a parameter (SI); may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(super) set: Vec<String>,
-    /// Recordings to predict with the result, not used in the fit; may be repeated
+    /// Validation recordings, predicted with the result and not used in the fit; may be repeated
     #[arg(long, value_name = "RUN")]
     pub(super) validate: Vec<String>,
-    /// Say also how well they are predicted within this band of frequencies, in Hz; for the methods over frequency: look only there
+    /// Frequency band, Hz: report the fit of validation recordings within it; for frequency-domain methods, use only this band
     #[arg(long, value_name = "LOW..HIGH", value_parser = band::parse)]
     pub(super) band: Option<Band>,
-    /// Where each recording starts from
+    /// Start state of each recording
     #[arg(long, value_enum, default_value = "free")]
     pub(super) start: Start,
     #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
     pub(super) between: Vec<String>,
-    /// Known standard deviation of a channel's noise (SI); repeated for every output channel, and for inputs that are noisy
+    /// Known standard deviation of a channel's noise (SI); repeat it for every output channel and for noisy inputs
     #[arg(long, value_name = "CHANNEL=STD")]
     pub(super) noise: Vec<String>,
-    /// Number of different start values that compete
+    /// Number of start points of the search
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(super) starts: u16,
-    /// Seed of those start values
+    /// Seed of the random start points
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
-    /// Calibration with the sensors' uncertainty, which then widens the intervals; what travels with the recordings when not given
+    /// Calibration file with the sensors' uncertainty, which widens the intervals [default: that in the recordings]
     #[arg(long, value_name = "FILE")]
     pub(super) calibration: Option<PathBuf>,
     /// Write the model with the identified values to this file
@@ -66,7 +65,7 @@ pub(crate) struct Args {
     /// Print one JSON document instead of tables
     #[arg(long)]
     pub(super) json: bool,
-    /// Say on stderr how far the fit is, also where that is no terminal
+    /// Report progress on stderr even if it is not a terminal
     #[arg(long)]
     pub(super) progress: bool,
     #[command(flatten)]
@@ -75,21 +74,21 @@ pub(crate) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Method {
-    /// The model runs free from the measured input; residuals of its outputs are made least
+    /// Least squares of the residuals of the outputs, simulated from the measured input
     OutputError,
-    /// The measured force of a one-coordinate axis is regressed on its measured motion
+    /// Linear regression of the measured force of a one-coordinate axis on its measured motion
     InverseDynamics,
-    /// The frequency response, with coherence, confidence, and how much is not linear; no parameters
+    /// The frequency response with coherence, confidence and distortion; no parameters
     Frf,
     /// A transfer function fitted to recordings, or to a response that frf wrote
     Etf,
-    /// The thesis' method: a transfer function's coefficients matched by the bench's parameters; beside it a direct fit
+    /// The thesis' method: the bench's parameters matched to the coefficients of a transfer function; also a direct fit
     CoefficientMatch,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub(crate) enum Start {
-    /// An unknown state, estimated
+    /// An unknown state, which is estimated
     Free,
     /// Equilibrium at the first input sample
     Equilibrium,

@@ -1,27 +1,27 @@
-//! How far an estimate over frequency is from the model's own response.
+//! Difference between an estimate over frequency and the model's response.
 
 use serde_json::{Value, json};
 use socam_frequency::Complex;
 
-/// Lines of more coherence than this make a good estimate.
+/// Coherence above which a line is compared.
 const GOOD: f64 = 0.9;
 
-/// Of all lines.
+/// Number of all lines.
 #[derive(Default)]
 pub(super) struct Beside {
     lines: usize,
-    /// Lines of good coherence.
+    /// Number of lines of good coherence.
     good: usize,
-    /// Greatest difference among these, dB.
+    /// Greatest difference of the magnitude among these, dB.
     worst_db: f64,
-    /// The same of the phase, degrees.
+    /// Greatest difference of the phase among these, degrees.
     worst_deg: f64,
-    /// Lines whose intervals of magnitude and phase hold the model's.
+    /// Number of lines whose intervals of magnitude and phase contain the model's values.
     held: [usize; 2],
 }
 
 impl Beside {
-    /// One more line: the estimate over the model's response there, and whether the intervals of magnitude and phase hold the model's.
+    /// Adds a line: the ratio of the estimate to the model's response, and whether the intervals of magnitude and phase contain the model's.
     pub(super) fn add(&mut self, ratio: Complex<f64>, coherence: f64, holds: [bool; 2]) {
         self.lines += 1;
         self.held.iter_mut().zip(holds).for_each(|(count, holds)| *count += usize::from(holds));

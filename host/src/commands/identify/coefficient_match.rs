@@ -1,4 +1,4 @@
-//! `identify --method coefficient-match`: the thesis' method, and beside it what a direct fit makes of the same data.
+//! `identify --method coefficient-match`: the thesis' method and a direct fit to the same data.
 
 mod source;
 
@@ -21,17 +21,17 @@ use crate::{commands::Outcome, output, table};
 use source::{ORDERS, data, thesis_bench};
 
 const SCHEMA: &str = "socam.coefficient-match/1";
-/// A coefficient that the model misses by more than this share does not hold.
+/// Greatest relative error of a matched coefficient.
 const HOLDS: f64 = 0.01;
-/// An interval's half-width of at most half the value determines a parameter: this relative standard deviation.
+/// Greatest relative standard deviation of a determined parameter: the half-width of its interval is half the value.
 const DETERMINED: f64 = 0.5 / 1.96;
 
-/// Where a search runs off towards nought, how far it got means nothing.
+/// Values below this are shown as 0, and values above its inverse as infinite: the search diverged.
 const NEXT_TO_NOTHING: f64 = 1e-9;
-/// Relative standard deviations beyond this are only said to be.
+/// Greatest relative standard deviation that is shown as a number.
 const SHOWN_STD: f64 = 10.0;
 
-/// Both weightings and the direct fit.
+/// Results of both weightings and of the direct fit.
 struct Answer {
     source: String,
     bench: Bench,
@@ -84,7 +84,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
 }
 
 impl Answer {
-    /// What no choice of the parameters meets, one sentence each.
+    /// Coefficients that no choice of parameters matches, one sentence each.
     fn cannot_hold(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         let negative = |coefficients: &[f64], part: &str| -> Vec<String> {
@@ -98,7 +98,7 @@ impl Answer {
         sentences.extend(negative(&self.transfer.numerator, "numerator"));
         sentences.extend(negative(&self.transfer.denominator, "denominator"));
         if let Some((_, _, ratios)) = self.matched.first() {
-            // A ratio that is not positive is of a coefficient whose sign is said above.
+            // Coefficients of the wrong sign are reported above.
             let misses = self
                 .names
                 .iter()
@@ -263,7 +263,7 @@ impl Answer {
     }
 }
 
-/// A line of the terminal as a sentence of a page.
+/// Turns a line of the terminal into a sentence of a page.
 fn sentence(line: &str) -> String {
     let mut letters = line.chars();
     letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))

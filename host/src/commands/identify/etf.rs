@@ -26,21 +26,21 @@ use crate::{
     table,
 };
 
-/// Highest order that is tried for advice: that of the thesis.
+/// Highest order that is tried if none is given: that of the thesis.
 const HIGHEST: usize = 6;
 /// Orders that are shown of those tried.
 const SHOWN: usize = 6;
 
-/// A mode so many times as fast as the fastest line is none that the lines show.
+/// Ratio of a mode's frequency to the highest line above which the lines do not determine the mode.
 const FAR: f64 = 10.0;
 /// 95 % of a normal distribution, in standard deviations.
 const NORMAL: f64 = 1.96;
 
-/// What a transfer function is fitted to.
+/// The data of a fit.
 pub(super) struct Measured {
     pub(super) name: String,
     pub(super) points: Vec<Point>,
-    /// Of each point; 1 where a file does not say.
+    /// Coherence of each point; 1 if a file has none.
     coherence: Vec<f64>,
     /// The model's own response at each point.
     model: Vec<Complex<f64>>,
@@ -63,7 +63,7 @@ impl Measured {
         self.points.iter().map(|point| point.frequency_hz).fold(0.0, f64::max)
     }
 
-    /// `tried`: the fit, and others that were advised less.
+    /// `tried`: the fit and the other fits, by rank.
     fn beside_model(&self, fit: &Fit, tried: &[Fit]) -> Beside {
         let mut beside = Beside::default();
         for ((point, coherence), exact) in self.points.iter().zip(&self.coherence).zip(&self.model) {
@@ -84,7 +84,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         None => rational::advise(&measured.points, HIGHEST, stable),
     };
     if fits.is_empty() {
-        // The lowest order says why none fits.
+        // The error of the lowest order says why none fits.
         let orders = args.frequency.orders.unwrap_or(Orders { numerator: 0, denominator: 1 });
         fits.push(rational::fit(&measured.points, orders, stable)?);
     }
@@ -131,7 +131,7 @@ fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f6
     equations.transfer(index, input, Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
 }
 
-/// What is to be said of a mode that lines up to `highest_hz` gave.
+/// A note on a mode from lines up to `highest_hz`.
 fn note(mode: &rational::ModeEstimate, highest_hz: f64) -> &'static str {
     match mode.mode {
         m if m.natural_frequency_hz > FAR * highest_hz => "far beyond the lines: not determined",
@@ -214,7 +214,7 @@ fn tables(fit: &Fit, highest_hz: f64) -> Vec<Vec<Vec<String>>> {
     let head = ["power of s", "numerator", "std", "denominator", "std"].map(str::to_owned).to_vec();
     let Orders { numerator, denominator } = fit.orders;
     let cell = |values: &[f64], power: usize, most: usize| {
-        // The denominator's first coefficient is 1 by definition, and has no deviation.
+        // The leading coefficient of the denominator is 1 and has no standard deviation.
         let shown = values.get(power).filter(|value| power <= most && **value != 0.0);
         shown.map_or_else(String::new, |value| if *value == 1.0 { "1".into() } else { table::number(*value) })
     };

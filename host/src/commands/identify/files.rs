@@ -6,14 +6,14 @@ use anyhow::Context;
 use serde_json::Value;
 use socam_frequency::{Complex, rational::TransferFunction, response::Line};
 
-/// Version of the document, which is also the form in which coefficient-match takes a transfer function.
+/// Schema of a transfer function, written by etf and read by coefficient-match.
 pub(super) const SCHEMA: &str = "socam.transfer-function/1";
 
-/// A deviation of none would weigh without bound; its square is still a number.
+/// Least standard deviation, so that weights are finite.
 const SMALLEST_STD: f64 = 1e-150;
 
-/// Lines of a CSV with a column `frequency_hz`, rising; `None` where the file is none. Where it has no columns `freedom` and `width_hz`,
-/// deviations are taken as known and lines as independent.
+/// Reads lines of a CSV with a column `frequency_hz`, ascending; `None` if the file is not one. Without columns `freedom` and `width_hz`,
+/// standard deviations count as known and lines as independent.
 pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Line>>> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
     let mut lines = text.lines();
@@ -50,7 +50,7 @@ pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<
             })
         };
         let response = Complex::new(number(re)?, number(im)?);
-        // Without deviations all lines count alike, for their size.
+        // Without standard deviations all lines have the same relative one.
         let std = std.map_or(Ok(0.01 * response.norm()), number)?;
         found.push(Line {
             frequency_hz: number(frequency)?,
@@ -66,7 +66,7 @@ pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<
     Ok(Some(found))
 }
 
-/// Reads a transfer function that `--method etf` wrote, or one by hand; `None` where the file is none.
+/// Reads a transfer function in JSON; `None` if the file is not JSON.
 pub(super) fn transfer_file(path: &Path) -> anyhow::Result<Option<TransferFunction>> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
     if !text.trim_start().starts_with('{') {

@@ -1,4 +1,4 @@
-//! `identify --method frf`: the frequency response, with coherence, confidence, and what is not linear.
+//! `identify --method frf`: the frequency response with coherence, confidence and distortion.
 
 use std::fmt::Write as _;
 
@@ -20,9 +20,9 @@ use super::{
 use crate::{commands::Outcome, output, table};
 
 const SCHEMA: &str = "socam.frequency-response/1";
-/// Lines of the table.
+/// Number of lines in the table.
 const SHOWN: usize = 16;
-/// Where nothing is asked for: up to 100 Hz, or a third of the sampling rate.
+/// Default band, Hz; it ends at a third of the sampling rate if that is lower.
 const BAND_HZ: [f64; 2] = [0.1, 100.0];
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Responses of the outputs that are wanted.
+/// Responses of the chosen outputs.
 pub(super) fn estimate<'m>(
     args: &Args,
     model: &'m Model,
@@ -53,14 +53,14 @@ pub(super) fn estimate<'m>(
     pairs
         .into_iter()
         .map(|pair| {
-            let stretches = signals::stretches(datasets, &pair, args.frequency.reference.as_deref())?;
-            signals::say_bias(&stretches, &pair);
-            let stretches = args.frequency.prepared(stretches)?;
-            let rate_hz = stretches.iter().map(|s| 1.0 / s.sample_time_s).fold(f64::INFINITY, f64::min);
+            let segments = signals::segments(datasets, &pair, args.frequency.reference.as_deref())?;
+            signals::say_bias(&segments, &pair);
+            let segments = args.frequency.prepared(segments)?;
+            let rate_hz = segments.iter().map(|s| 1.0 / s.sample_time_s).fold(f64::INFINITY, f64::min);
             let band_hz =
                 args.band.map_or([BAND_HZ[0], BAND_HZ[1].min(rate_hz / 3.0)], |b| [b.low_hz(), b.high_hz()]);
             let options = Options { band_hz, period_s: args.frequency.period };
-            let signals: Vec<_> = stretches.iter().map(signals::Stretch::signals).collect();
+            let signals: Vec<_> = segments.iter().map(signals::Segment::signals).collect();
             let response = response::estimate(&signals, &options)?;
             let model = response.lines.iter().map(|line| of_model(&equations, &pair, line)).collect();
             Ok(Answer { pair, response, model })
@@ -123,7 +123,7 @@ fn parity_json(parity: Parity) -> Value {
     })
 }
 
-/// What the undriven lines mean, one sentence each.
+/// Interpretation of the lines that are not excited, one sentence per parity.
 pub(super) fn distortion_sentences(distortion: &Distortion) -> Vec<String> {
     let sentence = |name: &str, means: &str, parity: Option<Parity>| {
         let parity = parity?;

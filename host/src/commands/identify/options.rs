@@ -1,44 +1,44 @@
-//! Options of the methods over frequency.
+//! Options of the frequency-domain methods.
 
 use std::path::PathBuf;
 
-use super::signals::Stretch;
+use super::signals::Segment;
 use crate::output;
 
 /// Options of the methods frf, etf and coefficient-match.
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Options of frf, etf and coefficient-match")]
 pub(crate) struct FrequencyArgs {
-    /// Output channel to take the response of; may be repeated [default: all, or the output speed for a transfer function]
+    /// Output channel of the response; may be repeated [default: all, or the output speed for a transfer function]
     #[arg(long, value_name = "CHANNEL")]
     pub(super) output: Vec<String>,
-    /// Column that made the input and is known without noise [default: command_V, where recordings have it]
+    /// Column of the reference signal, which is free of noise [default: command_V, if the recordings have it]
     #[arg(long, value_name = "COLUMN")]
     pub(super) reference: Option<String>,
-    /// Period of a periodic excitation, in s; otherwise it is found
+    /// Period of the excitation, s [default: estimated]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(super) period: Option<f64>,
-    /// Replace samples this many standard deviations away from their neighbours' median by that median
+    /// Replace samples by the median of their neighbours if they differ by more than this number of standard deviations
     #[arg(long, value_name = "DEVIATIONS", value_parser = positive)]
     pub(super) outliers: Option<f64>,
-    /// Butterworth low-pass on all signals, of order 4 unless another is given
+    /// Low-pass filter (Butterworth) on all signals: corner in Hz, and order [default order: 4]
     #[arg(long, value_name = "HZ[:ORDER]", value_parser = low_pass)]
     pub(super) low_pass: Option<(f64, usize)>,
-    /// Of recordings with the same mean input (within 5 %), take only the one with least noise
+    /// Of recordings with the same mean input (within 5 %), use only the one with least noise
     #[arg(long)]
     pub(super) quietest: bool,
-    /// Orders of the transfer function, NUMERATOR/DENOMINATOR [default: the advised ones; those of the model for coefficient-match]
+    /// Orders of the transfer function, NUMERATOR/DENOMINATOR [default: least description length; for coefficient-match those of the model]
     #[arg(long, value_name = "B/A", value_parser = orders)]
     pub(super) orders: Option<socam_frequency::rational::Orders>,
-    /// Take only transfer functions with stable poles
+    /// Fit only transfer functions with stable poles
     #[arg(long)]
     pub(super) stable: bool,
-    /// Write a page with its pictures and numbers into this folder
+    /// Write a page, its plots and its numbers into this folder
     #[arg(long, value_name = "DIR")]
     pub(super) report: Option<PathBuf>,
 }
 
-/// Mean inputs this close belong to repeated runs.
+/// Relative difference of mean inputs up to which runs count as repeated.
 const SAME: f64 = 0.05;
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -60,42 +60,42 @@ fn orders(text: &str) -> Result<socam_frequency::rational::Orders, String> {
 }
 
 impl FrequencyArgs {
-    /// Stretches chosen and cleaned as asked, and said.
-    pub(super) fn prepared(&self, stretches: Vec<Stretch>) -> anyhow::Result<Vec<Stretch>> {
-        let mut stretches = if self.quietest { quietest(stretches) } else { stretches };
-        for stretch in &mut stretches {
+    /// Selects and preprocesses segments as the options say, and reports it.
+    pub(super) fn prepared(&self, segments: Vec<Segment>) -> anyhow::Result<Vec<Segment>> {
+        let mut segments = if self.quietest { quietest(segments) } else { segments };
+        for segment in &mut segments {
             if let Some(limit) = self.outliers {
-                let replaced = stretch.without_outliers(limit);
+                let replaced = segment.without_outliers(limit);
                 if replaced > 0 {
-                    output::say(format_args!("{}: {replaced} outliers replaced", stretch.recording));
+                    output::say(format_args!("{}: {replaced} outliers replaced", segment.recording));
                 }
             }
             if let Some((corner_hz, order)) = self.low_pass {
-                stretch.filter(order, corner_hz)?;
+                segment.filter(order, corner_hz)?;
             }
         }
-        Ok(stretches)
+        Ok(segments)
     }
 }
 
-/// Of repeated runs the one whose output is least noisy (thesis section 4.1.1).
-fn quietest(stretches: Vec<Stretch>) -> Vec<Stretch> {
-    let mean = |stretch: &Stretch| stretch.input.iter().sum::<f64>() / stretch.input.len().max(1) as f64;
-    let noise = |stretch: &Stretch| socam_frequency::prepare::noise_std(&stretch.output);
-    let mut kept: Vec<(f64, f64, Stretch)> = Vec::new();
-    for stretch in stretches {
-        let (mean, noise) = (mean(&stretch), noise(&stretch));
+/// Of repeated runs, the one with the least noise of the output (thesis section 4.1.1).
+fn quietest(segments: Vec<Segment>) -> Vec<Segment> {
+    let mean = |segment: &Segment| segment.input.iter().sum::<f64>() / segment.input.len().max(1) as f64;
+    let noise = |segment: &Segment| socam_frequency::prepare::noise_std(&segment.output);
+    let mut kept: Vec<(f64, f64, Segment)> = Vec::new();
+    for segment in segments {
+        let (mean, noise) = (mean(&segment), noise(&segment));
         match kept.iter_mut().find(|(known, ..)| (known - mean).abs() <= SAME * known.abs()) {
             Some(best) if best.1 <= noise => {}
-            Some(best) => *best = (best.0, noise, stretch),
-            None => kept.push((mean, noise, stretch)),
+            Some(best) => *best = (best.0, noise, segment),
+            None => kept.push((mean, noise, segment)),
         }
     }
-    for (mean, noise, stretch) in &kept {
+    for (mean, noise, segment) in &kept {
         output::say(format_args!(
             "{}: taken for a mean input of {mean:.4}, output noise {noise:.3e}",
-            stretch.recording
+            segment.recording
         ));
     }
-    kept.into_iter().map(|(_, _, stretch)| stretch).collect()
+    kept.into_iter().map(|(_, _, segment)| segment).collect()
 }

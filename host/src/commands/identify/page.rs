@@ -51,16 +51,16 @@ pub(super) struct Picture {
     pub(super) plot: Drawn,
 }
 
-/// A part of a page.
+/// A section of a page.
 pub(super) struct Section {
     pub(super) title: String,
     pub(super) sentences: Vec<String>,
     pub(super) pictures: Vec<Picture>,
-    /// Rows of text, the first a head.
+    /// Tables of text; the first row is the header.
     pub(super) tables: Vec<Vec<Vec<String>>>,
 }
 
-/// A page that needs nothing else.
+/// A self-contained page.
 pub(super) fn page(title: &str, about: &str, sections: &[Section]) -> String {
     use maud::{Render, html};
     let body = html! {
@@ -88,7 +88,7 @@ pub(super) fn page(title: &str, about: &str, sections: &[Section]) -> String {
     socam_plot::document(title, "", &body).into_string()
 }
 
-/// Writes files into a folder, each whole or not at all.
+/// Writes files into a folder, each atomically.
 pub(super) fn write_all(dir: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder `{}`", dir.display()))?;
     for (name, text) in files {

@@ -1,4 +1,4 @@
-//! Bode plots, poles and zeros, and the pages that hold them.
+//! Bode plots, and plots of poles and zeros.
 
 use socam_frequency::{
     Complex,
@@ -14,7 +14,7 @@ fn frequency() -> Axis {
     Axis::logarithmic("Frequency", "Hz")
 }
 
-/// Phases in degrees that do not jump.
+/// Unwrapped phases, degrees.
 fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
     let mut turns = 0.0;
     let mut last: Option<f64> = None;
@@ -31,7 +31,7 @@ fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
         .collect()
 }
 
-/// Magnitude, phase, coherence and the output's lines.
+/// Plots of magnitude, phase, coherence and the output's lines.
 pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
     let lines = &answer.response.lines;
     let (output, input) = (&answer.pair.output.name, &answer.pair.input.name);
@@ -50,7 +50,7 @@ pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
     let band = magnitude_band(lines);
     let phase_spread: Vec<f64> = lines.iter().map(Line::phase_half_width_deg).collect();
     let estimated = unwrapped(&values);
-    // The model's phase on the turn of the estimate's.
+    // The model's phase, shifted by whole turns to the estimate's.
     let shift = |(model, own): (f64, &f64)| model - 360.0 * ((model - own) / 360.0).round();
     let modelled: Vec<f64> = unwrapped(&answer.model).into_iter().zip(&estimated).map(shift).collect();
     let magnitude = Drawn {
@@ -88,7 +88,7 @@ pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
     pictures
 }
 
-/// Middle and half-width of the magnitude's interval in dB.
+/// Midpoint and half-width of the magnitude's interval, dB.
 fn magnitude_band(lines: &[Line]) -> (Vec<f64>, Vec<f64>) {
     lines
         .iter()
@@ -126,15 +126,15 @@ fn distortion(answer: &Answer<'_>) -> Option<Picture> {
     Some(Picture { name: "lines", plot })
 }
 
-/// Roots beyond so many times the fastest line are not drawn: they would press the others together.
+/// Ratio of a root to the highest line above which the root is not drawn, since it would compress the scale.
 const FAR: f64 = 3.0;
 
-/// Magnitude and phase of a transfer function beside what it was fitted to, and its poles and zeros.
-/// `fits`: the first is drawn; the others, which were advised less, only widen its interval.
+/// Plots of magnitude and phase of a transfer function with its data, and of its poles and zeros.
+/// `fits`: the first is drawn; the others only widen its interval.
 pub(super) fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Picture> {
     let Some(Fit { transfer, .. }) = fits.first() else { return Vec::new() };
     let mut bode = bode(&format!(" of {name}"), points, &[("fit", "before", transfer)], true);
-    // Behind data and fit, what is known of the fit: a relative error as dB, and rad as degrees.
+    // The interval of the fit, behind data and fit: relative magnitude in dB, phase in degrees.
     let units = [20.0 * std::f64::consts::LOG10_E, 1f64.to_degrees()];
     for (index, (picture, unit)) in bode.iter_mut().zip(units).enumerate() {
         let curves = &mut picture.plot.curves;
@@ -166,7 +166,7 @@ pub(super) fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Pictur
     vec![magnitude, phase, Picture { name: "poles-zeros", plot: map }]
 }
 
-/// Magnitude and phase of transfer functions beside what they were all meant to be.
+/// Magnitude and phase of transfer functions with the data that they match.
 pub(super) fn matched(fits: &[(String, TransferFunction)], points: &[Point]) -> Vec<Picture> {
     let classes = ["before", "third", "noise"];
     let fits: Vec<_> = fits
@@ -177,7 +177,7 @@ pub(super) fn matched(fits: &[(String, TransferFunction)], points: &[Point]) -> 
     bode("", points, &fits, false).into()
 }
 
-/// `near`: the first fit is near enough to the data to say which turn each phase belongs to, however noisy it is.
+/// `near`: the first fit is close to the data, so that their phases are unwrapped along it.
 fn bode(
     of: &str,
     points: &[Point],
@@ -211,7 +211,7 @@ fn bode(
     for (label, class, transfer) in fits {
         let fitted: Vec<Complex<f64>> = grid.iter().map(|hz| transfer.response(*hz)).collect();
         let mut phase = unwrapped(&fitted);
-        // On the turn of the data where they begin.
+        // Shifted by whole turns to the first data point.
         let off = phases
             .first()
             .zip(phase.first())

@@ -1,4 +1,4 @@
-//! Recordings as signals over frequency: stretches of one input and one output in SI, and what made the input.
+//! Signals for frequency-domain methods: segments of one input and one output in SI, with the reference.
 
 use socam_frequency::{
     FrequencyError,
@@ -10,7 +10,7 @@ use socam_recording::Dataset;
 
 use crate::output::{self, WrongArguments};
 
-/// What the virtual bench and the board record of what they were told.
+/// The recorded command, the default reference.
 const COMMAND: &str = "command_V";
 
 /// The channels of a response, as indices among the model's inputs and outputs.
@@ -21,7 +21,7 @@ pub(super) struct Pair<'m> {
     pub(super) output: &'m Channel,
 }
 
-/// The model's input and the outputs asked for (all, where none is).
+/// The model's input with each requested output (all outputs if none is requested).
 pub(super) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> anyhow::Result<Vec<Pair<'m>>> {
     let moving: Vec<(usize, &Channel)> =
         model.inputs().enumerate().filter(|(_, channel)| !channel.quantity.is_clock()).collect();
@@ -48,9 +48,9 @@ pub(super) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> anyhow::Result<V
         .collect())
 }
 
-/// One stretch without gaps.
+/// One segment without gaps.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch {
+pub(super) struct Segment {
     pub(super) recording: String,
     pub(super) input: Vec<f64>,
     pub(super) output: Vec<f64>,
@@ -58,7 +58,7 @@ pub(super) struct Stretch {
     pub(super) sample_time_s: f64,
 }
 
-impl Stretch {
+impl Segment {
     pub(super) fn signals(&self) -> Signals<'_> {
         Signals {
             input: &self.input,
@@ -72,12 +72,12 @@ impl Stretch {
         self.reference.is_some()
     }
 
-    /// Takes outliers out of both signals, and tells how many.
+    /// Replaces outliers in both signals, and returns their number.
     pub(super) fn without_outliers(&mut self, limit: f64) -> usize {
         prepare::replace_outliers(&mut self.input, limit) + prepare::replace_outliers(&mut self.output, limit)
     }
 
-    /// Filters all signals alike, so that what is between them stays.
+    /// Filters all signals in the same way, which does not change the response between them.
     pub(super) fn filter(&mut self, order: usize, corner_hz: f64) -> Result<(), FrequencyError> {
         let filter = Butterworth::new(order, corner_hz, 1.0 / self.sample_time_s)?;
         let signals = [Some(&mut self.input), Some(&mut self.output), self.reference.as_mut()];
@@ -88,27 +88,27 @@ impl Stretch {
     }
 }
 
-/// Reads a pair's stretches out of all recordings. `reference` names the column that made the input; without a name it is the
-/// command, where every recording has one.
-pub(super) fn stretches(
+/// Reads the segments of a pair from all recordings. `reference` is the column of the reference signal; without a name it is the command,
+/// if every recording has one.
+pub(super) fn segments(
     datasets: &[Dataset],
     pair: &Pair<'_>,
     reference: Option<&str>,
-) -> anyhow::Result<Vec<Stretch>> {
+) -> anyhow::Result<Vec<Segment>> {
     let known = |dataset: &Dataset| dataset.channel_index(COMMAND).is_ok();
     let reference = reference.or_else(|| datasets.iter().all(known).then_some(COMMAND));
-    let mut stretches = Vec::new();
+    let mut segments = Vec::new();
     for dataset in datasets {
-        read(dataset, pair, reference, &mut stretches)?;
+        read(dataset, pair, reference, &mut segments)?;
     }
-    Ok(stretches)
+    Ok(segments)
 }
 
 fn read(
     dataset: &Dataset,
     pair: &Pair<'_>,
     reference: Option<&str>,
-    stretches: &mut Vec<Stretch>,
+    segments: &mut Vec<Segment>,
 ) -> anyhow::Result<()> {
     for channel in [pair.input, pair.output] {
         if channel.transform != ChannelTransform::Value && channel.transform != ChannelTransform::Rate {
@@ -137,7 +137,7 @@ fn read(
         let (input, output) = (si(pair.input, &values[0]), si(pair.output, &values[1]));
         let command = values.get(2);
         for rows in complete(&values) {
-            stretches.push(Stretch {
+            segments.push(Segment {
                 recording: dataset.name().to_owned(),
                 input: input[rows.clone()].to_vec(),
                 output: output[rows.clone()].to_vec(),
@@ -149,7 +149,7 @@ fn read(
     Ok(())
 }
 
-/// Runs of rows in which no value is missing.
+/// Ranges of rows without missing values.
 fn complete(columns: &[Vec<f64>]) -> Vec<std::ops::Range<usize>> {
     let rows = columns.first().map_or(0, Vec::len);
     let whole = |row: usize| columns.iter().all(|column| !column[row].is_nan());
@@ -163,10 +163,10 @@ fn complete(columns: &[Vec<f64>]) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// Whether the model's channel of this name is an input of it.
-pub(super) fn say_bias(stretches: &[Stretch], pair: &Pair<'_>) {
+/// Whether the channel of this name is an input of the model.
+pub(super) fn say_bias(segments: &[Segment], pair: &Pair<'_>) {
     debug_assert!(pair.input.role == Role::Input);
-    if stretches.iter().all(Stretch::has_reference) {
+    if segments.iter().all(Segment::has_reference) {
         return;
     }
     output::warn(format_args!(

@@ -7,7 +7,7 @@ use socam_recording::{Dataset, RecordingError};
 use super::args::{Args, Method};
 use crate::band::BandFits;
 
-/// How well recordings that were not fitted are predicted.
+/// Fit of a recording that was not fitted.
 pub(super) struct Validation {
     pub(super) recording: String,
     pub(super) fit: Fit,

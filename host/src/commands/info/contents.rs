@@ -5,7 +5,7 @@ use socam_recording::{
     Cut, Dataset, Format, LogContents, Segment, Statistics, Steady, Unit, Warning, detect,
 };
 
-/// What one recording holds. The names are part of the JSON document.
+/// The contents of one recording. The names are part of the JSON document.
 #[derive(Serialize)]
 pub(super) struct Info {
     pub(super) recording: String,
@@ -37,7 +37,7 @@ pub(super) struct ChannelInfo {
 pub(super) struct Gap {
     pub(super) from_s: f64,
     pub(super) to_s: f64,
-    /// Rows that would have fitted between.
+    /// Number of missing rows.
     pub(super) rows: u64,
 }
 
@@ -50,7 +50,7 @@ pub(super) fn info(run: &str) -> anyhow::Result<Info> {
     Ok(Info::of(&Dataset::open(run)?))
 }
 
-/// What has a place of its own in the report.
+/// Whether the report shows the content of a warning elsewhere.
 fn is_said_elsewhere(warning: &Warning) -> bool {
     matches!(warning, Warning::CutOff { .. } | Warning::LostSamples { .. })
 }

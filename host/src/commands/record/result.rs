@@ -1,4 +1,4 @@
-//! What was recorded, in words, as JSON and as exit code.
+//! The result of a run in words, as JSON and as exit code.
 
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ struct Document<'a> {
     reason: Option<&'a str>,
 }
 
-/// Says what was recorded.
+/// Prints the result of a run.
 pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: bool) -> anyhow::Result<()> {
     let summary = &report.summary;
     let (end, reason) = match &report.end {
@@ -57,7 +57,7 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
     ))
 }
 
-/// What a run's end means for the exit code.
+/// The outcome of a run, which determines the exit code.
 pub(crate) fn outcome(path: &std::path::Path, report: &Report) -> anyhow::Result<Outcome> {
     match &report.end {
         End::Fault(reason) => {

@@ -19,7 +19,7 @@ pub(super) struct Grid {
 /// Where an element is drawn.
 pub(super) struct Place {
     pub(super) all: Rect,
-    /// Where the shaft runs through it.
+    /// Centre of the symbol, on the shaft.
     pub(super) middle: Pos2,
     pub(super) text_top: f32,
 }
@@ -91,7 +91,7 @@ impl Grid {
     }
 }
 
-/// The name, and the effects that the model has there, in lines that fit a cell.
+/// The name of the element and its effects, in lines that fit a cell.
 pub(super) fn lines(element: &Element, cell: f32) -> Vec<String> {
     let fits = ((cell - 8.0) / 6.3) as usize;
     let mut lines = wrap(&element.name, fits);
@@ -101,7 +101,7 @@ pub(super) fn lines(element: &Element, cell: f32) -> Vec<String> {
     lines
 }
 
-/// Breaks a name behind underscores and the like, and within a word only where that alone is too long.
+/// Breaks a name after separators; within a word only if the word alone is too long.
 fn wrap(name: &str, fits: usize) -> Vec<String> {
     let fits = fits.max(4);
     let mut lines = vec![String::new()];

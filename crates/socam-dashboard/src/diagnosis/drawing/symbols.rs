@@ -3,7 +3,7 @@
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use socam_model::layout::ElementKind;
 
-/// How far a symbol reaches to either side of its middle.
+/// Half the width of a symbol, points.
 pub(super) fn half_width(kind: ElementKind) -> f32 {
     match kind {
         ElementKind::Motor | ElementKind::Servo => 20.0,
@@ -16,7 +16,7 @@ pub(super) fn half_width(kind: ElementKind) -> f32 {
     }
 }
 
-/// How far it reaches down.
+/// Height of a symbol below its centre, points.
 pub(super) fn reach(kind: ElementKind) -> f32 {
     match kind {
         ElementKind::Motor | ElementKind::Servo => 17.0,
@@ -27,7 +27,7 @@ pub(super) fn reach(kind: ElementKind) -> f32 {
     }
 }
 
-/// Draws a symbol around its middle; those that stand on the ground hang below it.
+/// Draws a symbol around its centre; symbols of grounded elements hang below it.
 pub(super) fn draw(painter: &Painter, kind: ElementKind, at: Pos2, ink: Stroke, ground: Color32) {
     let line = |points: &[(f32, f32)]| {
         painter.add(Shape::line(points.iter().map(|(x, y)| at + vec2(*x, *y)).collect(), ink));
@@ -81,7 +81,7 @@ fn block_at(painter: &Painter, middle: Pos2, size: egui::Vec2, ink: Stroke, fill
     painter.rect(Rect::from_center_size(pos2(middle.x, middle.y), size), 1.0, fill, ink, StrokeKind::Inside);
 }
 
-/// A zigzag, above a dashpot where it is damped.
+/// A zigzag, above a dashpot if the spring is damped.
 fn spring(line: &impl Fn(&[(f32, f32)]), damped: bool) {
     let y = if damped { -9.0 } else { 0.0 };
     let teeth = [-12.0, -8.0, -4.0, 0.0, 4.0, 8.0, 12.0];
@@ -99,7 +99,7 @@ fn spring(line: &impl Fn(&[(f32, f32)]), damped: bool) {
     line(&[(18.0, 0.0), (24.0, 0.0)]);
 }
 
-/// A dashpot to the ground, or sliding blocks where nothing is viscous.
+/// A dashpot to the ground if there is viscous friction, else sliding blocks.
 fn bearing(line: &impl Fn(&[(f32, f32)]), damped: bool) {
     if damped {
         line(&[(0.0, 0.0), (0.0, 11.0)]);

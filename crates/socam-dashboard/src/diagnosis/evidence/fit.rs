@@ -37,7 +37,7 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
     });
 }
 
-/// Both residuals on a logarithmic scale from half the noise to thirty times it.
+/// Bars of both residuals on a logarithmic scale from 0.5 to 30 times the noise.
 fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Sides) {
     let (rect, response) = ui.allocate_exact_size(vec2(300.0, 20.0), egui::Sense::hover());
     let Some(noise) = noise_std.filter(|noise| *noise > 0.0) else { return };

@@ -2,7 +2,7 @@
 
 use egui_plot::{GridInput, GridMark};
 
-/// A range that can be drawn: finite, and not empty.
+/// Makes a range finite and not empty, so that it can be drawn.
 pub(super) fn padded([low, high]: [f64; 2]) -> [f64; 2] {
     if !(low.is_finite() && high.is_finite()) || low > high {
         return [0.0, 1.0];
@@ -28,7 +28,7 @@ pub(super) fn small(text: &str) -> egui::RichText {
     egui::RichText::new(text).size(12.0)
 }
 
-/// A number beside an axis: as many digits as its grid needs.
+/// A number beside an axis, with as many digits as the step of the grid needs.
 pub(super) fn number(mark: GridMark) -> String {
     let step = mark.step_size.abs();
     if mark.value.abs() < 1e-9 * step {
@@ -74,7 +74,7 @@ pub(super) fn decades(input: &GridInput, apart: f32) -> Vec<GridMark> {
     for power in from..=to {
         let whole = if power.rem_euclid(every) == 0 { f64::from(every) } else { 0.0 };
         let mut mark = |value: f64, step_size: f64| marks.push(GridMark { value, step_size });
-        // A line without a number is as faint as those between decades.
+        // A line without a number is drawn as faint as lines between decades.
         mark(f64::from(power), if whole > 0.0 { whole } else { NO_NUMBER });
         for digit in (2..=9).filter(|_| every == 1) {
             let some = digit == 2 || digit == 5;
@@ -118,7 +118,7 @@ pub(super) fn at_an_end(
     value - range.start() < low * per_point || range.end() - value < high * per_point
 }
 
-/// A range with room to both sides.
+/// A range with a margin at both ends.
 #[must_use]
 pub fn with_room([low, high]: [f64; 2]) -> [f64; 2] {
     let room = 0.06 * (high - low);
@@ -129,7 +129,7 @@ pub fn with_room([low, high]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// The range of all values that are there.
+/// The range of all finite values.
 #[must_use]
 pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let finite = values.into_iter().filter(|value| value.is_finite());

@@ -1,4 +1,4 @@
-//! What is drawn into a chart: lines, markers, bands, and what is special about its axis.
+//! Contents of a chart: lines, markers, bands, flags and the title.
 
 use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
@@ -7,7 +7,7 @@ use super::TITLE_STRIP;
 use crate::draw::curve::{Curve, Flag};
 use crate::draw::style::Style;
 
-/// Thinner lines fade where they pass between two rows of pixels.
+/// Width of lines, points. Thinner lines fade between two rows of pixels.
 const LINE_WIDTH: f32 = 1.7;
 
 /// Markers on a line, evenly apart on the horizontal axis.
@@ -57,7 +57,7 @@ pub(super) fn draw(
     }
 }
 
-/// Fills what lies between two lines.
+/// Fills the area between two lines.
 pub(super) fn band(
     painter: &Painter,
     transform: &PlotTransform,
@@ -82,7 +82,7 @@ pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
         |size| painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), ui.visuals().text_color());
     let (size, room) = (12.5, frame.width() - 14.0);
     let whole = galley(size);
-    // Where the chart is narrow, in smaller letters rather than cut off.
+    // In a narrow chart the title is set in smaller letters, so that it is not cut off.
     let narrow = whole.size().x > room;
     let galley = if narrow { galley((size * room / whole.size().x).max(9.0)) } else { whole };
     let at = frame.left_top() + vec2(7.0, 5.0);
@@ -91,11 +91,11 @@ pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
     painter.galley(at, galley, ui.visuals().text_color());
 }
 
-/// Rows of words that are drawn at most, and letters of each; all of them are told where the pointer is.
+/// Greatest number of rows of flag texts, and of letters in each; the full texts are shown at the pointer.
 const WORD_ROWS: usize = 2;
 const LETTERS: usize = 52;
 
-/// Vertical lines with words: each in the first row from below in which it covers no other.
+/// Draws vertical lines with texts; each text is in the lowest row where it covers no other.
 pub(super) fn flags(
     ui: &Ui,
     painter: &Painter,
@@ -106,7 +106,7 @@ pub(super) fn flags(
     let mut free: Vec<f32> = Vec::new();
     let places = flags.iter().map(|flag| (at(flag.x), flag));
     let visible: Vec<_> = places.filter(|(x, _)| x.is_finite() && frame.x_range().contains(*x)).collect();
-    // No line is to run through a word.
+    // Lines end below texts.
     for (x, flag) in &visible {
         painter.vline(*x, frame.y_range(), Stroke::new(1.0, flag.colour));
     }

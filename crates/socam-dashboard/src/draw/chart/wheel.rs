@@ -4,8 +4,8 @@ use egui::{Rect, Ui};
 
 const ZOOM_PER_POINT: f32 = 0.0035;
 
-/// The horizontal range after the wheel was turned above it: zoomed about the pointer, or moved sideways.
-pub(super) fn turned(
+/// The horizontal range after a turn of the wheel: zoomed about the pointer, or moved sideways.
+pub(super) fn after_wheel(
     ui: &Ui,
     frame: Rect,
     range: std::ops::RangeInclusive<f64>,

@@ -1,4 +1,4 @@
-//! What is matched: the bench of the model, and a transfer function with points of its response.
+//! Data of the matching: the bench of the model, and a transfer function with points of its response.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::output::WrongArguments;
 /// The model's orders.
 pub(super) const ORDERS: Orders = Orders { numerator: 3, denominator: 6 };
 
-/// The thesis' bench out of the model, and where to start.
+/// The thesis' bench in the model, and the start values.
 pub(super) fn thesis_bench(model: &Model) -> anyhow::Result<(Bench, [f64; UNKNOWNS])> {
     let refuse = || {
         WrongArguments(format!(
