@@ -1,4 +1,4 @@
-//! Puts the linker script where the linker looks and the commit where the program reads it, and has the linker say how much fits.
+//! Provides the linker script and the commit for the program, and makes the linker print the use of memory.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -15,7 +15,7 @@ fn main() {
     }
 }
 
-/// The commit that this is built from, marked where files differ from it; "unknown" without git.
+/// The commit of the build, marked if files differ from it; "unknown" without git.
 fn commit() -> String {
     let arguments = ["describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"];
     let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success());

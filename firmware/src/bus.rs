@@ -6,22 +6,22 @@ use embassy_rp::gpio::Output;
 use embassy_rp::pac;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 
-/// Bytes that the controller holds while the program looks elsewhere.
+/// Size of the controller's buffer, bytes.
 const FIFO: usize = 8;
 
-/// A chip on a bus of its own. A transfer takes as long as its clock edges and not longer: nothing here waits for the chip.
+/// A chip on its own bus. A transfer lasts exactly its clock edges; nothing waits for the chip.
 pub(crate) struct Chip {
     controller: pac::spi::Spi,
     select: Output<'static>,
 }
 
 impl Chip {
-    /// A chip behind a controller whose pins and clock are set up.
+    /// A chip on a controller whose pins and clock are configured.
     pub(crate) fn new(controller: pac::spi::Spi, select: Output<'static>) -> Self {
         Self { controller, select }
     }
 
-    /// Sends `bytes` and puts what came back in their place, in portions that the controller holds.
+    /// Sends `bytes` and replaces them by the received ones, in portions of the controller's buffer.
     fn transfer(&mut self, bytes: &mut [u8]) {
         for portion in bytes.chunks_mut(FIFO) {
             for &mut byte in &mut *portion {
@@ -59,7 +59,7 @@ impl SpiDevice for Chip {
                         }
                     }
                 }
-                // The converters need none.
+                // The converters need no delay.
                 Operation::DelayNs(_) => {}
             }
         }
@@ -67,7 +67,7 @@ impl SpiDevice for Chip {
         Ok(())
     }
 
-    /// The drivers' only operation, without the detour through a list.
+    /// The drivers' only operation, without a list of operations.
     fn transfer_in_place(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
         self.select.set_low();
         self.transfer(bytes);

@@ -1,4 +1,4 @@
-//! What the core sees of the board.
+//! The board's hardware, as the core's `Ports`.
 
 use embassy_rp::gpio::{Input, Output};
 use embassy_rp::pac;
@@ -7,10 +7,10 @@ use socam_core::{Average, ConverterSilent, MAX_CHANNELS, Ports};
 
 use crate::bus::Chip;
 
-/// Inputs that are wired.
+/// Number of connected inputs.
 pub(crate) const CHANNELS: u8 = 4;
 
-/// From the release of the output converter's reset line until it is up: 1 us.
+/// Time from the release of the output converter's reset line until it is ready: 1 us.
 const RELEASE_CYCLES: u32 = 125;
 
 /// Converters, lines and clock.
@@ -19,10 +19,10 @@ pub(crate) struct Hardware {
     input_answers: bool,
     output: Ad5761r<Chip>,
     output_answers: bool,
-    /// Low: the output converter is in reset. Both this and the drive's enable line fall by themselves when the chip is reset.
+    /// Low: the output converter is in reset. This line and the drive's enable line go low when the processor is reset.
     output_reset: Output<'static>,
     enable: Output<'static>,
-    /// High while the emergency stop is closed: taken behind its contact, at the output converter's reset pin.
+    /// High while the emergency stop is closed: measured after its contact, at the output converter's reset pin.
     stop: Input<'static>,
     /// High while the cable to the host carries a supply.
     cable: Input<'static>,
@@ -32,7 +32,7 @@ pub(crate) struct Hardware {
     failed: bool,
 }
 
-/// The lines that [`Hardware`] is made of.
+/// The lines of [`Hardware`].
 pub(crate) struct Lines {
     pub(crate) output_reset: Output<'static>,
     pub(crate) enable: Output<'static>,
@@ -41,7 +41,7 @@ pub(crate) struct Lines {
 }
 
 impl Hardware {
-    /// With converters that have not been spoken to: the first conversion and the first write configure them.
+    /// Hardware with converters that are not configured: the first conversion and the first write configure them.
     pub(crate) fn new(input: Chip, output: Chip, lines: Lines, sample_period_us: u32) -> Self {
         Self {
             input: Ads8688::new(input, CHANNELS),
@@ -58,7 +58,7 @@ impl Hardware {
         }
     }
 
-    /// Begins a new sampling interval of this length.
+    /// Starts a new sampling interval of this length.
     pub(crate) fn restart(&mut self, sample_period_us: u32) {
         self.average = Average::new(sample_period_us, CHANNELS);
         self.failed = false;
@@ -83,7 +83,7 @@ impl Hardware {
         self.average.push(&self.latest)
     }
 
-    /// A conversion for which there was no time counts as the one before it.
+    /// A missed conversion repeats the one before it.
     pub(crate) fn skip(&mut self) {
         self.average.push(&self.latest);
     }
@@ -91,7 +91,7 @@ impl Hardware {
 
 impl Ports for Hardware {
     fn now_us(&mut self) -> u64 {
-        // Raw registers: the latching pair would disturb whoever was interrupted between its two halves.
+        // Raw registers: the latching pair would disturb code that was interrupted between reading its two halves.
         let timer = pac::TIMER;
         loop {
             let high = timer.timerawh().read();
@@ -128,7 +128,7 @@ impl Ports for Hardware {
             return Ok(());
         }
         if !self.emergency_stop() {
-            // Whatever it holds, this puts it to 0 V.
+            // This sets the output to 0 V from any state.
             self.output_reset.set_low();
         }
         Err(ConverterSilent)

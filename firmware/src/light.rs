@@ -1,4 +1,4 @@
-//! What the light on the board says.
+//! The light on the board.
 
 use core::sync::atomic::Ordering;
 
@@ -6,15 +6,15 @@ use embassy_rp::gpio::Output;
 use embassy_time::Timer;
 use socam_core::State;
 
-use crate::sampling::MOOD;
+use crate::sampling::STATE_AND_FAULT;
 
-/// One short blink a second when idle, two when armed, steady while the drive is enabled; in fault as many blinks as the fault's
-/// number, then a pause of two seconds.
+/// Idle: one short blink per second. Armed: two. Drive enabled: steady. Fault: as many blinks as the fault's number, then a pause of
+/// two seconds.
 #[embassy_executor::task]
 pub(crate) async fn show(mut light: Output<'static>) {
     loop {
-        let mood = MOOD.load(Ordering::Relaxed);
-        let (state, fault) = (State::from_code(mood as u8), mood >> 8);
+        let state_and_fault = STATE_AND_FAULT.load(Ordering::Relaxed);
+        let (state, fault) = (State::from_code(state_and_fault as u8), state_and_fault >> 8);
         match state {
             Some(State::Running | State::Stopping) => {
                 light.set_high();

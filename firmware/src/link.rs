@@ -15,26 +15,26 @@ use socam_core::{Refusal, Request};
 use socam_wire::{BATCH_SAMPLES, BoardLink, MAX_FRAME};
 use static_cell::StaticCell;
 
-use crate::sampling::{self, Answer, Ask, MOOD, RING_SAMPLES};
+use crate::sampling::{self, Answer, Ask, RING_SAMPLES, STATE_AND_FAULT};
 use crate::slot::{Filler, Taker};
 use crate::watchdog;
 
-/// Raspberry Pi's vendor number, and their product number for a serial line. The host knows the board by its product's name.
+/// Raspberry Pi's vendor number, and their product number for a serial line. The host finds the board by its product name.
 const VENDOR: u16 = 0x2e8a;
 const PRODUCT: u16 = 0x000a;
 
 const PACKET: usize = 64;
 
-/// Bytes on their way to the host.
+/// Size of the queue of bytes to the host.
 const OUTGOING: usize = 4096;
 
-/// How often samples are looked for.
+/// Interval at which the ring is checked for samples.
 const LOOK_EVERY: Duration = Duration::from_millis(1);
 
-/// Frames wait for a whole batch, but no longer than this.
+/// Longest time that a frame waits for a full batch.
 const LATEST_SEND: Duration = Duration::from_millis(20);
 
-/// How often the board says how it is doing.
+/// Interval of statuses.
 const STATUS_EVERY: Duration = Duration::from_millis(200);
 
 type Usb = Driver<'static, USB>;
@@ -47,9 +47,9 @@ pub(crate) struct Core {
 }
 
 impl Core {
-    /// Asks and waits for the answer: at most until after the next conversion.
+    /// Passes a request to the core and waits for the answer, at most until after the next conversion.
     fn ask(&mut self, ask: Ask) -> Answer {
-        // Nothing else is under way: there is room.
+        // There is room, because requests are sent one at a time.
         self.asks.put(ask);
         loop {
             sampling::nudge();
@@ -64,13 +64,13 @@ impl Core {
     }
 }
 
-/// Both ends of the conversation.
+/// Both ends of the link.
 struct Talk {
     link: BoardLink<'static, RING_SAMPLES>,
     core: Core,
 }
 
-/// Talks to the host for ever.
+/// Serves the host for ever.
 #[embassy_executor::task]
 pub(crate) async fn run(driver: Usb, link: BoardLink<'static, RING_SAMPLES>, core: Core) {
     static OUT: StaticCell<Outgoing> = StaticCell::new();
@@ -105,7 +105,7 @@ fn build(driver: Usb) -> (UsbDevice<'static, Usb>, CdcAcmClass<'static, Usb>) {
     (builder.build(), line)
 }
 
-/// Takes what the host says. It never waits for the host to listen: an answer for which there is no room is left out.
+/// Handles messages of the host. It never waits for the host to read: an answer without room in the queue is dropped.
 async fn listen(mut receiver: Receiver<'static, Usb>, talk: &RefCell<Talk>, out: &Outgoing) {
     static FRAME: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
     let frame = FRAME.init([0; MAX_FRAME]);
@@ -122,20 +122,20 @@ async fn listen(mut receiver: Receiver<'static, Usb>, talk: &RefCell<Talk>, out:
     }
 }
 
-/// Says what the host should know unasked.
+/// Sends samples and statuses.
 async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
     static FRAME: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
     let frame = FRAME.init([0; MAX_FRAME]);
     let mut ticker = Ticker::every(LOOK_EVERY);
     let (mut sent, mut status_sent) = (Instant::now(), Instant::now());
-    let mut told = MOOD.load(Ordering::Relaxed);
+    let mut told = STATE_AND_FAULT.load(Ordering::Relaxed);
     let mut channels = 0;
     loop {
         ticker.next().await;
         watchdog::link_is_at_work();
         let Talk { link, core } = &mut *talk.borrow_mut();
-        let mood = MOOD.load(Ordering::Relaxed);
-        let has_changed = mood != told;
+        let state_and_fault = STATE_AND_FAULT.load(Ordering::Relaxed);
+        let has_changed = state_and_fault != told;
         let is_late = sent.elapsed() >= LATEST_SEND;
         let at_least = if is_late || has_changed { 1 } else { BATCH_SAMPLES };
         let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || channels == 0)
@@ -152,12 +152,12 @@ async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
             && let Some(len) = link.status(status, frame)
         {
             put(out, frame.get(..len).unwrap_or_default());
-            (told, status_sent) = (mood, Instant::now());
+            (told, status_sent) = (state_and_fault, Instant::now());
         }
     }
 }
 
-/// A whole frame or nothing.
+/// Queues a whole frame or nothing.
 fn put(out: &Outgoing, mut frame: &[u8]) {
     if out.free_capacity() < frame.len() {
         return;
@@ -169,7 +169,7 @@ fn put(out: &Outgoing, mut frame: &[u8]) {
     }
 }
 
-/// Sends what was said. What nobody hears is thrown away when the line is opened again.
+/// Sends the queue. Bytes that no host has read are dropped when the line is opened again.
 async fn send(mut sender: Sender<'static, Usb>, out: &Outgoing) {
     let mut packet = [0; PACKET];
     loop {
@@ -180,7 +180,7 @@ async fn send(mut sender: Sender<'static, Usb>, out: &Outgoing) {
             if sender.write_packet(packet.get(..len).unwrap_or_default()).await.is_err() {
                 break;
             }
-            // A transfer that ends with a full packet needs an empty one to be over.
+            // A transfer that ends with a full packet must be ended by an empty one.
             if len == PACKET && out.is_empty() && sender.write_packet(&[]).await.is_err() {
                 break;
             }

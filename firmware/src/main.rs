@@ -1,9 +1,9 @@
 //! The board: a Raspberry Pi Pico with an ADS8688 and an AD5761R. Wiring, lights and faults: `docs/firmware.md`.
 //!
-//! What is decided is decided in `socam-core`; this program brings it converters, lines, a clock and a link to the host.
+//! All decisions are made in `socam-core`; this program provides converters, lines, a clock and a link to the host.
 #![no_std]
 #![no_main]
-// What the linker says is how much of flash and memory is taken.
+// The linker's message is the use of flash and memory.
 #![warn(linker_messages)]
 
 mod bus;
@@ -38,7 +38,7 @@ const OUTPUT_RESET_PIN: u8 = 14;
 /// Below the ADS8688's 17 MHz; both controllers divide 125 MHz by 8.
 const SPI_HZ: u32 = 15_625_000;
 
-/// Time from one channel's conversion to the next: 48 clock edges and what is between them. `tests/tests/board.rs` measures it.
+/// Time from one channel's conversion to the next: 48 clock edges and the gaps between them. `tests/tests/board.rs` measures it.
 const CHANNEL_STEP_NS: u32 = 3_700;
 
 bind_interrupts!(struct Interrupts {
@@ -72,7 +72,7 @@ async fn main(spawner: Spawner) {
         board.latch(cause);
     }
 
-    // Sampling before everything, embassy's clock before the link.
+    // Interrupt priorities: sampling first, then embassy's clock, then the link.
     interrupt::TIMER_IRQ_1.set_priority(Priority::P0);
     interrupt::TIMER_IRQ_0.set_priority(Priority::P2);
     interrupt::USBCTRL_IRQ.set_priority(Priority::P3);
@@ -89,7 +89,7 @@ async fn main(spawner: Spawner) {
 fn spi() -> embassy_rp::spi::Config {
     let mut config = embassy_rp::spi::Config::default();
     config.frequency = SPI_HZ;
-    // Both converters take data at the falling edge.
+    // Both converters sample data at the falling edge.
     config.polarity = Polarity::IdleLow;
     config.phase = Phase::CaptureOnSecondTransition;
     config

@@ -1,7 +1,7 @@
-//! The sampling interrupt: the only place that touches the board's core.
+//! The sampling interrupt: the only code that accesses the board's core.
 //!
-//! It has the highest priority and runs at every conversion, a few times per sample. Whatever else wants something of the core
-//! leaves it in a slot and pends the interrupt, so that no lock is ever held against it.
+//! It has the highest priority and runs at every conversion, a few times per sample. Other code puts its request to the
+//! core into a slot and pends the interrupt, so that no lock ever delays it.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -18,53 +18,53 @@ use crate::watchdog;
 /// Samples between sampling and sending: 0.2 s at 5 kHz.
 pub(crate) const RING_SAMPLES: usize = 1024;
 
-/// The alarm of the timer that belongs to sampling; alarm 0 is embassy's.
+/// The timer alarm of sampling; alarm 0 is embassy's.
 const ALARM: usize = 1;
 
-/// A request is not begun when the next conversion is nearer than this: those that are allowed while the bench runs take less.
+/// A request is postponed when the next conversion is nearer than this; requests that are allowed during a run take less.
 const REQUEST_TAKES_US: u32 = 25;
 
-/// The alarm rings so long before a conversion, and the rest is waited for: whatever keeps interrupts off for less than this shifts no
-/// sampling instant.
+/// The alarm is this much before a conversion and the rest is busy waiting, so code that disables interrupts for less than this does
+/// not shift a sampling instant.
 const AWAITED_US: u32 = 4;
 
-/// Conversions that may be made up for at once. Whoever stood still for longer begins anew.
+/// Most missed conversions that are repeated at once. After a longer pause the sampling interval restarts.
 const MADE_UP_FOR: u32 = 64;
 
-/// What is asked of the core.
+/// A request to the core.
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub(crate) enum Ask {
     /// A request of the host.
     Request(Request),
-    /// How it is doing.
+    /// State and counters.
     Status,
 }
 
-/// What the core says.
+/// An answer of the core.
 pub(crate) struct Answer {
     pub(crate) result: Result<(), Refusal>,
     pub(crate) status: Status,
     pub(crate) channels: u8,
 }
 
-/// State and fault of the core, for those who only watch: the state's code, and 256 times the fault's.
-pub(crate) static MOOD: AtomicU32 = AtomicU32::new(0);
+/// State and fault of the core for read-only use: the state's code plus 256 times the fault's.
+pub(crate) static STATE_AND_FAULT: AtomicU32 = AtomicU32::new(0);
 
 static SAMPLER: Mutex<RefCell<Option<Sampler>>> = Mutex::new(RefCell::new(None));
 
-/// What the interrupt owns.
+/// The data of the interrupt.
 pub(crate) struct Sampler {
     board: Board<'static, Hardware, RING_SAMPLES>,
     asks: Taker<'static, Ask>,
     answers: Filler<'static, Answer>,
     period_us: u32,
-    /// When the current sampling interval began, on the timer's lower half.
+    /// Start of the current sampling interval, on the timer's lower half.
     interval_us: u32,
-    /// When the next conversion is due.
+    /// Time of the next conversion.
     next_us: u32,
 }
 
-/// Hands everything to the interrupt and starts it.
+/// Passes the data to the interrupt and starts it.
 pub(crate) fn start(
     board: Board<'static, Hardware, RING_SAMPLES>,
     asks: Taker<'static, Ask>,
@@ -75,11 +75,11 @@ pub(crate) fn start(
     critical_section::with(|cs| SAMPLER.borrow(cs).replace(Some(sampler)));
     pac::TIMER.inte().modify(|inte| inte.set_alarm(ALARM, true));
     cortex_m::peripheral::NVIC::unpend(interrupt::TIMER_IRQ_1);
-    // SAFETY: the interrupt finds everything that it needs.
+    // SAFETY: the data that the interrupt needs are in place.
     unsafe { cortex_m::peripheral::NVIC::unmask(interrupt::TIMER_IRQ_1) };
 }
 
-/// Makes the interrupt look at its slot.
+/// Pends the interrupt, so that it reads its slot.
 pub(crate) fn nudge() {
     cortex_m::peripheral::NVIC::pend(interrupt::TIMER_IRQ_1);
 }
@@ -131,7 +131,7 @@ impl Sampler {
         self.catch_up();
     }
 
-    /// To the next conversion.
+    /// Advances to the next conversion.
     fn step(&mut self) {
         let position = self.board.ports_mut().position();
         if position == 0 {
@@ -143,7 +143,7 @@ impl Sampler {
         pac::TIMER.alarm(ALARM).write_value(self.next_us.wrapping_sub(AWAITED_US));
     }
 
-    /// An alarm that was set in the past never rings: conversions whose time has passed meanwhile are left out.
+    /// Sets the alarm. One in the past would never occur, so conversions whose time has passed are skipped.
     fn catch_up(&mut self) {
         for _ in 0..MADE_UP_FOR {
             let left_us = self.time_left_us();
@@ -160,15 +160,15 @@ impl Sampler {
         self.begin();
     }
 
-    /// Begins a sampling interval now.
+    /// Starts a sampling interval now.
     fn begin(&mut self) {
         self.board.ports_mut().restart(self.period_us);
-        // The first conversion is due one step after the beginning.
+        // The first conversion is one step after the start.
         self.interval_us = now_us().wrapping_sub(self.period_us);
         self.step();
     }
 
-    /// Follows the configured sampling period.
+    /// Applies the configured sampling period.
     fn keep_pace(&mut self) {
         let period_us = self.board.config().sample_period_us;
         if period_us != self.period_us {
@@ -188,7 +188,7 @@ impl Sampler {
             Ask::Status => Ok(()),
         };
         if begins {
-            // The first tick comes next, perhaps without a conversion before it.
+            // The next tick is the first, possibly without a conversion before it.
             self.board.prepare();
         }
         self.keep_pace();
@@ -200,6 +200,6 @@ impl Sampler {
     fn tell_mood(&self) {
         let status = self.board.status();
         let fault = status.fault.map_or(0, |fault| fault.code());
-        MOOD.store(u32::from(status.state.code()) | u32::from(fault) << 8, Ordering::Relaxed);
+        STATE_AND_FAULT.store(u32::from(status.state.code()) | u32::from(fault) << 8, Ordering::Relaxed);
     }
 }

@@ -1,22 +1,22 @@
-//! A place for one value, between the sampling interrupt and the rest of the program.
+//! A slot for one value, between the sampling interrupt and the rest of the program.
 //!
-//! Neither side ever waits or locks: whose turn it is stands in one flag. (Queues of libraries divide by their length at run time,
-//! which leaves a panic in the interrupt.)
+//! Neither side waits or locks: one flag says which side may access the value. (Queues of libraries divide by their length at run
+//! time, which would leave a panic in the interrupt.)
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// The place.
+/// The slot.
 pub(crate) struct Slot<T> {
     is_full: AtomicBool,
     value: UnsafeCell<Option<T>>,
 }
 
-// SAFETY: the value is touched by whoever the flag allows: the one `Filler` while it is down, the one `Taker` while it is up.
+// SAFETY: only the side that the flag allows accesses the value: the one `Filler` while it is down, the one `Taker` while it is up.
 unsafe impl<T: Send> Sync for Slot<T> {}
 
 impl<T> Slot<T> {
-    /// Empty.
+    /// An empty slot.
     pub(crate) const fn new() -> Self {
         Self { is_full: AtomicBool::new(false), value: UnsafeCell::new(None) }
     }
@@ -28,7 +28,7 @@ impl<T> Slot<T> {
     }
 }
 
-/// The end that puts values in.
+/// The writing end.
 pub(crate) struct Filler<'s, T> {
     slot: &'s Slot<T>,
 }
@@ -39,17 +39,17 @@ impl<T> Filler<'_, T> {
         !self.slot.is_full.load(Ordering::Acquire)
     }
 
-    /// Puts a value in; it is dropped where there is no room.
+    /// Writes a value; it is dropped when the slot is full.
     pub(crate) fn put(&mut self, value: T) {
         if self.has_room() {
-            // SAFETY: the flag is down, so only this end, of which there is one, touches the value.
+            // SAFETY: the flag is down, so only this end, of which there is one, accesses the value.
             unsafe { *self.slot.value.get() = Some(value) };
             self.slot.is_full.store(true, Ordering::Release);
         }
     }
 }
 
-/// The end that takes values out.
+/// The reading end.
 pub(crate) struct Taker<'s, T> {
     slot: &'s Slot<T>,
 }
@@ -60,7 +60,7 @@ impl<T> Taker<'_, T> {
         if !self.slot.is_full.load(Ordering::Acquire) {
             return None;
         }
-        // SAFETY: the flag is up, so only this end, of which there is one, touches the value.
+        // SAFETY: the flag is up, so only this end, of which there is one, accesses the value.
         let value = unsafe { (*self.slot.value.get()).take() };
         self.slot.is_full.store(false, Ordering::Release);
         value

@@ -1,23 +1,23 @@
-//! The hardware watchdog, what becomes of a program that gave up, and why the board was started.
+//! The hardware watchdog, the panic handler, and the cause of the last reset.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_rp::pac;
 use socam_core::Fault;
 
-/// Without a conversion for so long, the chip is reset and all its lines fall. Conversions are at most 0.5 ms apart.
+/// Longest time without a conversion; after it the processor is reset and all lines go low. Conversions are at most 0.5 ms apart.
 const BITES_AFTER_US: u32 = 1500;
 
-/// Sampling feeds the watchdog only while the link to the host has been at work this recently.
+/// Sampling feeds the watchdog only while the link's task has run within this time.
 const LINK_MAY_REST_US: u32 = 1_000_000;
 
-/// Marks, over a reset by the watchdog, that it was this program that was interrupted.
+/// Marks, across a reset by the watchdog, that this program was running.
 const AT_WORK: u32 = 0x50c4_a3be;
 
-/// When the link was last at work.
+/// Time of the link task's last run.
 static LINK_US: AtomicU32 = AtomicU32::new(0);
 
-/// Why the board was started, unless it was switched on. To be asked once.
+/// The cause of the last reset, `None` after power-on. To be called once.
 pub(crate) fn cause() -> Option<Fault> {
     let bitten = pac::WATCHDOG.reason().read().0 != 0;
     let at_work = pac::WATCHDOG.scratch0().read() == AT_WORK;
@@ -27,11 +27,11 @@ pub(crate) fn cause() -> Option<Fault> {
     pac::VREG_AND_CHIP_RESET.chip_reset().read().had_run().then_some(Fault::Reset)
 }
 
-/// Starts it.
+/// Starts the watchdog.
 pub(crate) fn start() {
     link_is_at_work();
     pac::WATCHDOG.scratch0().write_value(AT_WORK);
-    // Everything but the oscillators is reset.
+    // Resets everything except the oscillators.
     pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_fffc));
     feed();
     pac::WATCHDOG.ctrl().modify(|ctrl| {
@@ -50,7 +50,7 @@ pub(crate) fn feed() {
     }
 }
 
-/// To be called by the link to the host, whether or not there is one.
+/// To be called by the link's task, with or without a host.
 pub(crate) fn link_is_at_work() {
     LINK_US.store(now_us(), Ordering::Relaxed);
 }
@@ -59,7 +59,7 @@ fn now_us() -> u32 {
     pac::TIMER.timerawl().read()
 }
 
-/// Drive off, then a reset, which takes every line down.
+/// Disables the drive and resets the processor, which sets every line low.
 fn give_up() -> ! {
     cortex_m::interrupt::disable();
     pac::SIO.gpio_oe(0).value_clr().write_value(1 << crate::ENABLE_PIN | 1 << crate::OUTPUT_RESET_PIN);

@@ -1,4 +1,4 @@
-//! Writes cases of the challenge as files: the recordings, the model that a diagnosis begins with, and the truth.
+//! Writes cases of the challenge as files: the recordings, the model that a diagnosis starts from, and the truth.
 //!
 //! `cargo run --release -p socam-sim --example challenge_case -- DIR SEED NUMBER..` makes DIR/case-NUMBER for each.
 

@@ -1,21 +1,22 @@
-//! The bench at its connectors: voltages in and out at any time, for a board that brings converters of its own.
+//! The bench at its connectors: voltages in and out at any time, for a board with its own converters.
 
 use crate::SimError;
-use crate::bench::{Bench, Setup};
+use crate::bench::Bench;
+use crate::setup::Setup;
 
 /// Noise of one conversion over that of a sample, which is a triangular mean over two intervals of four conversions: one over
 /// the root of the sum of the squared weights, 44 / 256.
 const OF_ONE_CONVERSION: f64 = 2.412_090_756_622_109;
 
-/// A bench in motion.
+/// A running bench.
 pub struct Analog<'p> {
     bench: Bench<'p>,
     channels: usize,
 }
 
 impl Analog<'_> {
-    /// Builds the bench, at rest at time 0, and hands it to `serve`. Each reading has the noise of a single conversion: so much
-    /// that a sample of the usual means has the noise of the setup.
+    /// Builds the bench, at rest at time 0, and hands it to `serve`. Each reading has the noise of a single conversion, such
+    /// that a sample, the usual mean of conversions, has the noise of the setup.
     ///
     /// # Errors
     /// [`SimError`] where the bench cannot be built.
@@ -28,13 +29,13 @@ impl Analog<'_> {
         Ok(serve(&mut analog))
     }
 
-    /// How many sensors there are.
+    /// Number of sensors.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// Command voltage and enable line, from `at_s` on.
+    /// Sets command voltage and enable line from `at_s` on.
     ///
     /// # Errors
     /// [`SimError::Solver`] when the simulation failed.
@@ -44,7 +45,7 @@ impl Analog<'_> {
         Ok(())
     }
 
-    /// The sensors' voltages at `at_s`, which may not lie before what was asked last.
+    /// The sensors' voltages at `at_s`, which must not be before the previous call's time.
     ///
     /// # Errors
     /// [`SimError::Solver`] when the simulation failed.

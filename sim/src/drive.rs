@@ -1,36 +1,36 @@
-//! The drive between command and drivetrain: what the command voltage asks for, and how fast it follows.
+//! The drive between command voltage and drivetrain: its steady characteristic and its lags.
 
 use nalgebra::DMatrix;
 use socam_core::scaling::MotorCalibration;
 use socam_model::{ChannelTransform, Equations, Model, Quantity};
 
-/// Speed follows its command within this time (first order, 80 Hz): fast enough to excite the couplings' resonances.
+/// Time constant of the speed (first order, 80 Hz): fast enough to excite the couplings' resonances.
 const SPEED_LAG_S: f64 = 2e-3;
 
-/// The armature's current follows the voltage within this time. Without it the speed would kink at every step of the
-/// converter, with an image of the command near the sampling frequency that no sensor of the bench resolves.
+/// Time constant of the armature. Without it the speed would have a corner at every step of the converter, with an image of the
+/// command near the sampling frequency that no sensor of the bench resolves.
 const ARMATURE_LAG_S: f64 = 2e-3;
 
-/// A current loop: much faster than anything mechanical.
+/// Time constant of a current loop: much shorter than those of the mechanics.
 const TORQUE_LAG_S: f64 = 0.5e-3;
 
-/// A reference generator: slow enough not to strike a stiff servo with every sample.
+/// Time constant of a reference generator: long enough not to excite a stiff servo at every sample.
 const REFERENCE_LAG_S: f64 = 5e-3;
 
-/// The default motor gives way by so much per torque on its shaft, (rad/s)/(N m).
+/// Speed that the default motor loses per torque on its shaft, (rad/s)/(N m).
 const DROOP: f64 = 1.5;
 
 /// Torque per current of the default motor, N m/A: 85 V and 5.4 A at 1450 rpm (thesis, table 2.3).
 const TORQUE_PER_CURRENT: f64 = 0.55;
 
-/// A drive: the steady answer to a voltage, two lags in a row, and how it gives way under load.
+/// A drive: steady characteristic, two lags in series, and droop under load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// What the driven quantity settles at, without load.
-    pub evaluate: Answer,
-    /// Time constant of what is driven, s.
+    /// Steady driven quantity without load.
+    pub answer: Answer,
+    /// Time constant of the driven quantity, s.
     pub lag_s: f64,
-    /// Time constant of what drives it, s.
+    /// Time constant of the armature, s.
     pub armature_lag_s: f64,
     /// Speed lost per torque that the driven shaft carries, (rad/s)/(N m); 0 where that torque is not measured.
     pub droop: f64,
@@ -41,9 +41,9 @@ pub struct Drive {
 /// Steady driven quantity over voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Answer {
-    /// A motor whose speed is a line over the voltage, rad/s.
+    /// A motor whose speed is linear in the voltage, rad/s.
     Speed(MotorCalibration),
-    /// A torque, force or position in proportion, SI per V.
+    /// A torque, force or position proportional to the voltage, SI per V.
     Proportional(f64),
 }
 
@@ -53,14 +53,14 @@ impl Drive {
     pub fn for_model(model: &Model, motor: &MotorCalibration) -> Self {
         let rotates = model.motion == socam_model::Motion::Rotation;
         let quantity = model.inputs().next().map(|channel| channel.quantity);
-        let (evaluate, lag_s) = match quantity {
+        let (answer, lag_s) = match quantity {
             Some(Quantity::Speed) => (Answer::Speed(*motor), SPEED_LAG_S),
             Some(Quantity::Torque) if rotates => (Answer::Proportional(0.2), TORQUE_LAG_S),
             Some(Quantity::Torque) => (Answer::Proportional(35.1507), TORQUE_LAG_S),
             _ => (Answer::Proportional(0.02), REFERENCE_LAG_S),
         };
         Self {
-            evaluate,
+            answer,
             lag_s,
             armature_lag_s: ARMATURE_LAG_S,
             droop: DROOP,
@@ -68,43 +68,34 @@ impl Drive {
         }
     }
 
-    /// What the driven quantity settles at for a voltage, SI.
+    /// Steady driven quantity at a voltage, SI.
     pub fn settles_at(&self, volts: f64) -> f64 {
-        match self.evaluate {
+        match self.answer {
             Answer::Speed(motor) => motor.speed_rad_s(volts),
             Answer::Proportional(gain) => gain * volts,
         }
     }
 }
 
-/// The drivetrain with its drive, as one system: the inputs are what the driven quantity should settle at, and a one that the
-/// clocks run by; the outputs are the driven quantity and then the model's.
+/// The drivetrain with its drive, as one system. Inputs: the steady driven quantity, and a constant 1 that the clocks integrate.
+/// Outputs: the driven quantity, then the model's.
 pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equations {
     let e = equations;
     let (states, outputs, ports) = (e.state.nrows(), e.output.nrows(), e.ports.len());
     let rate = 1.0 / drive.lag_s;
-    let reaction = reaction_output(model).filter(|_| matches!(drive.evaluate, Answer::Speed(_)));
+    let reaction = reaction_output(model).filter(|_| matches!(drive.answer, Answer::Speed(_)));
 
-    // Behind the drivetrain's states stand what its inputs are: the driven quantity and the clocks; then what the armature asks of
-    // the drive.
+    // After the drivetrain's states follow its inputs as states (the driven quantity and the clocks), then the armature.
     let inputs = e.input.ncols();
     let (driven, armature) = (states, states + inputs);
     let all = armature + 1;
-    let mut state = DMatrix::zeros(all, all);
-    state.view_mut((0, 0), (states, states)).copy_from(&e.state);
-    state.view_mut((0, states), (states, inputs)).copy_from(&e.input);
+    let mut state = beside(&e.state, &e.input, all).resize_vertically(all, 0.0);
     state[(driven, driven)] = -rate;
     state[(driven, armature)] = rate;
     state[(armature, armature)] = -1.0 / drive.armature_lag_s;
-    let mut force = DMatrix::zeros(all, ports);
-    force.view_mut((0, 0), (states, ports)).copy_from(&e.force);
+    let mut force = e.force.clone().resize_vertically(all, 0.0);
     if let Some(row) = reaction {
-        let yields = -drive.droop * rate;
-        state.view_mut((states, 0), (1, states)).copy_from(&(e.output.row(row) * yields));
-        let through = e.feedthrough.row(row) * yields;
-        let mut own = state.view_mut((states, states), (1, inputs));
-        own += through;
-        force.view_mut((states, 0), (1, ports)).copy_from(&(e.force_output.row(row) * yields));
+        add_output(e, row, -drive.droop * rate, (&mut state, &mut force), driven);
     }
     let mut input = DMatrix::zeros(all, 2);
     input[(armature, 0)] = 1.0 / drive.armature_lag_s;
@@ -113,24 +104,15 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
         let tachometer = model.outputs().position(|output| output.column == clock.column);
         match (clock.quantity, tachometer) {
             (Quantity::Time, _) => input[(row, 1)] = 1.0,
-            (_, Some(output)) => {
-                state.view_mut((row, 0), (1, states)).copy_from(&e.output.row(output));
-                state.view_mut((row, states), (1, inputs)).copy_from(&e.feedthrough.row(output));
-                force.view_mut((row, 0), (1, ports)).copy_from(&e.force_output.row(output));
-            }
+            (_, Some(output)) => add_output(e, output, 1.0, (&mut state, &mut force), row),
             (_, None) => state[(row, driven)] = 1.0,
         }
     }
 
-    let mut output = DMatrix::zeros(outputs + 1, all);
+    let mut output = beside(&e.output, &e.feedthrough, all).insert_row(0, 0.0);
     output[(0, driven)] = 1.0;
-    output.view_mut((1, 0), (outputs, states)).copy_from(&e.output);
-    output.view_mut((1, states), (outputs, inputs)).copy_from(&e.feedthrough);
-    let mut force_output = DMatrix::zeros(outputs + 1, ports);
-    force_output.view_mut((1, 0), (outputs, ports)).copy_from(&e.force_output);
-    let mut port = DMatrix::zeros(ports, all);
-    port.view_mut((0, 0), (ports, states)).copy_from(&e.port);
-    port.view_mut((0, states), (ports, inputs)).copy_from(&e.port_input);
+    let force_output = e.force_output.clone().insert_row(0, 0.0);
+    let port = beside(&e.port, &e.port_input, all);
 
     let driving = (0..inputs).map(|index| if index == 0 { "speed of the drive" } else { "clock" });
     let drive_states = driving.chain(["speed that its armature asks for"]).map(str::to_owned);
@@ -148,6 +130,32 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
         state_names: e.state_names.iter().cloned().chain(drive_states).collect(),
         transforms: vec![ChannelTransform::Value; 2],
     }
+}
+
+/// Two blocks side by side, padded with zero columns.
+fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>, columns: usize) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(left.nrows(), columns);
+    all.columns_mut(0, left.ncols()).copy_from(left);
+    all.columns_mut(left.ncols(), right.ncols()).copy_from(right);
+    all
+}
+
+/// Adds an output of the drivetrain, times a factor, to the rate of a state.
+fn add_output(
+    equations: &Equations,
+    output: usize,
+    factor: f64,
+    (state, force): (&mut DMatrix<f64>, &mut DMatrix<f64>),
+    row: usize,
+) {
+    let e = equations;
+    let (states, inputs, ports) = (e.output.ncols(), e.feedthrough.ncols(), e.force_output.ncols());
+    let mut of_states = state.view_mut((row, 0), (1, states));
+    of_states += e.output.row(output) * factor;
+    let mut of_inputs = state.view_mut((row, states), (1, inputs));
+    of_inputs += e.feedthrough.row(output) * factor;
+    let mut of_ports = force.view_mut((row, 0), (1, ports));
+    of_ports += e.force_output.row(output) * factor;
 }
 
 /// The output that measures the torque on the driven shaft, if there is one.

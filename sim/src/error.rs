@@ -1,8 +1,8 @@
-//! What can go wrong in a simulation.
+//! Errors of a simulation.
 
 use socam_model::ModelError;
 
-/// A simulation that cannot begin or go on, in one sentence.
+/// Why a simulation cannot start or continue, in one sentence.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
@@ -14,27 +14,27 @@ pub enum SimError {
     Solver {
         /// Simulated time reached.
         time_s: f64,
-        /// The solver's words.
+        /// The solver's message.
         reason: String,
     },
     /// The recording that drives the simulation cannot be read.
     #[error(transparent)]
     Recording(#[from] socam_recording::RecordingError),
-    /// The bench's calibration is not sound.
+    /// The bench's calibration is invalid.
     #[error(transparent)]
     Settings(#[from] socam_recording::SettingsError),
-    /// The board did not take the bench's settings or the profile.
+    /// The board refused the calibration or the profile.
     #[error(transparent)]
     Refused(#[from] socam_core::Refusal),
     /// The board ended the run before the profile's end.
     #[error("the board ended the run at {time_s:.3} s: {reason}")]
     Fault {
-        /// Time since the course began.
+        /// Time since the start of the profile.
         time_s: f64,
         /// The fault in words.
         reason: String,
     },
-    /// Something that was asked for in words does not exist or cannot be understood.
+    /// An argument names something that does not exist, or cannot be parsed.
     #[error("`{text}`: {problem}")]
     Argument {
         /// The text.

@@ -1,10 +1,10 @@
-//! Sensors that do not tell the truth: what the catalogue's `sensor_*` effects do to a channel.
+//! Sensor flaws: the catalogue's `sensor_*` effects, applied to a channel.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use crate::SimError;
-use crate::truth::{Concealed, Override};
+use crate::concealed::{Concealed, Override};
 
 /// A sensor's flaw, with its parameters in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,13 +34,13 @@ pub(crate) enum Flaw {
         order: f64,
         phase_rad: f64,
     },
-    /// A gain that creeps: of no id, because the catalogue has no such effect.
+    /// A gain that drifts. It has no id, because the catalogue has no such effect.
     GainDrift {
         rate_per_s: f64,
     },
 }
 
-/// Ids, parameters' names, and how to make a flaw of their values.
+/// Id, names of the parameters, constructor from their values.
 type Kind = (&'static str, &'static [&'static str], fn(&[f64]) -> Flaw);
 
 const KINDS: [Kind; 7] = [
@@ -111,13 +111,13 @@ impl Flaw {
     }
 }
 
-/// A flaw at work.
+/// A flaw with its state.
 #[derive(Debug)]
 pub(crate) struct FlawedChannel {
     flaw: Flaw,
     /// Value before and after the flaw at the last sample.
     last: Option<(f64, f64)>,
-    /// The last values before the flaw, newest last.
+    /// Times and values before the flaw, newest last.
     past: VecDeque<(f64, f64)>,
 }
 
@@ -126,7 +126,7 @@ impl FlawedChannel {
         Self { flaw, last: None, past: VecDeque::new() }
     }
 
-    /// What is read instead of `value` at `time_s`, `step_s` after the last sample, with the shaft at `angle_rad`.
+    /// The flawed reading of `value` at `time_s`, `step_s` after the last sample, with the shaft at `angle_rad`.
     pub(crate) fn pass(&mut self, value: f64, time_s: f64, step_s: f64, angle_rad: f64) -> f64 {
         let read = match self.flaw {
             Flaw::Gain { gain } => gain * value,
@@ -146,7 +146,7 @@ impl FlawedChannel {
         read
     }
 
-    /// First order, exact for a value that moves on a straight line between samples.
+    /// First-order lag, exact for a value that is linear between samples.
     fn lag(&self, value: f64, steps: f64) -> f64 {
         let Some((before, read)) = self.last else { return value };
         if steps <= 0.0 {
@@ -154,11 +154,11 @@ impl FlawedChannel {
         }
         let decay = (-steps).exp();
         let rise = (value - before) / steps;
-        // The answer to the line: value - rise, once the start has died away.
+        // The response to a ramp is value - rise after the transient.
         (value - rise) + decay * (read - (before - rise))
     }
 
-    /// A cubic through the four samples next to the wanted instant; standstill before the first.
+    /// Interpolates the delayed value by a cubic through the four nearest samples; constant before the first.
     fn delay(&mut self, value: f64, time_s: f64, delay_s: f64) -> f64 {
         let wanted_s = time_s - delay_s;
         self.past.push_back((time_s, value));

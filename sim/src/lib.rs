@@ -1,12 +1,12 @@
 //! A bench in software: the drivetrain, its drive and its sensors, and a board that speaks the wire protocol.
 //!
-//! * [`Truth`]: what the simulated drivetrain really is: a model, changed parameters, concealed physics.
+//! * [`Truth`]: the simulated drivetrain: a model, changed parameters, concealed effects.
 //! * [`Plant`]: its equations of motion, solved by an error-controlled stiff solver.
 //! * [`Setup`]: a whole bench, with [`Drive`] and sensors; [`Setup::record`] runs a profile on it.
-//! * [`Replay`]: a model driven by what was recorded, next to what was measured.
-//! * [`Analog`]: the bench's connectors, for a board that brings converters of its own.
-//! * [`challenge`]: random machines with concealed physics, for a diagnosis to find.
-//! * [`VirtualBoard`]: a board on that bench: the core that also runs on the real one, on a simulated clock.
+//! * [`Replay`]: a model driven by recorded inputs, compared with the measured outputs.
+//! * [`Analog`]: the bench's connectors, for a board with its own converters.
+//! * [`challenge`]: random machines with concealed effects that a diagnosis must find.
+//! * [`VirtualBoard`]: a board on that bench: the core of the real one on a simulated clock.
 //!
 //! # Conventions
 //!
@@ -16,6 +16,8 @@
 mod analog;
 mod bench;
 pub mod challenge;
+mod channel;
+mod concealed;
 mod drive;
 mod error;
 mod flaw;
@@ -23,15 +25,17 @@ mod plant;
 mod record;
 mod replay;
 mod sensors;
+mod setup;
 mod truth;
 mod virtual_board;
 mod wiring;
 
 pub use analog::Analog;
-pub use bench::{NO_TACHOMETER, Setup, calibration_for};
+pub use concealed::{Concealed, Override};
 pub use drive::{Answer, Drive};
 pub use error::SimError;
 pub use plant::{Effort, Plant, Trajectory};
 pub use replay::{Begin, Disturbance, OutputError, Replay, Replayed, Start};
-pub use truth::{Concealed, Override, Truth};
+pub use setup::{NO_TACHOMETER, Setup, calibration_for};
+pub use truth::Truth;
 pub use virtual_board::VirtualBoard;

@@ -1,21 +1,21 @@
-//! A profile on the bench, straight into memory.
+//! Runs a profile on the bench and records it in memory.
 
 use socam_core::{Board, Profile, Request, Ring, Sample, State};
 use socam_recording::{Calibration, Channel, Dataset};
 
 use crate::SimError;
-use crate::bench::{NO_TACHOMETER, Setup};
+use crate::setup::{NO_TACHOMETER, Setup};
 use crate::wiring::Wiring;
 
-/// Samples between board and recording: they are taken out at every tick.
+/// Size of the ring between board and recording, which is emptied at every tick.
 const RING_SAMPLES: usize = 4;
 
 impl Setup {
-    /// Runs a profile on a board at this bench and returns what a host would have recorded, without wire and file: the columns
-    /// of the calibration, from the first sample of the profile's course to the one at which the command is back at 0.
+    /// Runs a profile on a board at this bench and returns the recording that a host would make, without wire and file: the columns
+    /// of the calibration, from the first sample of the profile to the one at which the command is 0 again.
     ///
     /// # Errors
-    /// [`SimError::Refused`] where the board does not take calibration or profile, [`SimError::Fault`] where it ends the run,
+    /// [`SimError::Refused`] where the board refuses calibration or profile, [`SimError::Fault`] where it ends the run,
     /// as it does when a sensor reaches its limit; otherwise where the bench cannot be built or simulated.
     pub fn record(
         &self,
@@ -27,7 +27,7 @@ impl Setup {
         let mut ring = Ring::<RING_SAMPLES>::new();
         let (producer, mut samples) = ring.split();
         let mut board = Board::new(Wiring::start(self, &plant)?, producer);
-        // The first tick of a board that was just switched on is not the run's.
+        // The first tick after power-on is not part of the run.
         board.tick();
         board.handle(Request::Configure(self.calibration.config(period_us)?))?;
         for request in [Request::Load(*profile), Request::Arm, Request::Stream(true), Request::Run] {
@@ -56,12 +56,12 @@ impl Setup {
     }
 }
 
-/// What has been recorded so far.
+/// The rows recorded so far.
 struct Rows<'s> {
     calibration: &'s Calibration,
     period_us: u32,
     channels: Vec<Channel>,
-    /// By the calibration's order, the command first.
+    /// Whether each value is recorded, in the calibration's order, the command first.
     recorded: Vec<bool>,
     first_tick: Option<u32>,
     time_s: Vec<f64>,

@@ -1,4 +1,4 @@
-//! From what a place really does to the counts that a converter reads.
+//! Sensors: from true values to voltages with noise.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -15,7 +15,7 @@ const KNOWN_NOISE: [(&str, f64); 5] = [
     ("motor_current", 5e-3),
 ];
 
-/// Of any other sensor, as a part of its full scale.
+/// Standard deviation of any other sensor, relative to its full scale.
 const OTHER_NOISE: f64 = 1e-4;
 
 /// One sensor with its amplifier and converter input.
@@ -27,7 +27,7 @@ pub(crate) struct Sensor {
 }
 
 impl Sensor {
-    /// The sensor of a channel. Every channel draws from a stream of its own, so that another channel more changes no noise.
+    /// The sensor of a channel. Every channel has its own random stream, so that adding a channel does not change the noise of others.
     pub(crate) fn new(channel: &CalibratedChannel, seed: u64, stream: u64, noise_std: f64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
@@ -42,7 +42,7 @@ impl Sensor {
     }
 }
 
-/// Usual standard deviation of a sensor's noise before its converter, SI.
+/// Default standard deviation of a sensor's noise before its converter, SI.
 pub(crate) fn noise_std(channel: &CalibratedChannel, converter: &Converter) -> f64 {
     let known = KNOWN_NOISE.iter().find(|(name, _)| *name == channel.channel.name);
     known.map_or(OTHER_NOISE * converter.full_scale_v / channel.sensor.volts_per_unit.abs(), |(_, std)| *std)

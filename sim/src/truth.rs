@@ -1,90 +1,24 @@
-//! What the simulated drivetrain really is: a model with changed parameters and with physics that the model leaves out.
-
-use std::str::FromStr;
+//! The simulated drivetrain: a model with changed parameters and with effects that the written model lacks.
 
 use socam_model::{Equations, Model, ModelError, effects};
 
 use crate::SimError;
+use crate::concealed::{Concealed, Override};
 use crate::flaw::Flaw;
-
-/// A parameter value in place of the model's: `k1=71` (SI).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Override {
-    /// Parameter's name.
-    pub name: String,
-    /// Value, SI.
-    pub value: f64,
-}
-
-/// An effect of the catalogue that the truth has and the written model does not: `EFFECT@PLACE:name=value,..` (SI).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Concealed {
-    /// Effect's id.
-    pub effect: String,
-    /// Place's name.
-    pub place: String,
-    /// Its parameters.
-    pub parameters: Vec<Override>,
-}
 
 /// A drivetrain to simulate.
 #[derive(Debug, Clone)]
 pub struct Truth {
-    /// The model with everything that was concealed.
+    /// The model with all concealed effects.
     pub model: Model,
     /// Its parameter values, SI.
     pub values: Vec<f64>,
-    /// What its sensors do to the truth: channel's name and flaw, in the order given.
+    /// Flaws of its sensors: channel's name and flaw, in the order given.
     pub(crate) flaws: Vec<(String, Flaw)>,
 }
 
-impl FromStr for Override {
-    type Err = SimError;
-
-    fn from_str(text: &str) -> Result<Self, SimError> {
-        let (name, value) = text
-            .split_once('=')
-            .ok_or_else(|| SimError::argument(text, "expected name=value, as in k1=71"))?;
-        let (name, number) = (name.trim(), value.trim());
-        match number.parse::<f64>() {
-            _ if name.is_empty() => Err(SimError::argument(text, "there is no name before the `=`")),
-            Ok(value) if value.is_finite() => Ok(Self { name: name.into(), value }),
-            _ => Err(SimError::argument(text, format!("`{number}` is not a finite number"))),
-        }
-    }
-}
-
-impl FromStr for Concealed {
-    type Err = SimError;
-
-    fn from_str(text: &str) -> Result<Self, SimError> {
-        let expected = "expected EFFECT@PLACE:name=value,.., as in coulomb_friction@load_bearing:torque=0.4";
-        let (what, parameters) = text.split_once(':').unwrap_or((text, ""));
-        let (effect, place) = what.split_once('@').ok_or_else(|| SimError::argument(text, expected))?;
-        if effect.is_empty() || place.is_empty() {
-            return Err(SimError::argument(text, expected));
-        }
-        let parameters = parameters.split(',').filter(|part| !part.trim().is_empty()).map(str::parse);
-        Ok(Self {
-            effect: effect.into(),
-            place: place.into(),
-            parameters: parameters.collect::<Result<_, _>>()?,
-        })
-    }
-}
-
-impl std::fmt::Display for Concealed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}@{}", self.effect, self.place)?;
-        for (index, Override { name, value }) in self.parameters.iter().enumerate() {
-            write!(f, "{}{name}={value}", if index == 0 { ':' } else { ',' })?;
-        }
-        Ok(())
-    }
-}
-
 impl Truth {
-    /// The model's drivetrain with other parameter values and with concealed effects.
+    /// The model's drivetrain with replaced parameter values and concealed effects.
     ///
     /// # Errors
     /// [`SimError::Argument`] for a parameter, effect or place that does not exist; [`SimError::Model`] where the result

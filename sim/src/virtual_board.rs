@@ -1,24 +1,24 @@
-//! A board in software: the same core and the same link as on the real one, on a simulated bench and a simulated clock.
+//! A board in software: the core and link of the real one, on a simulated bench and clock.
 
 use socam_core::scaling::Converter;
 use socam_core::{Board, Ring, State};
 use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Text};
 
 use crate::SimError;
-use crate::bench::Setup;
 use crate::plant::Effort;
+use crate::setup::Setup;
 use crate::wiring::Wiring;
 
 /// Samples between sampling and sending, as on the real board.
 const RING_SAMPLES: usize = 1024;
 
-/// Frames wait for a whole batch, but no longer than this.
+/// Longest time that a frame waits for a full batch.
 const LATEST_SEND_US: u64 = 20_000;
 
-/// How often the board says how it is doing.
+/// Interval of statuses.
 const STATUS_EVERY_US: u64 = 200_000;
 
-/// A board with its bench. It owns no clock and no wire: [`advance`](Self::advance) lets its time pass, bytes go in and come
+/// A board with its bench. It has no clock and no wire: [`advance`](Self::advance) advances its time, and bytes are passed in and
 /// out.
 pub struct VirtualBoard<'b> {
     board: Board<'b, Wiring<'b>, RING_SAMPLES>,
@@ -59,12 +59,12 @@ impl VirtualBoard<'_> {
         Ok(serve(&mut board))
     }
 
-    /// The board's clock.
+    /// The board's time.
     pub fn now_us(&mut self) -> u64 {
         self.board.ports_mut().now_us
     }
 
-    /// What the board is doing.
+    /// State and counters of the board.
     pub fn state(&self) -> State {
         self.board.status().state
     }
@@ -78,7 +78,7 @@ impl VirtualBoard<'_> {
         }
     }
 
-    /// Lets the board's time pass up to `until_us` and appends what it sends to `out`.
+    /// Advances the board's time to `until_us` and appends the bytes that it sends to `out`.
     ///
     /// # Errors
     /// [`SimError::Solver`] when the simulation of the bench failed.
@@ -94,12 +94,12 @@ impl VirtualBoard<'_> {
         wiring.failed()
     }
 
-    /// What the simulation cost so far.
+    /// Effort of the simulation so far.
     pub fn effort(&mut self) -> Effort {
         self.board.ports_mut().effort()
     }
 
-    /// Sends full batches at once, the rest when it has waited long enough, and the status when it is due.
+    /// Sends full batches at once, partial ones after their longest wait, and the status when it is due.
     fn send(&mut self, out: &mut Vec<u8>) {
         let mut frame = [0; MAX_FRAME];
         let now_us = self.now_us();
@@ -122,7 +122,7 @@ impl VirtualBoard<'_> {
     }
 }
 
-/// Voltage at 2^15 counts, in microvolt, whatever the converter's own range.
+/// Voltage at 2^15 counts, in microvolt, for any resolution of the converter.
 fn full_scale_uv(converter: &Converter) -> u32 {
     (converter.volts_per_count() * 32_768e6).round() as u32
 }

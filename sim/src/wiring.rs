@@ -4,8 +4,9 @@ use socam_core::{ConverterSilent, Ports};
 use socam_recording::Calibration;
 
 use crate::SimError;
-use crate::bench::{Bench, Setup};
+use crate::bench::Bench;
 use crate::plant::{Effort, Plant};
+use crate::setup::Setup;
 
 /// The bench at the board's connectors.
 pub(crate) struct Wiring<'b> {
@@ -19,7 +20,7 @@ pub(crate) struct Wiring<'b> {
 }
 
 impl<'b> Wiring<'b> {
-    /// Power on, at time 0.
+    /// The bench at power-on, time 0.
     pub(crate) fn start(setup: &'b Setup, plant: &'b Plant) -> Result<Self, SimError> {
         Ok(Self {
             bench: Bench::start(setup, plant)?,
@@ -31,7 +32,7 @@ impl<'b> Wiring<'b> {
         })
     }
 
-    /// Why the simulation could not go on, told once.
+    /// The error that ended the simulation, returned once.
     pub(crate) fn failed(&mut self) -> Result<(), SimError> {
         self.failure.take().map_or(Ok(()), Err)
     }

@@ -1,4 +1,4 @@
-//! The virtual board, spoken to over its wire like any other.
+//! The virtual board over its wire protocol.
 
 use socam_core::{Request, Sample, State};
 use socam_model::Model;
@@ -6,7 +6,7 @@ use socam_recording::{Calibration, ProfileFile};
 use socam_sim::{Setup, Truth, VirtualBoard, calibration_for};
 use socam_wire::{Decoder, Encoder, MAX_FRAME, ToBoard, ToHost};
 
-/// The least host that can run a bench.
+/// A minimal host that can run a bench.
 struct Host<'h, 'b> {
     board: &'h mut VirtualBoard<'b>,
     encoder: Encoder,

@@ -1,7 +1,7 @@
 //! Analog Devices AD5761R: one 16-bit output, +-10 V, with its own reference. (Data sheet Rev. C.)
 //!
-//! SPI mode 1. Frames are 24 bits: `XXX0`, a 4-bit register address, 16 bits of data. What a read command asks for comes with the
-//! frame after it. After power-on, and while its RESET pin is low, the output is clamped to ground; writing the control register
+//! SPI mode 1. Frames are 24 bits: `XXX0`, a 4-bit register address, 16 bits of data. The answer to a read command is in the
+//! next frame. After power-on, and while its RESET pin is low, the output is clamped to ground; writing the control register
 //! ends that.
 
 use embedded_hal::spi::SpiDevice;
@@ -17,7 +17,7 @@ const NOTHING: u8 = 0x0;
 
 /// Clear voltage and power-up voltage: midscale (0 V). Thermal shutdown and internal reference: on. Range: +-10 V, offset binary.
 const CONTROL: u16 = 1 << 9 | 1 << 6 | 1 << 5 | 1 << 3;
-/// What of the control register is compared; above it are the short-circuit and brown-out flags.
+/// Bits of the control register that are compared; above are the short-circuit and brown-out flags.
 const CONTROL_BITS: u16 = 0x07ff;
 
 /// The output.
@@ -30,15 +30,15 @@ impl<S: SpiDevice> Ad5761r<S> {
     /// Voltage at 2^15 counts, in microvolt.
     pub const FULL_SCALE_UV: u32 = 10_000_000;
 
-    /// An output that is not spoken to yet.
+    /// An output that is not configured yet.
     pub fn new(spi: S) -> Self {
         Self { spi }
     }
 
-    /// From any state to a live output at 0 V; the control register is read back.
+    /// Configures the output, from any state, to be live at 0 V; reads the control register back.
     ///
     /// # Errors
-    /// Where a register does not hold what was written. The output may be tried again.
+    /// When a register does not hold the written value. The call may be repeated.
     pub fn configure(&mut self) -> Result<(), Error<S::Error>> {
         self.frame(FULL_RESET, 0)?;
         self.frame(WRITE_CONTROL, CONTROL)?;
@@ -51,7 +51,7 @@ impl<S: SpiDevice> Ad5761r<S> {
     /// Sets the output, in counts around 0 V, and reads it back.
     ///
     /// # Errors
-    /// Where the output does not hold what was written.
+    /// When the output register does not hold the written value.
     pub fn write(&mut self, count: i16) -> Result<(), Error<S::Error>> {
         let code = offset_binary(count);
         self.frame(WRITE_AND_UPDATE, code)?;

@@ -1,8 +1,8 @@
 //! TI ADS8688: eight inputs on one 16-bit converter, +-10.24 V. (Data sheet SBAS582C.)
 //!
 //! SPI mode 1, up to 17 MHz. A frame carries a 16-bit command to the chip; from its 16th falling clock edge on the chip sends the
-//! conversion of the channel that the *previous* command chose, sampled when chip select fell. Told so once, it sends channel, device
-//! and range behind the value (section 8.5.2.3.2, SDO format 3): 41 clocks in all, 48 as whole bytes.
+//! conversion of the channel that the *previous* command selected, sampled when chip select fell. When configured, it sends channel,
+//! device and range after the value (section 8.5.2.3.2, SDO format 3): 41 clocks in all, 48 as whole bytes.
 
 use embedded_hal::spi::SpiDevice;
 
@@ -18,7 +18,7 @@ const SDO_FORMAT: u8 = 0x03;
 /// +-2.5 times the reference of 4.096 V.
 const RANGE: u8 = 0x00;
 
-/// In which order the channels are converted. In turns, the mean instant of all channels is the same.
+/// Order in which the channels are converted. Alternated, all channels have the same mean instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// From the first channel to the last.
@@ -27,7 +27,7 @@ pub enum Order {
     Back,
 }
 
-/// The converter, with the first so many of its channels in use.
+/// The converter, of which the first channels are used.
 #[derive(Debug)]
 pub struct Ads8688<S> {
     spi: S,
@@ -40,7 +40,7 @@ impl<S: SpiDevice> Ads8688<S> {
     /// Voltage at 2^15 counts, in microvolt.
     pub const FULL_SCALE_UV: u32 = 10_240_000;
 
-    /// A converter of which the first `channels` (1 to 8) are used; it is not spoken to yet.
+    /// A converter of which the first `channels` (1 to 8) are used; it is not configured yet.
     pub fn new(spi: S, channels: u8) -> Self {
         Self { spi, channels: channels.clamp(1, 8), selected: None }
     }
@@ -48,7 +48,7 @@ impl<S: SpiDevice> Ads8688<S> {
     /// Sets output format and ranges, and reads every register back.
     ///
     /// # Errors
-    /// Where a register does not hold what was written. The converter may be tried again.
+    /// When a register does not hold the written value. The call may be repeated.
     pub fn configure(&mut self) -> Result<(), Error<S::Error>> {
         self.selected = None;
         self.frame(RST, 0)?;
@@ -62,7 +62,7 @@ impl<S: SpiDevice> Ads8688<S> {
     /// Converts the channels in use and puts their counts into the first entries of `counts`.
     ///
     /// # Errors
-    /// Where an answer does not carry the channel that was asked for, with its range.
+    /// When an answer does not carry the requested channel and its range.
     pub fn convert(&mut self, order: Order, counts: &mut [i16]) -> Result<(), Error<S::Error>> {
         let last = self.channels.wrapping_sub(1);
         let (from, to) = match order {
@@ -72,7 +72,7 @@ impl<S: SpiDevice> Ads8688<S> {
         if self.selected != Some(from) {
             self.frame(select(from), 0)?;
         }
-        // Unknown until this is through.
+        // Unknown until all channels are converted.
         self.selected = None;
         for step in 0..self.channels {
             let (channel, next) = match order {

@@ -1,7 +1,7 @@
 //! Drivers of the board's converters, on the traits of `embedded-hal`.
 //!
-//! Both chips answer in a way that proves that they are there: [`Ads8688`] sends channel and range with every conversion,
-//! [`Ad5761r`] is read back after every write. A line that is cut, stuck or shorted is an [`Error`] at once, never a value.
+//! Every access is verified: [`Ads8688`] sends channel and range with every conversion, [`Ad5761r`] is read back after every write.
+//! A line that is cut, stuck or shorted is an [`Error`] at once, never a value.
 #![no_std]
 #![cfg_attr(
     not(test),
@@ -20,12 +20,12 @@ mod ads8688;
 pub use ad5761r::Ad5761r;
 pub use ads8688::{Ads8688, Order};
 
-/// What went wrong with a converter.
+/// An error of a converter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Error<E> {
-    /// The bus itself.
+    /// An error of the bus.
     Bus(E),
-    /// What came back is not what this chip sends here: it is absent, not configured, or a line is stuck.
+    /// An unexpected answer: the chip is absent or not configured, or a line is stuck.
     NoAnswer,
 }
 
@@ -35,7 +35,7 @@ impl<E> From<E> for Error<E> {
     }
 }
 
-/// A 16-bit count around 0 V as the offset binary that both chips speak, and back.
+/// Converts a 16-bit count around 0 V to the offset binary of both chips, and back.
 fn offset_binary(count: i16) -> u16 {
     count as u16 ^ 0x8000
 }

@@ -1,25 +1,25 @@
-//! From conversions to samples: each sample is a mean of several conversions.
+//! Averages conversions to samples.
 //!
-//! A sample weighs the conversions of the last two sampling intervals by a triangle: 1, 2, 3, 4, 3, 2, 1, 0 with four conversions per
-//! interval. So what lies about the sampling frequency does not pass for something slow, and a sample stands for one instant: the
-//! tick before it. Conversions of even and odd number have the same weight in all, which is why a converter that goes through its
-//! channels forth and back in turns samples all of them at the same mean instant.
+//! A sample is the triangular mean of the conversions of the last two sampling intervals: weights 1, 2, 3, 4, 3, 2, 1, 0 with four
+//! conversions per interval. This suppresses aliases from around the sampling frequency, and the mean is centred on the tick before
+//! the sample. Even and odd conversions have the same total weight, so a converter that scans its channels alternately forwards and
+//! backwards samples all of them at the same mean instant.
 
 use crate::MAX_CHANNELS;
 
-/// Longest time between two conversions: board and bench are looked at this often, however slow the sampling.
+/// Longest time between two conversions, also when sampling is slow.
 const LONGEST_STEP_US: u32 = 500;
 
-/// From here on a sampling interval has room for four conversions; a shorter one has two.
+/// Shortest sampling interval with four conversions; a shorter one has two.
 const FOUR_FROM_US: u32 = 400;
 
-/// How many conversions there are in a sampling interval: a power of two, at least 2.
+/// Number of conversions in a sampling interval: a power of two, at least 2.
 pub fn conversions_per_sample(sample_period_us: u32) -> u32 {
     let steps = sample_period_us.div_ceil(LONGEST_STEP_US).checked_next_power_of_two().unwrap_or(1);
     steps.max(if sample_period_us < FOUR_FROM_US { 2 } else { 4 })
 }
 
-/// Adds up conversions.
+/// The running sums of conversions.
 #[derive(Debug, Clone, Copy)]
 pub struct Average {
     /// Base-two logarithm of the conversions per interval.
@@ -29,13 +29,13 @@ pub struct Average {
     taken: u32,
     rising: [i64; MAX_CHANNELS],
     falling: [i64; MAX_CHANNELS],
-    /// What the interval before the current one adds to the sample.
+    /// The contribution of the previous interval to the sample.
     before: [i64; MAX_CHANNELS],
     mean: [i16; MAX_CHANNELS],
 }
 
 impl Average {
-    /// Before the first conversion, of so many channels. The first sample lacks what was before it.
+    /// An average of `channels` channels without conversions. The first sample lacks its earlier half.
     pub fn new(sample_period_us: u32, channels: u8) -> Self {
         let none = [0; MAX_CHANNELS];
         let log2 = conversions_per_sample(sample_period_us).trailing_zeros();
@@ -80,7 +80,7 @@ impl Average {
         &self.mean
     }
 
-    /// The weights of both intervals add up to the square of the conversions per interval.
+    /// The sum of all weights is the square of the conversions per interval.
     fn complete(&mut self) {
         let shift = self.log2.wrapping_mul(2);
         let half = 1i64.wrapping_shl(shift) >> 1;

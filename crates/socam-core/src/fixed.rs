@@ -1,4 +1,4 @@
-//! Fixed-point arithmetic that cannot overflow or panic: the tick path's only mathematics.
+//! Fixed-point arithmetic that cannot overflow or panic: all arithmetic of a tick.
 
 /// One in the format of [`sine_q22`].
 pub(crate) const ONE_Q22: i32 = 1 << 22;
@@ -12,17 +12,17 @@ pub(crate) fn scale(value: i32, factor: i64, shift: u32) -> i32 {
     saturate(product.wrapping_add(half).wrapping_shr(shift))
 }
 
-/// `value`, held between `-bound` and `bound`. (`Ord::clamp` would panic on a negative bound.)
+/// `value` clamped to `-bound..=bound`. (`Ord::clamp` would panic on a negative bound.)
 pub(crate) fn within(value: i32, bound: i32) -> i32 {
     value.min(bound).max(bound.saturating_neg())
 }
 
-/// The nearest i32.
+/// `value` saturated to i32.
 pub(crate) fn saturate(value: i64) -> i32 {
     value.max(i64::from(i32::MIN)).min(i64::from(i32::MAX)) as i32
 }
 
-/// How many whole samples of `period_us` fit into `time_us`.
+/// Number of whole samples of `period_us` in `time_us`.
 pub(crate) fn samples_in(time_us: u64, period_us: u32) -> u64 {
     time_us.checked_div(u64::from(period_us)).unwrap_or(0)
 }
@@ -77,8 +77,7 @@ pub(crate) fn sine_q22(phase: u32) -> i32 {
     here + (((next - here) * fraction_q16) >> 16)
 }
 
-/// A well mixed 32-bit number for each `(seed, index)`: the finaliser of MurmurHash3. Being a function and not a state,
-/// it lets a multisine draw its phases without storing them.
+/// A hash of `(seed, index)`: the finaliser of MurmurHash3. Random phases of a multisine are drawn from it.
 pub(crate) fn mix(seed: u32, index: u32) -> u32 {
     let mut x = index.wrapping_mul(0x9e37_79b9).wrapping_add(seed);
     x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);

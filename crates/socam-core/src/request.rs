@@ -1,17 +1,17 @@
-//! What a host may ask of a board, and how a board says no.
+//! Requests of a host to a board, and refusals.
 
 use core::fmt;
 
 use crate::{Config, ConfigError, Fault, Profile, ProfileError, State};
 
-/// What a host may ask. Each one counts as a word from the host.
+/// A request of the host. Each one also counts as a heartbeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with, and requests are rare")]
 pub enum Request {
-    /// "I am here"; due more often than [`Config::host_timeout_us`].
+    /// Heartbeat; must be more frequent than [`Config::host_timeout_us`].
     Heartbeat,
-    /// Replace the configuration; only when idle. Forgets the profile.
+    /// Replace the configuration and unload the profile; only when idle.
     Configure(Config),
     /// Replace the profile; only when idle.
     Load(Profile),
@@ -44,9 +44,9 @@ pub enum Refusal {
     Faulted(Fault),
     /// No profile is loaded.
     NoProfile,
-    /// The profile is not sound.
+    /// The profile is invalid.
     Profile(ProfileError),
-    /// The configuration is not sound.
+    /// The configuration is invalid.
     Config(ConfigError),
 }
 

@@ -1,7 +1,6 @@
 //! A lock-free ring between the sampling interrupt and the sender.
 //!
-//! Made of atomic words with plain loads and stores only: Cortex-M0+ has no compare-and-swap, and this needs no unsafe
-//! code. One side writes `head`, the other `tail`; a sample is visible once `head` is released.
+//! It consists of atomic words with loads and stores only: Cortex-M0+ has no compare-and-swap, and this needs no unsafe code. One side writes `head`, the other `tail`; a sample is visible once `head` is released.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -41,7 +40,7 @@ impl<const N: usize> Ring<N> {
     }
 
     fn slot(&self, position: u32) -> Option<&Slot> {
-        // The mask keeps the index below N; `get` spares the proof to the reader.
+        // The mask keeps the index below N.
         self.slots.get(position as usize & N.wrapping_sub(1))
     }
 }
@@ -76,7 +75,7 @@ impl<const N: usize> Producer<'_, N> {
         true
     }
 
-    /// How many samples found the ring full since power-on.
+    /// Number of samples lost to a full ring since power-on.
     pub fn dropped(&self) -> u32 {
         self.ring.dropped.load(Ordering::Relaxed)
     }
@@ -106,7 +105,7 @@ impl<const N: usize> Consumer<'_, N> {
         Some(unpack(slot))
     }
 
-    /// Samples waiting.
+    /// Number of waiting samples.
     pub fn len(&self) -> usize {
         let head = self.ring.head.load(Ordering::Acquire);
         head.wrapping_sub(self.ring.tail.load(Ordering::Relaxed)) as usize
@@ -117,13 +116,13 @@ impl<const N: usize> Consumer<'_, N> {
         self.len() == 0
     }
 
-    /// Forgets all waiting samples.
+    /// Drops all waiting samples.
     pub fn clear(&mut self) {
         let head = self.ring.head.load(Ordering::Acquire);
         self.ring.tail.store(head, Ordering::Release);
     }
 
-    /// How many samples found the ring full since power-on.
+    /// Number of samples lost to a full ring since power-on.
     pub fn dropped(&self) -> u32 {
         self.ring.dropped.load(Ordering::Relaxed)
     }

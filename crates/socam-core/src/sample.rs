@@ -2,14 +2,14 @@
 
 use crate::{MAX_CHANNELS, State};
 
-/// Everything known about one sampling instant.
+/// Inputs, output and state at one sampling instant.
 ///
-/// `counts` were read just before `output_count` was written: a model with zero-order hold sees `output_count` act from
-/// this tick to the next, and `counts` as the bench's state at this tick.
+/// `counts` were read just before `output_count` was written: `output_count` acts from this tick to the next
+/// (zero-order hold), and `counts` are the bench's state at this tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
-    /// Place on the time grid since power-on: device time is `tick * sample_period_us`. Jumps where ticks were overrun;
+    /// Number of the tick since power-on: device time is `tick * sample_period_us`. Jumps where ticks were overrun;
     /// wraps after 2^32 (119 h at 10 kHz).
     pub tick: u32,
     /// Counts samples since streaming was switched on, without gaps: a gap at the receiver is a loss on the way.
@@ -18,15 +18,15 @@ pub struct Sample {
     pub counts: [i16; MAX_CHANNELS],
     /// Count written to the output at this tick.
     pub output_count: i16,
-    /// What the profile asked for, in a millionth of V or rad/s.
+    /// The profile's setpoint, in a millionth of V or rad/s.
     pub setpoint_micro: i32,
-    /// The profile's phase: step, leg, period or sweep number, see [`crate::Setpoint::segment`].
+    /// Number of the profile's part: level, half period, period or sweep, see [`crate::Setpoint::segment`].
     pub segment: u16,
-    /// State of the board and remarks on this sample.
+    /// State of the board and flags of this sample.
     pub flags: Flags,
 }
 
-/// The board's [`State`] at a sample, and remarks on the sample.
+/// The board's [`State`] at a sample, and flags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flags(pub u8);
@@ -34,27 +34,27 @@ pub struct Flags(pub u8);
 impl Flags {
     /// The low bits hold the state's code.
     const STATE: u8 = 0x07;
-    /// A limit (slew, amplitude or output clamp) changed what the profile asked for.
+    /// A limit (slew, amplitude or output clamp) changed the setpoint.
     pub const LIMITED: u8 = 0x10;
     /// One or more ticks were missed just before this sample.
     pub const OVERRUN: u8 = 0x20;
     /// The converter did not answer: `counts` are not measurements.
     pub const NO_READING: u8 = 0x40;
 
-    /// The flags of a sample taken in `state`, without remarks.
+    /// The flags of a sample in `state`, none set.
     pub fn new(state: State) -> Self {
         Self(state.code() & Self::STATE)
     }
 
-    /// Adds `remark` where `condition` holds.
+    /// Sets a flag where `condition` holds.
     #[must_use]
-    pub fn with(self, remark: u8, condition: bool) -> Self {
-        if condition { Self(self.0 | remark) } else { self }
+    pub fn with(self, flag: u8, condition: bool) -> Self {
+        if condition { Self(self.0 | flag) } else { self }
     }
 
-    /// Whether `remark` was made.
-    pub fn has(self, remark: u8) -> bool {
-        self.0 & remark != 0
+    /// Whether a flag is set.
+    pub fn has(self, flag: u8) -> bool {
+        self.0 & flag != 0
     }
 
     /// The board's state; `None` for a code that this version does not know.

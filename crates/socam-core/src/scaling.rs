@@ -1,6 +1,6 @@
-//! Counts, volts and SI: the one place where they are converted, and where the default bench's constants stand.
+//! Conversions between counts, volts and SI, and the constants of the default bench.
 //!
-//! Floating point ends here: what a board works with at a tick is the integer [`Scale`] and its like.
+//! Only this module uses floating point; a board's tick works with integers such as [`Scale`].
 
 use core::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ impl Converter {
         i16::MAX >> 16u8.saturating_sub(self.bits.clamp(2, 16))
     }
 
-    /// The voltage that `count` stands for.
+    /// The voltage of a count.
     pub fn volts(&self, count: i16) -> f64 {
         f64::from(count) * self.volts_per_count()
     }
@@ -44,7 +44,7 @@ impl Converter {
     }
 }
 
-/// How a sensor's voltage relates to what it measures: `volts = offset_v + volts_per_unit * value`.
+/// A sensor's voltage over its measured quantity: `volts = offset_v + volts_per_unit * value`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
     /// Sensitivity, in volt per SI unit of the channel (rad/s, N m, V, A).
@@ -64,7 +64,7 @@ impl Sensor {
     /// Output torque sensor: +-40 N m over +-10 V, eight times the thesis' largest mean torque of 4.9 N m. Chosen, as above.
     pub const TORQUE_OUT: Self = Self { volts_per_unit: 0.25, offset_v: 0.0 };
 
-    /// The value, in the channel's SI unit, that `volts` stands for.
+    /// The value at `volts`, in the channel's SI unit.
     pub fn value(&self, volts: f64) -> f64 {
         (volts - self.offset_v) / self.volts_per_unit
     }
@@ -74,7 +74,7 @@ impl Sensor {
         self.offset_v + self.volts_per_unit * value
     }
 
-    /// The integer form for this sensor on `converter`; saturates where a sensitivity of 0 would ask for infinity.
+    /// The integer form for this sensor on `converter`; saturates at a sensitivity of 0.
     pub fn scale(&self, converter: &Converter) -> Scale {
         let micro_per_count = converter.volts_per_count() / self.volts_per_unit * 1e6;
         Scale {
@@ -90,7 +90,7 @@ impl Sensor {
 pub struct MotorCalibration {
     /// Slope.
     pub rpm_per_volt: f64,
-    /// Speed that the line reaches at 0 V; negative where friction must be overcome first.
+    /// Speed of the line at 0 V; negative with friction.
     pub offset_rpm: f64,
 }
 
@@ -157,7 +157,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// What `count` stands for, in millionths of the channel's SI unit, saturated.
+    /// The value at `count`, in millionths of the channel's SI unit, saturated.
     pub fn value_micro(&self, count: i16) -> i32 {
         fixed::scale(i32::from(count), self.micro_per_count_q16, 16).saturating_add(self.offset_micro)
     }
@@ -165,12 +165,12 @@ impl Scale {
 
 const TWO_POW_32: f64 = 4_294_967_296.0;
 
-/// Counts per microvolt of a converter, in 1/2^32: the form that [`crate::Output`] wants.
+/// Counts per microvolt of a converter, in 1/2^32, as in [`crate::Output`].
 pub fn counts_per_uv_q32(converter: &Converter) -> i64 {
     round(TWO_POW_32 / (converter.volts_per_count() * 1e6)) as i64
 }
 
-/// `value` in millionths, rounded and saturated: the way from a file's SI value to an integer setting.
+/// `value` in millionths, rounded and saturated.
 pub fn micro(value: f64) -> i32 {
     round(value * 1e6) as i32
 }

@@ -1,4 +1,4 @@
-//! The time grid: which tick a sampling instant belongs to, and how many ticks were missed.
+//! The ticks of the sampling period: number of the present one, and number of missed ones.
 
 /// Counts ticks of a fixed period since the first.
 #[derive(Debug, Clone, Copy)]
@@ -15,13 +15,13 @@ impl Schedule {
         Self { period_us: period_us.max(1), due_us: None, tick: 0, overruns: 0 }
     }
 
-    /// A new period; tick numbers go on.
+    /// Sets a new period; tick numbers continue.
     pub(crate) fn set_period(&mut self, period_us: u32) {
         self.period_us = period_us.max(1);
         self.due_us = None;
     }
 
-    /// Takes note of a sampling instant at `now_us`; returns how many ticks were missed before it.
+    /// Advances to a sampling instant at `now_us`; returns the number of ticks missed before it.
     pub(crate) fn advance(&mut self, now_us: u64) -> u32 {
         let Some(last_due_us) = self.due_us else {
             self.due_us = Some(now_us);
@@ -29,10 +29,10 @@ impl Schedule {
             return 0;
         };
         let due_us = last_due_us.wrapping_add(u64::from(self.period_us));
-        // Early, or a clock that went back: no tick was missed.
+        // Early, or the clock decreased: no tick was missed.
         let late_us = now_us.saturating_sub(due_us);
         let late_us = u32::try_from(late_us).unwrap_or(u32::MAX);
-        // The common case costs no division, which the board has to do in software.
+        // The common case avoids a division, which the board does in software.
         let missed =
             if late_us < self.period_us { 0 } else { late_us.checked_div(self.period_us).unwrap_or(0) };
         let skipped_us = u64::from(missed).wrapping_mul(u64::from(self.period_us));

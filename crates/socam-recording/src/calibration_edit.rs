@@ -1,31 +1,31 @@
-//! Measured sensors and motors put into the text of a calibration file; comments, order and all else stay.
+//! Writes measured sensors and motors into the text of a calibration file; comments and order are kept.
 
 use socam_core::scaling::Sensor;
 
 use crate::calibration_file::{Calibration, MotorStd};
 use crate::settings::SettingsError;
 
-/// A channel's sensor as it was measured.
+/// A measured sensor of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSensor {
     /// Name of the channel.
     pub channel: String,
     /// Volts over SI.
     pub sensor: Sensor,
-    /// Standard uncertainty of the sensitivity, as a part of it.
+    /// Relative standard uncertainty of the sensitivity.
     pub gain_std: f64,
     /// Standard uncertainty of the voltage at zero, V.
     pub offset_v_std: f64,
 }
 
-/// A motor's steady speed as it was measured, rpm over V.
+/// A measured line of the motor's steady speed over voltage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredMotor {
     /// rpm per V.
     pub rpm_per_volt: f64,
     /// rpm.
     pub offset_rpm: f64,
-    /// How well both are known.
+    /// Standard uncertainties of both.
     pub std: MotorStd,
 }
 
@@ -52,7 +52,7 @@ pub fn edit_calibration(
                 names.join(", ")
             )));
         };
-        // SI per unit of the file, from what the file says of the sensor itself.
+        // SI per unit of the file, from the sensor's own entry.
         let in_file = table.get("volts_per_unit").and_then(number).unwrap_or(1.0);
         let si = in_file / before.channels[index].sensor.volts_per_unit;
         let sensitivity = measured.sensor.volts_per_unit * si;
@@ -72,12 +72,12 @@ pub fn edit_calibration(
         }
     }
     let edited = document.to_string();
-    // What is written can be read, or is not written.
+    // The new text must be a valid calibration.
     Calibration::parse(&edited)?;
     Ok(edited)
 }
 
-/// A value in place of the old one, whose comment does not speak of it.
+/// Replaces a value and drops its comment, which refers to the old value.
 fn set(table: &mut toml_edit::Table, key: &str, value: f64) {
     let digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
     table[key] = toml_edit::value(digits(value));

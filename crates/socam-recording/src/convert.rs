@@ -15,11 +15,11 @@ use crate::output_file::OutputFile;
 /// Times beyond this (centuries) do not fit a log's nanoseconds.
 const LARGEST_TIME_S: f64 = 8e9;
 
-/// Times above this count from 1970 rather than from the recording's start.
+/// Times above this are seconds since 1970, not since the recording's start.
 const EPOCH_TIME_S: f64 = 1e8;
 
 /// Writes a recording as CSV, `t_s` first; numbers are the shortest text that reads back as the same value, and a missing
-/// value is an empty cell. The file appears whole or not at all.
+/// value is an empty cell. The file is written completely or not at all.
 ///
 /// # Errors
 /// When the recording cannot be read again or the file cannot be written.
@@ -69,7 +69,7 @@ fn quoted(name: &str) -> String {
 }
 
 /// Writes a recording as an MCAP log, with its origin and the given notes as metadata, and the given files as attachments. Times and values come back exactly.
-/// The file appears whole or not at all.
+/// The file is written completely or not at all.
 ///
 /// # Errors
 /// When the recording is MCAP already, cannot be read again, or the file cannot be written.

@@ -1,13 +1,13 @@
-//! Where files are: on the disk; in a browser, those that were handed over to the page.
+//! Access to files: on the disk, or in a browser those that were given to the page.
 
 use std::io;
 use std::path::Path;
 
-/// A file that is read.
+/// A readable file.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) type File = std::fs::File;
 
-/// Opens a file, and says how many bytes it has.
+/// Opens a file; returns it with its length in bytes.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
     let file = File::open(path)?;
@@ -39,7 +39,7 @@ mod handed_over {
         Ok((Cursor::new(bytes.clone()), bytes.len() as u64))
     }
 
-    /// Makes a file known by a name, under which it is then opened like one on a disk.
+    /// Registers a file under a name, by which it is then opened like one on a disk.
     pub fn hand_over(name: impl Into<PathBuf>, bytes: Vec<u8>) {
         FILES.lock().unwrap_or_else(PoisonError::into_inner).insert(name.into(), bytes.into());
     }

@@ -1,4 +1,4 @@
-//! Which format a file is in, told by its content.
+//! Detects the format of a file by its content.
 
 use std::io::Read;
 use std::path::Path;
@@ -20,7 +20,7 @@ pub enum Format {
     LegacyM,
     /// A CSV table of steady states, whose first column is `point_1`.
     SteadyStates,
-    /// Columns that were made in memory.
+    /// Columns in memory.
     Memory,
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Display for Format {
 
 const MCAP_MAGIC: &[u8] = mcap::MAGIC;
 
-/// Beginnings of files that people hand over by mistake, and what to call them.
+/// First bytes of files of other kinds, with their names for the error.
 const FOREIGN: [(&[u8], &str); 8] = [
     (
         b"MATLAB 5.0 MAT-file",
@@ -53,13 +53,13 @@ const FOREIGN: [(&[u8], &str); 8] = [
     (b"MDF ", "is an MDF measurement file (save the channels as .csv)"),
 ];
 
-/// Looks at a file's first bytes.
+/// Detects the format by a file's first bytes.
 ///
 /// # Errors
 /// When it cannot be read, is a directory, a pipe or a device, is empty, or is in no known format.
 pub fn detect(path: &Path) -> Result<Format> {
     let foreign = |found: String| RecordingError::Foreign { path: path.into(), found };
-    // Opening a pipe would wait for someone to write. In a browser there are none.
+    // Opening a pipe would block until another process writes. A browser has no pipes.
     #[cfg(not(target_arch = "wasm32"))]
     {
         let there = path.metadata().map_err(|e| RecordingError::io(path, "open", e))?;
@@ -116,7 +116,7 @@ fn detect_text(path: &Path, head: &[u8]) -> Option<Format> {
     {
         return Some(Format::LegacyM);
     }
-    // A wrong header or line is better explained by the reader of the format that the name promises.
+    // The reader of the format that the file's name says explains a wrong header or line better.
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
         "csv" => Some(Format::Csv),

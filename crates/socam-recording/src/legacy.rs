@@ -15,7 +15,7 @@ use crate::{Channel, Unit};
 /// Columns of the program's log: four inputs, then the command.
 const COLUMNS: usize = 5;
 
-/// A log as it was written: all in volts.
+/// A log as written, all in volts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegacyLog {
     /// `samprate`: the step between rows, s (despite its name; a value above 1 is taken as a rate in Hz).
@@ -33,8 +33,8 @@ pub struct LegacyLog {
 /// Inputs of the program's converter.
 pub(crate) const INPUTS: usize = COLUMNS - 1;
 
-/// How the inputs become channels, in their order; inputs beyond these are left aside. The program's log does not say what was
-/// wired to which input.
+/// The channel of each input, in order; further inputs are ignored. The program's log does not say which sensor was connected to
+/// which input.
 ///
 /// The default takes input 0 as the input tachometer and input 1 as the output tachometer. The thesis' sensitivities of the torque
 /// sensors are contradictory (see [`Sensor::TORQUE_IN`]), so inputs 2 and 3 stay in volts until a calibration is given.
@@ -60,7 +60,7 @@ impl From<&Calibration> for Wiring {
 }
 
 impl LegacyLog {
-    /// Reads a log, `data=[...]` or `data={...}`. The program never logged more than 10 000 rows, so all are held.
+    /// Reads a log, `data=[...]` or `data={...}`. The program never logged more than 10 000 rows, so all are kept in memory.
     ///
     /// # Errors
     /// When the file cannot be read, a setting or row is not made of numbers, or `samprate` or the data are missing.

@@ -1,4 +1,4 @@
-//! Output files that are there whole or not at all.
+//! Output files that are written completely or not at all.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{RecordingError, Result};
 
-/// A file written beside its place under another name (`NAME.part`) and put there by [`OutputFile::commit`]; dropping it
-/// before leaves nothing. What is not a regular file (a pipe, a terminal) is written directly.
+/// A file that is written as `NAME.part` in the same folder and renamed by [`OutputFile::commit`]; dropping it before removes it.
+/// A target that is not a regular file (a pipe, a terminal) is written directly.
 #[derive(Debug)]
 pub struct OutputFile {
     target: PathBuf,
@@ -16,7 +16,7 @@ pub struct OutputFile {
 }
 
 impl OutputFile {
-    /// Starts a file that will stand at `target`, replacing what is there.
+    /// Starts a file that will replace `target`.
     ///
     /// # Errors
     /// When it cannot be created.
@@ -44,21 +44,21 @@ impl OutputFile {
         })
     }
 
-    /// A second handle of the file, for a writer that brings its own buffer.
+    /// A second handle of the file, for a writer with its own buffer.
     pub(crate) fn handle(&self) -> Result<File> {
         self.file.get_ref().try_clone().map_err(|e| self.fail(e))
     }
 
-    /// Where the content is until it is committed; `None` where it goes to its place directly.
+    /// Path of the content until it is committed; `None` where the target is written directly.
     #[must_use]
     pub fn temporary(&self) -> Option<&Path> {
         self.temporary.as_deref()
     }
 
-    /// Brings the content to the disk and the file to its place.
+    /// Syncs the content to the disk and renames the file.
     ///
     /// # Errors
-    /// When the content could not be written; nothing is left then.
+    /// When the content could not be written; no file is left then.
     pub fn commit(mut self) -> Result<()> {
         self.file.flush().map_err(|e| self.fail(e))?;
         let Some(temporary) = &self.temporary else {

@@ -1,15 +1,14 @@
-//! Uniform stretches of a recording and the gaps between them, found in one pass.
+//! Segments of a recording without gaps, found in one pass.
 
 use serde::Serialize;
 
-/// A step longer than this many sample times is a gap. Jitter of a timer stays far below, one lost sample (2) above.
+/// A step longer than this many sample times is a gap. Timer jitter is far below, one lost sample (2) above.
 pub const GAP_STEPS: f64 = 1.5;
 
-/// Steps looked at before the sample time is taken for known. The median of these is not moved by gaps unless every
-/// second step is one.
+/// Number of steps whose median is the sample time. Gaps do not change the median unless every second step is one.
 const STEPS_FOR_MEDIAN: usize = 1024;
 
-/// A stretch of rows without a gap.
+/// Consecutive rows without a gap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Segment {
     /// Index of the first row in the dataset, from 0.
@@ -27,17 +26,17 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// The row after its last.
+    /// Index of the row after its last.
     #[must_use]
     pub fn end_row(&self) -> u64 {
         self.first_row + self.rows
     }
 }
 
-/// Finds segments while times stream by.
+/// Finds segments in one pass over the times.
 #[derive(Debug)]
 pub(crate) struct SegmentFinder {
-    /// Times seen before the sample time is known.
+    /// The first times, until the sample time is known.
     waiting: Vec<f64>,
     sample_time_s: Option<f64>,
     done: Vec<Segment>,
@@ -83,7 +82,7 @@ impl SegmentFinder {
         Self { waiting: Vec::new(), sample_time_s: None, done: Vec::new(), open: None, rows: 0 }
     }
 
-    /// Takes the next row's time, which must be later than all before.
+    /// Appends the next row's time, which must be later than all before.
     pub(crate) fn push(&mut self, time_s: f64) {
         if self.sample_time_s.is_some() {
             self.place(time_s);

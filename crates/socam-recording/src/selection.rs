@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{RecordingError, Result};
 
-/// A file and the span of time wanted from it.
+/// A file and a span of its time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// The file.
@@ -16,9 +16,9 @@ pub struct Selection {
 /// A half-open span of a recording's own time, `from_s <= t_s < to_s`, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
-    /// First time taken; minus infinity when open.
+    /// First time of the span; minus infinity when open.
     pub from_s: f64,
-    /// First time no longer taken; plus infinity when open.
+    /// First time after the span; plus infinity when open.
     pub to_s: f64,
 }
 
@@ -41,7 +41,7 @@ impl Selection {
     }
 
     /// Reads `RUN` or `RUN@FROM..TO`; either end may be left open (`RUN@2..`). An `@` that is not followed by a span
-    /// belongs to the file's name, and a file that has the whole text as its name is taken as it is.
+    /// belongs to the file's name, and an existing file with the whole text as its name is taken as such.
     ///
     /// # Errors
     /// When the span is backwards, empty, or not made of numbers.
@@ -67,7 +67,7 @@ impl Selection {
         Ok(Self { path: path.into(), span: Span { from_s, to_s } })
     }
 
-    /// The recording's name in results: the text it was named by.
+    /// The recording's name in results: the text of the selection.
     #[must_use]
     pub fn name(&self) -> String {
         let path = self.path.display();

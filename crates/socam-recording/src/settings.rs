@@ -1,4 +1,4 @@
-//! Reads TOML settings key by key, so that every complaint names the line, the key and what was expected.
+//! Reads TOML settings key by key, so that every error names the line, the key and what was expected.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -17,12 +17,12 @@ pub struct SettingsError {
 }
 
 impl SettingsError {
-    /// A complaint about the file as a whole.
+    /// An error of the file as a whole.
     pub(crate) fn new(message: impl Into<String>) -> Self {
         Self { file: None, line: None, message: message.into() }
     }
 
-    /// Names the file that is to blame.
+    /// Adds the file's path.
     pub(crate) fn in_file(mut self, file: &Path) -> Self {
         self.file = Some(file.to_owned());
         self
@@ -49,14 +49,14 @@ pub(crate) fn read(path: &Path) -> Result<String, SettingsError> {
         .map_err(|e| SettingsError::new(format!("cannot be read: {e}")).in_file(path))
 }
 
-/// One table of a settings file. Its getters note what is wrong and go on with a stand-in; [`Fields::finish`] tells.
+/// One table of a settings file. Its getters record errors and return a default; [`Fields::finish`] returns the first error.
 pub(crate) struct Fields<'t> {
     text: &'t str,
-    /// Where the table begins.
+    /// Start of the table in the file.
     line: usize,
     values: BTreeMap<String, Spanned<DeValue<'t>>>,
     known: Vec<String>,
-    /// Answers that cannot be used, and after them what is missing altogether.
+    /// Errors of invalid values, then of missing keys.
     problems: Vec<SettingsError>,
     missing: Vec<SettingsError>,
 }
@@ -76,8 +76,8 @@ impl<'t> Fields<'t> {
         Self { text, line, values, known: Vec::new(), problems: Vec::new(), missing: Vec::new() }
     }
 
-    /// All keys must have been asked for, and every answer must have been usable. A wrong answer comes first (the word for a
-    /// shape decides which keys exist), then a key that nobody knows (the likely reason why another is missing).
+    /// Succeeds when every key was read and every value was valid. Invalid values are reported first (the word of a shape decides
+    /// which keys exist), then unknown keys (the likely reason for a missing one), then missing keys.
     pub(crate) fn finish(self) -> Result<(), SettingsError> {
         if let Some(problem) = self.problems.into_iter().next() {
             return Err(problem);
@@ -98,7 +98,7 @@ impl<'t> Fields<'t> {
         self.missing.into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// Notes that this table does not make sense as a whole.
+    /// Records an error of the table as a whole.
     pub(crate) fn complain(&mut self, message: String) {
         self.note(self.line, message);
     }
@@ -124,7 +124,7 @@ impl<'t> Fields<'t> {
         None
     }
 
-    /// A number that may be left out.
+    /// An optional number.
     pub(crate) fn maybe_number(&mut self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         let (line, value) = self.take(key)?;
         let expected = format!("a number from {} to {}", range.start(), range.end());
@@ -147,7 +147,7 @@ impl<'t> Fields<'t> {
         self.maybe_number(key, range).unwrap_or(0.0)
     }
 
-    /// A number without fraction that may be left out.
+    /// An optional whole number.
     pub(crate) fn maybe_whole(&mut self, key: &str, range: RangeInclusive<u32>) -> Option<u32> {
         let (line, value) = self.take(key)?;
         let expected = format!("a whole number from {} to {}", range.start(), range.end());
@@ -160,7 +160,7 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// A number without fraction.
+    /// A whole number.
     pub(crate) fn whole(&mut self, key: &str, range: RangeInclusive<u32>) -> u32 {
         if !self.values.contains_key(key) {
             self.missing(key, &format!("a whole number from {} to {}", range.start(), range.end()));
@@ -168,7 +168,7 @@ impl<'t> Fields<'t> {
         self.maybe_whole(key, range).unwrap_or(0)
     }
 
-    /// true or false; false where it is left out.
+    /// true or false; false by default.
     pub(crate) fn flag(&mut self, key: &str) -> bool {
         let Some((line, value)) = self.take(key) else {
             return false;
@@ -179,14 +179,14 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// The file's schema: it may be left out, but must not be another one.
+    /// The file's schema: optional, but not another one.
     pub(crate) fn schema(&mut self, expected: &str) {
         if let Some(schema) = self.maybe_text("schema").filter(|schema| schema != expected) {
             self.complain(format!("schema is \"{schema}\", but this version reads \"{expected}\""));
         }
     }
 
-    /// A text that may be left out.
+    /// An optional text.
     pub(crate) fn maybe_text(&mut self, key: &str) -> Option<String> {
         let (line, value) = self.take(key)?;
         match value.as_str() {
@@ -203,7 +203,7 @@ impl<'t> Fields<'t> {
         self.maybe_text(key).unwrap_or_default()
     }
 
-    /// One of several words that may be left out.
+    /// An optional word of several.
     pub(crate) fn maybe_choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let (line, value) = self.take(key)?;
         let chosen = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
@@ -213,7 +213,7 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// One of several words; the first where it cannot be read.
+    /// One of several words; the first one after an error.
     pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> T {
         if !self.values.contains_key(key) {
             self.missing(key, &one_of(choices));
@@ -221,7 +221,7 @@ impl<'t> Fields<'t> {
         self.maybe_choice(key, choices).unwrap_or(choices[0].1)
     }
 
-    /// A table inside this one; read as if it were empty where it is left out.
+    /// A table inside this one; read as empty if missing.
     pub(crate) fn table<T>(&mut self, key: &str, read: impl FnOnce(&mut Fields<'t>) -> T) -> T {
         let table = match self.take(key) {
             Some((line, DeValue::Table(table))) => Some(Fields::over(self.text, line, table)),
@@ -234,7 +234,7 @@ impl<'t> Fields<'t> {
         value
     }
 
-    /// The tables of a list, of which there must be one at least.
+    /// The tables of a list; at least one.
     pub(crate) fn tables<T>(&mut self, key: &str, mut read: impl FnMut(&mut Fields<'t>) -> T) -> Vec<T> {
         let expected = format!("one table [[{key}]] or more");
         let tables = match self.take(key) {

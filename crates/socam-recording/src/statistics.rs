@@ -1,13 +1,13 @@
-//! Smallest, largest, mean and spread of a channel, in one pass.
+//! Least, greatest, mean and standard deviation of a channel, in one pass.
 
 use serde::Serialize;
 
-/// What one channel holds, over all its present values.
+/// Statistics of one channel over its present values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Values present.
+    /// Number of values.
     pub count: u64,
-    /// Rows without a value of this channel.
+    /// Number of rows without a value.
     pub missing: u64,
     /// Smallest value, in the channel's unit; `None` when no value is present.
     pub min: Option<f64>,
@@ -19,7 +19,7 @@ pub struct Statistics {
     pub std: Option<f64>,
 }
 
-/// Moments of blocks, put together by Chan's formula: no cancellation when the mean is large.
+/// Moments of blocks, combined by Chan's formula: no cancellation when the mean is large.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Running {
     count: u64,
@@ -35,7 +35,7 @@ impl Running {
         Self { count: 0, missing: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, squares: 0.0 }
     }
 
-    /// Takes values; NaN counts as missing.
+    /// Appends values; NaN counts as missing.
     pub(crate) fn take(&mut self, values: &[f64]) {
         let present = || values.iter().copied().filter(|value| !value.is_nan());
         let Some(near) = present().next() else {

@@ -9,16 +9,16 @@ use crate::format::{self, Format};
 use crate::line_problem::LineProblem;
 use crate::warning::Warning;
 
-/// A table of operating points. Small by nature, so all of it is held.
+/// A table of operating points, all of it in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steady {
-    /// The file it came from, as it was named.
+    /// The file's path as given.
     pub name: String,
     /// Channels; each row has its values in this order.
     pub channels: Vec<Channel>,
     /// Operating points in the file's order; at least one.
     pub rows: Vec<SteadyRow>,
-    /// Columns left aside.
+    /// Columns that are not read.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,7 +1,7 @@
 //! Units of channels, and how a CSV column names them.
 //!
-//! A column is a channel's name followed by its unit's suffix (`motor_speed_rad_s`). Inside, all is SI: these are the only
-//! units a recording carries. Other units are converted before they get here.
+//! A column is a channel's name followed by its unit's suffix (`motor_speed_rad_s`). These SI units are the only ones
+//! of a recording; other units are converted before.
 
 use serde::{Deserialize, Serialize};
 
@@ -83,7 +83,7 @@ impl Unit {
         }
     }
 
-    /// The unit as people write it.
+    /// The unit's symbol.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {

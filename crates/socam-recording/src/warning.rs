@@ -1,6 +1,6 @@
-//! What is said of a recording besides its rows: where it was cut off, and what was left aside.
+//! Warnings of a recording: what was not read, and where it is cut off.
 
-/// Where a recording that was cut off ends, and what is known to be missing.
+/// The end of a recording that is cut off, and what is missing.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Cut {
     /// The byte after the last whole record.
@@ -11,7 +11,7 @@ pub struct Cut {
     pub missing: String,
 }
 
-/// Something left aside on opening; not an error, but somebody should know.
+/// A warning from opening a recording: something is not read or missing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
@@ -33,7 +33,7 @@ pub enum Warning {
         /// The column's name.
         column: String,
     },
-    /// A recording that was cut off.
+    /// A recording that is cut off.
     #[error("the recording is cut off: {missing}")]
     CutOff {
         /// What is missing, in words.
@@ -53,7 +53,7 @@ pub enum Warning {
         /// How many.
         samples: u64,
     },
-    /// Anything a reader of one format has to say.
+    /// Any other note of a reader.
     #[error("{0}")]
     Note(String),
 }

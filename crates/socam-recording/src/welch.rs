@@ -1,11 +1,10 @@
-//! Welch's method: the transforms of windowed pieces of a signal, whose mean square is its power density.
+//! Welch's method: Fourier transforms of windowed segments of a signal, whose mean square is its power density.
 
 use std::sync::Arc;
 
 use socam_fft::{Complex, RealToComplex};
 
-/// Transforms pieces of one length through a Hann window. How pieces follow each other (half overlapping is usual) and what is
-/// summed up over them is the caller's.
+/// Transforms segments of one length with a Hann window. The caller chooses the overlap (usually half) and sums over segments.
 pub struct Welch {
     fft: Arc<dyn RealToComplex<f64>>,
     window: Vec<f64>,
@@ -20,7 +19,7 @@ impl std::fmt::Debug for Welch {
 }
 
 impl Welch {
-    /// For pieces of `length` samples; at least one.
+    /// For segments of `length` samples; at least one.
     #[must_use]
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
@@ -34,39 +33,38 @@ impl Welch {
         }
     }
 
-    /// Samples in a piece.
+    /// Number of samples of a segment.
     #[must_use]
     pub fn length(&self) -> usize {
         self.window.len()
     }
 
-    /// Lines in a transform: from zero to half the sampling frequency.
+    /// Number of lines of a transform: from zero to half the sampling frequency.
     #[must_use]
     pub fn lines(&self) -> usize {
         self.output.len()
     }
 
-    /// The transform of the piece that these values begin with. A value that is not finite makes all lines so; where there are too
-    /// few values, zeros follow.
+    /// The transform of the first segment of these values, padded with zeros. A value that is not finite makes all lines not finite.
     pub fn transform(&mut self, values: impl IntoIterator<Item = f64>) -> &[Complex<f64>] {
         let mut values = values.into_iter();
         for (input, weight) in self.input.iter_mut().zip(&self.window) {
             *input = values.next().unwrap_or(0.0) * weight;
         }
-        // It only fails for buffers of a wrong length, and these are its own.
+        // It fails only for buffers of a wrong length, and these have the right one.
         if self.fft.process(&mut self.input, &mut self.output).is_err() {
             self.output.fill(Complex::new(f64::NAN, f64::NAN));
         }
         &self.output
     }
 
-    /// Hz from line to line, for samples every `step_s`.
+    /// Distance of lines, Hz, for samples every `step_s`.
     #[must_use]
     pub fn step_hz(&self, step_s: f64) -> f64 {
         1.0 / (step_s * self.length() as f64)
     }
 
-    /// What turns a sum of squared lines over so many pieces into a one-sided power density, unit squared per Hz.
+    /// Factor from the sum of squared lines over this many segments to the one-sided power density, unit squared per Hz.
     #[must_use]
     pub fn density_per_sum(&self, step_s: f64, pieces: u64) -> f64 {
         let weight: f64 = self.window.iter().map(|weight| weight * weight).sum();
@@ -74,7 +72,7 @@ impl Welch {
     }
 }
 
-/// Values less their mean.
+/// Values minus their mean.
 pub fn without_mean(values: &[f64]) -> impl Iterator<Item = f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter().map(move |value| value - mean)

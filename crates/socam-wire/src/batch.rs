@@ -5,14 +5,14 @@ use core::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use socam_core::{Flags, MAX_CHANNELS, Sample};
 
-/// Most samples of a batch.
+/// Largest number of samples in a batch.
 pub const BATCH_SAMPLES: usize = 32;
 
 /// Output count (2), setpoint (4) and flags (1).
 const FIXED_BYTES: usize = 7;
 const MAX_BYTES: usize = BATCH_SAMPLES * (FIXED_BYTES + 2 * MAX_CHANNELS);
 
-/// Samples that follow each other without a gap, of one segment of the profile: what they share is sent once.
+/// Consecutive samples of one segment of the profile; what they have in common is sent once.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Unchecked")]
 pub struct SampleBatch {
@@ -23,12 +23,12 @@ pub struct SampleBatch {
     data: Data,
 }
 
-/// What a sample needs for its place in a batch: nothing else may follow.
+/// The sample does not continue the batch, or the batch is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct DoesNotFollow;
 
 impl SampleBatch {
-    /// A batch of one sample, of which `channels` counts are sent.
+    /// A batch of one sample with its first `channels` counts.
     pub fn new(first: &Sample, channels: u8) -> Self {
         let mut batch = Self {
             first_tick: first.tick,
@@ -54,13 +54,13 @@ impl SampleBatch {
         Ok(())
     }
 
-    /// How many samples it holds.
+    /// Number of samples.
     #[expect(clippy::len_without_is_empty, reason = "a batch is never empty")]
     pub fn len(&self) -> usize {
         self.data.len / self.stride()
     }
 
-    /// How many channels each sample has.
+    /// Number of channels of each sample.
     pub fn channels(&self) -> usize {
         usize::from(self.channels)
     }
@@ -109,7 +109,7 @@ impl fmt::Debug for SampleBatch {
     }
 }
 
-/// A batch as it arrives, before its lengths were compared.
+/// A received batch whose lengths are not checked yet.
 #[derive(Deserialize)]
 struct Unchecked {
     first_tick: u32,

@@ -1,4 +1,4 @@
-//! Bytes to messages, whatever the bytes.
+//! Decodes messages from any stream of bytes.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::SCHEMA_VERSION;
 use crate::encoder::{CHECKSUM, HEAD, MAX_FRAME, TAIL};
 
-/// What went wrong on a link.
+/// An error of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LinkError {
     /// Bytes that are no frame, or a damaged one.
@@ -26,21 +26,21 @@ pub enum LinkError {
         /// How many.
         frames: u32,
     },
-    /// The latest frame came again; it was left out.
+    /// The latest frame was repeated; it is ignored.
     Repeated {
         /// Its number.
         seq: u32,
     },
-    /// A frame came after a later one (or came again); it was left out.
+    /// A frame arrived after a later one (or again); it is ignored.
     Reordered {
         /// Its number.
         seq: u32,
-        /// The number that was due.
+        /// The expected number.
         expected: u32,
     },
-    /// The peer began to count anew: it was restarted. What it sent before may be incomplete.
+    /// The peer counts frames from 0 again: it was restarted, and its earlier messages may be incomplete.
     Restarted,
-    /// A sound frame of our version with a message that we do not know: same version, different program.
+    /// An intact frame of this version with an unknown message: same version, different program.
     Unreadable {
         /// Its number.
         seq: u32,
@@ -69,10 +69,10 @@ impl fmt::Display for LinkError {
 
 impl core::error::Error for LinkError {}
 
-/// How often each [`LinkError`] happened.
+/// Counts of each [`LinkError`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LinkCounts {
-    /// Stretches of bytes that were no frame.
+    /// Runs of bytes that were no frame.
     pub corrupt: u32,
     /// Frames of another version.
     pub foreign: u32,
@@ -84,7 +84,7 @@ pub struct LinkCounts {
     pub reordered: u32,
     /// Restarts of the peer.
     pub restarted: u32,
-    /// Messages that are not known.
+    /// Unknown messages.
     pub unreadable: u32,
 }
 
@@ -103,7 +103,7 @@ impl LinkCounts {
         *counter = counter.saturating_add(by);
     }
 
-    /// All of them together.
+    /// The total.
     pub fn total(&self) -> u32 {
         [
             self.corrupt,
@@ -119,21 +119,20 @@ impl LinkCounts {
     }
 }
 
-/// Old numbers in direct succession that prove a restart. A stray old frame or two must not reset the count.
+/// Number of consecutive old frames that mean a restart; fewer may be stray frames.
 const RESTART_AFTER: u32 = 4;
 
-/// One direction of a link, at its receiving end. Any stream of bytes is survived: after garbage the next whole frame is
-/// understood.
+/// The receiving end of a link. After any invalid bytes the next whole frame is decoded.
 #[derive(Debug, Clone)]
 pub struct Decoder<M> {
     buffer: [u8; MAX_FRAME],
-    /// Bytes since the latest zero; more than `buffer` holds cannot become a frame.
+    /// Number of bytes since the latest zero; more than `buffer` holds are no frame.
     len: usize,
-    /// The number that is due; `None` until the first frame: a receiver may join late.
+    /// Expected number of the next frame; `None` until the first one.
     expected: Option<u32>,
-    /// The latest frame with an old number, and how many came in succession.
+    /// Number of the latest old frame, and how many were consecutive.
     old: (u32, u32),
-    /// What a frame held, while what happened before it is told first.
+    /// A decoded message that waits until an error before it has been returned.
     waiting: Option<Result<M, LinkError>>,
 }
 
@@ -144,12 +143,12 @@ impl<M: DeserializeOwned> Default for Decoder<M> {
 }
 
 impl<M: DeserializeOwned> Decoder<M> {
-    /// Ready for the first byte.
+    /// A decoder without any bytes.
     pub fn new() -> Self {
         Self { buffer: [0; MAX_FRAME], len: 0, expected: None, old: (0, 0), waiting: None }
     }
 
-    /// The next message or mishap in `bytes`, which is advanced past what was used; `None` when all of it is used up.
+    /// The next message or error in `bytes`, which is advanced past the bytes used; `None` when all are used.
     ///
     /// ```
     /// # use socam_wire::{Decoder, Encoder, ToBoard};
@@ -182,14 +181,14 @@ impl<M: DeserializeOwned> Decoder<M> {
         None
     }
 
-    /// Judges the bytes between two zeros.
+    /// Decodes the bytes between two zeros.
     fn frame(&mut self) -> Result<M, LinkError> {
         let corrupt = LinkError::Corrupt { bytes: u32::try_from(self.len).unwrap_or(u32::MAX) };
         let encoded = self.buffer.get_mut(..self.len).ok_or(corrupt)?;
         let len = cobs::decode_in_place(encoded).map_err(|_| corrupt)?;
         let raw = encoded.get(..len).ok_or(corrupt)?;
 
-        // The version first: all else may look different in another one.
+        // The version first: the rest may differ in other versions.
         let [version, complement, ..] = *raw else {
             return Err(corrupt);
         };
@@ -213,7 +212,7 @@ impl<M: DeserializeOwned> Decoder<M> {
         self.place(seq, message)
     }
 
-    /// Judges a sound frame by its number.
+    /// Checks the number of an intact frame.
     fn place(&mut self, seq: u32, message: Result<M, LinkError>) -> Result<M, LinkError> {
         let expected = self.expected.unwrap_or(seq);
         let ahead = seq.wrapping_sub(expected);

@@ -1,4 +1,4 @@
-//! Messages to frames.
+//! Encodes messages as frames.
 
 use core::fmt;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::SCHEMA_VERSION;
 
-/// Longest encoded message: a full batch of eight channels (736 bytes) and what it shares.
+/// Longest encoded message: a full batch of eight channels (736 bytes) and its header.
 pub(crate) const MAX_PAYLOAD: usize = 768;
 /// Version, its complement and the sequence number.
 pub(crate) const HEAD: usize = 6;
@@ -17,7 +17,7 @@ pub(crate) const MAX_RAW: usize = HEAD + MAX_PAYLOAD + TAIL;
 /// Longest frame: COBS adds a byte per 254 and one more, and there is a zero on both sides.
 pub const MAX_FRAME: usize = MAX_RAW + MAX_RAW / 254 + 1 + 2;
 
-/// CRC-32C: it sees every error of up to five bits in frames of this length.
+/// CRC-32C: it detects every error of up to five bits in frames of this length.
 pub(crate) static CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISCSI);
 
 /// The buffer does not hold the frame; [`MAX_FRAME`] bytes always do.
@@ -32,14 +32,14 @@ impl fmt::Display for BufferTooSmall {
 
 impl core::error::Error for BufferTooSmall {}
 
-/// One direction of a link, at its sending end: numbers the frames.
+/// The sending end of a link; it numbers the frames.
 #[derive(Debug, Clone, Default)]
 pub struct Encoder {
     seq: u32,
 }
 
 impl Encoder {
-    /// Begins with frame 0.
+    /// An encoder whose first frame has number 0.
     pub fn new() -> Self {
         Self::default()
     }

@@ -1,12 +1,12 @@
-//! What board and host say to each other, and how it is framed.
+//! Messages between board and host, and their frames.
 //!
 //! A frame is `0x00 | COBS(version, !version, seq, payload, crc) | 0x00`: the payload is a [`ToBoard`] or [`ToHost`] in
 //! postcard's encoding, `seq` counts the sender's frames, `crc` is a CRC-32 over everything before it (numbers little
-//! endian). The two version bytes vouch for each other, so a peer of another [`SCHEMA_VERSION`] is recognised whatever the
-//! rest of its frames looks like. The zero on both sides lets a frame survive any garbage before it.
+//! endian). The second version byte confirms the first, so a peer of another [`SCHEMA_VERSION`] is recognised whatever
+//! follows. The zero on both sides separates a frame from any invalid bytes before it.
 //!
-//! [`Encoder`] and [`Decoder`] neither read nor write anything themselves: the caller brings the bytes. [`BoardLink`] is the
-//! board's end of the conversation, the same on the board and in the virtual board.
+//! [`Encoder`] and [`Decoder`] do no input or output: the caller transports the bytes. [`BoardLink`] is the board's end of the
+//! link, used by the board and the virtual board.
 #![no_std]
 #![cfg_attr(
     not(test),
@@ -30,5 +30,5 @@ pub use link::BoardLink;
 pub use message::{BoardStatus, FrontEnd, Identity, ToBoard, ToHost};
 pub use text::Text;
 
-/// Version of the messages and of everything that they contain. Any change to a type that travels raises it.
+/// Version of the messages and of everything that they contain. Any change to a transmitted type raises it.
 pub const SCHEMA_VERSION: u8 = 3;

@@ -1,12 +1,12 @@
-//! The board's end of the conversation.
+//! The board's end of the link.
 
 use socam_core::{Consumer, Refusal, Request, Status};
 
 use crate::decoder::LinkCounts;
 use crate::{BoardStatus, Decoder, Encoder, Identity, LinkError, MAX_FRAME, SampleBatch, ToBoard, ToHost};
 
-/// Answers the host and sends what the sampling interrupt left in the ring. It owns no hardware: the caller brings the bytes
-/// that arrived, and sends those that it is given.
+/// Answers the host and sends the samples in the ring. It owns no hardware: the caller passes received bytes in and sends the
+/// returned ones.
 #[derive(Debug)]
 pub struct BoardLink<'r, const N: usize> {
     decoder: Decoder<ToBoard>,
@@ -17,7 +17,7 @@ pub struct BoardLink<'r, const N: usize> {
 }
 
 impl<'r, const N: usize> BoardLink<'r, N> {
-    /// A link that has heard nothing yet.
+    /// A link that has received nothing.
     pub fn new(identity: Identity, samples: Consumer<'r, N>) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -28,8 +28,8 @@ impl<'r, const N: usize> BoardLink<'r, N> {
         }
     }
 
-    /// Reads `bytes` up to the first message that wants an answer; writes the answer to `out` and returns its length. `None`:
-    /// all bytes are used up. `handle` passes a request to [`socam_core::Board::handle`].
+    /// Reads `bytes` up to the first message that needs an answer; writes the answer to `out` and returns its length, or `None` when
+    /// all bytes are used. `handle` passes a request to [`socam_core::Board::handle`].
     pub fn receive(
         &mut self,
         bytes: &mut &[u8],
@@ -47,7 +47,7 @@ impl<'r, const N: usize> BoardLink<'r, N> {
                     if !matches!(error, LinkError::ForeignVersion { .. }) {
                         continue;
                     }
-                    // The answer's own version tells the host what is wrong.
+                    // The host sees the version mismatch in the answer.
                     ToHost::Hello(self.identity)
                 }
             };
@@ -62,7 +62,7 @@ impl<'r, const N: usize> BoardLink<'r, N> {
         handle: &mut impl FnMut(Request) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
         if request == Request::Stream(true) {
-            // Off, empty, on: so no sample of an earlier stream comes first, even when a tick falls in between.
+            // Off, empty, on: so no sample of an earlier stream precedes, even if a tick occurs meanwhile.
             handle(Request::Stream(false))?;
             self.samples.clear();
         }
@@ -70,7 +70,7 @@ impl<'r, const N: usize> BoardLink<'r, N> {
     }
 
     /// Writes a frame of samples to `out` if at least `at_least` wait, and returns its length. `channels` is
-    /// [`socam_core::Config::channel_count`]. Ask again until `None`; with `at_least` = 1 nothing stays behind.
+    /// [`socam_core::Config::channel_count`]. Call it until `None`; with `at_least` = 1 no sample is left.
     pub fn samples(&mut self, channels: u8, at_least: usize, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
         if self.samples.len() < at_least {
             return None;
@@ -85,7 +85,7 @@ impl<'r, const N: usize> BoardLink<'r, N> {
         self.encoder.encode(&ToHost::Samples(batch), out).ok()
     }
 
-    /// Writes a status frame to `out` and returns its length. Due a few times a second, and when the state changed.
+    /// Writes a status frame to `out` and returns its length. To be sent a few times a second and when the state changes.
     pub fn status(&mut self, board: Status, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
         let status = BoardStatus { board, link: self.counts };
         self.encoder.encode(&ToHost::Status(status), out).ok()

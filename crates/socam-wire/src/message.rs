@@ -10,13 +10,13 @@ use crate::{SampleBatch, Text};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum ToBoard {
-    /// "Who are you?": the first message, repeated until it is answered by [`ToHost::Hello`].
+    /// Asks the board's identity: the first message, repeated until the board answers with [`ToHost::Hello`].
     Hello,
     /// A request, answered by [`ToHost::Answer`] with the same number.
     Request {
-        /// Chosen by the host to recognise the answer.
+        /// Number that the answer repeats.
         number: u16,
-        /// What is asked.
+        /// The request.
         request: Request,
     },
 }
@@ -25,29 +25,29 @@ pub enum ToBoard {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum ToHost {
-    /// Who the board is.
+    /// The board's identity.
     Hello(Identity),
-    /// Whether a request was granted.
+    /// The answer to a request.
     Answer {
         /// The request's number.
         number: u16,
-        /// Done, or why not.
+        /// Success, or the refusal.
         result: Result<(), Refusal>,
     },
     /// Some samples.
     Samples(SampleBatch),
-    /// How the board is doing: sent a few times a second, and at every change of state.
+    /// State and counters: sent a few times a second, and at every change of state.
     Status(BoardStatus),
 }
 
-/// Who a board is.
+/// The identity of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Kind of board and its serial number.
     pub board: Text<48>,
     /// Version of its firmware.
     pub firmware: Text<24>,
-    /// What it measures and commands with.
+    /// Its converters.
     pub front_end: FrontEnd,
 }
 
@@ -58,16 +58,16 @@ pub struct FrontEnd {
     pub input_full_scale_uv: u32,
     /// Voltage at 2^15 counts of the output, in microvolt.
     pub output_full_scale_uv: u32,
-    /// Time from one channel to the next within one conversion of all of them. It is no skew between the channels of a sample:
-    /// those are means over conversions that go forth and back in turns.
+    /// Time from one channel to the next within one scan. Channels of a sample have no skew: a sample is a mean over scans in
+    /// alternating directions.
     pub channel_step_ns: u32,
 }
 
-/// How the board and its end of the link are doing.
+/// State of the board and of its end of the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BoardStatus {
-    /// The board's core.
+    /// State and counters of the board.
     pub board: Status,
-    /// What went wrong with frames from the host.
+    /// Errors of frames from the host.
     pub link: LinkCounts,
 }

@@ -1,5 +1,4 @@
-//! The core put through its paces: the same code on the board's processor and on the host, so that the results can be compared bit
-//! by bit.
+//! Exercises of the core, run on the board's processor and on the host to compare the results bit by bit.
 
 use socam_core::scaling::{self, Converter, MotorCalibration, Sensor};
 use socam_core::{
@@ -8,7 +7,7 @@ use socam_core::{
 };
 use socam_wire::{BoardLink, Decoder, Encoder, FrontEnd, Identity, MAX_FRAME, Text, ToBoard, ToHost};
 
-/// Runs all exercises; each gives its name and a number that stands for every bit of its results.
+/// Runs all exercises; each gives its name and a hash of its results.
 pub(crate) fn run(mut tell: impl FnMut(&str, u64)) {
     tell("floating point", floating_point());
     tell("profiles", profiles());
@@ -18,7 +17,7 @@ pub(crate) fn run(mut tell: impl FnMut(&str, u64)) {
     tell("messages", messages());
 }
 
-/// FNV-1a of what it is fed.
+/// FNV-1a hash.
 struct Digest(u64);
 
 impl Digest {
@@ -41,7 +40,7 @@ impl Digest {
     }
 }
 
-/// All that the core does in floating point, over ordinary, odd and infinite values.
+/// All floating-point functions of the core, at ordinary, extreme and infinite values.
 fn floating_point() -> u64 {
     let mut digest = Digest::new();
     let values =
@@ -137,7 +136,7 @@ fn multisine(offset_micro: i32) -> Shape {
     }
 }
 
-/// Counts without a pattern (xorshift).
+/// Pseudo-random counts (xorshift).
 struct Counts(u32);
 
 impl Counts {
@@ -196,7 +195,7 @@ impl Ports for Motor {
     }
 }
 
-/// A run, a stop, another run that breaks a limit: every sample, and what the board says of itself.
+/// A run, a stop, another run that exceeds a limit: every sample and status.
 fn board(command: Command) -> u64 {
     let mut digest = Digest::new();
     let mut ring = Ring::<16>::new();
@@ -237,7 +236,7 @@ fn board(command: Command) -> u64 {
     digest.0
 }
 
-/// Frames to the host over a line that spoils every seventh, and what the host makes of them.
+/// Frames to the host over a line that damages every seventh, and the decoded messages.
 fn messages() -> u64 {
     let (mut digest, mut counts) = (Digest::new(), Counts(3));
     let mut ring = Ring::<64>::new();

@@ -1,4 +1,4 @@
-//! Runs the core's exercises on the board's processor and writes what comes of them to the first serial line. No part of the
+//! Runs the core's exercises on the board's processor and writes the results to the first serial line. Not part of the
 //! firmware: `tests/tests/core_on_board.rs` compares it with the host.
 #![no_std]
 #![no_main]

@@ -1,36 +1,37 @@
-//! What every real bench has and no case names.
+//! Imperfections that every real bench has and no case names as hidden.
 
 use serde::{Deserialize, Serialize};
 
 use super::laws::{Acting, Kind};
 use super::machine::{Drive, Machine};
-use super::motion::{Beside, Motion, Released};
+use super::motion::loose_inertia;
 use super::random::Draw;
 use super::scales::Scales;
+use super::unmodelled::{CompliantTie, Unmodelled};
 
-/// Small imperfections of a bench of simulated realism. A clean one has none.
+/// Small imperfections of a realistic case. Other cases have none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Background {
     /// Dry friction of bearings, N m.
     pub friction: Vec<(String, f64)>,
-    /// How far bristles bend before they slip, rad, and their Stribeck speed, rad/s.
+    /// LuGre friction: deflection of the bristles at slip, rad, and Stribeck speed, rad/s.
     bristles: Vec<(f64, f64)>,
-    /// Shafts that give: stiffness, N m/rad; damping, N m s/rad.
+    /// Compliant shafts: stiffness, N m/rad; damping, N m s/rad.
     pub compliance: Vec<(String, f64, f64)>,
-    /// Channels that are late, in samples.
+    /// Delays of channels, samples.
     pub delays: Vec<(String, f64)>,
-    /// Channels' gain and offset at the end of a recording, beside those at its beginning: a share, and the channel's unit.
+    /// Drift of channels from the start to the end of a recording: relative gain, and offset in the channel's unit.
     pub drifts: Vec<(String, f64, f64)>,
-    /// The input's column is so many times what it should be (made from a current by a wrong constant).
+    /// Wrong gain of the input's column (computed from a current by a wrong constant).
     pub input_gain: Option<f64>,
-    /// Time stamps are wrong by up to so much of a sample, evenly.
+    /// Uniform error of time stamps, up to this share of a sample.
     pub jitter: f64,
-    /// The drive holds its command between samples, and a servo is sampled.
+    /// Whether the drive holds its command between samples and a servo is sampled.
     pub hold: bool,
 }
 
 impl Background {
-    /// That of a realistic bench.
+    /// Draws the background of a realistic case.
     pub(super) fn draw(machine: &Machine, scales: &Scales, draw: &mut Draw) -> Self {
         let mut background = Self::default();
         for bearing in &machine.bearings {
@@ -45,7 +46,7 @@ impl Background {
             background.compliance.push((shaft.name.clone(), stiffness, 2.0 * 0.05 * inertia * pace));
         }
         let channels = machine.channels();
-        // Of all channels but one, which the clock is that of.
+        // One channel has no delay: it defines the clock.
         let punctual = draw.whole(0, channels.len() as u64 - 1) as usize;
         for (index, channel) in channels.iter().enumerate() {
             if index != punctual {
@@ -63,27 +64,27 @@ impl Background {
         background
     }
 
-    /// What of it acts on the machine's motion.
-    pub(super) fn beside(&self) -> Beside {
+    /// The part that acts on the machine's motion.
+    pub(super) fn unmodelled(&self) -> Unmodelled {
         let friction =
             self.friction.iter().zip(&self.bristles).map(|((place, torque), (bend, speed))| Acting {
                 kind: Kind::Bristles,
                 place: place.clone(),
                 parameters: vec![*torque, 1.2 * torque, *speed, *bend],
             });
-        let released = self.compliance.iter().map(|(tie, stiffness, damping)| Released {
+        let compliant = self.compliance.iter().map(|(tie, stiffness, damping)| CompliantTie {
             tie: tie.clone(),
             stiffness: *stiffness,
             damping: *damping,
         });
-        Beside { acting: friction.collect(), released: released.collect(), inertia: Vec::new() }
+        Unmodelled { acting: friction.collect(), compliant: compliant.collect(), inertia: Vec::new() }
     }
 
     pub(super) fn delay(&self, channel: &str) -> f64 {
         self.delays.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, delay)| *delay)
     }
 
-    /// What drift and a wrong constant do to a column.
+    /// Applies drift and the wrong gain to a column.
     pub(super) fn falsify(&self, channel: &str, is_input: bool, column: &mut [f64]) {
         let drift = self.drifts.iter().find(|(name, ..)| name == channel);
         let (gain, offset) = drift.map_or((0.0, 0.0), |(_, gain, offset)| (*gain, *offset));
@@ -95,7 +96,7 @@ impl Background {
         }
     }
 
-    /// Effects of the catalogue that a bench has by its background, at their places: naming one is no error.
+    /// Effects of the catalogue that the background has, with their places: a diagnosis that names one is right.
     #[must_use]
     pub fn named(&self) -> Vec<(&'static str, &str)> {
         let friction = self.friction.iter().flat_map(|(place, _)| {
@@ -107,11 +108,4 @@ impl Background {
         });
         friction.chain(compliance).chain(late).collect()
     }
-}
-
-/// Reduced inertia of both sides of a shaft or gear that is not rigid, as its driven side feels it.
-pub(super) fn loose_inertia(machine: &Machine, tie: &str, (from, to): (usize, usize)) -> f64 {
-    let released = vec![Released { tie: tie.into(), stiffness: 1.0, damping: 1.0 }];
-    let motion = Motion::new(machine, &Beside { released, ..Beside::default() });
-    1.0 / (1.0 / motion.inertia_at(from) + 1.0 / motion.inertia_at(to))
 }

@@ -1,14 +1,18 @@
-//! The parts of a case that are drawn: its machine, what is hidden where, its recordings and their noise.
+//! Draws the parts of a case: machine, hidden effects and places, recordings, noise.
 
 use super::families::FAMILIES;
+use super::hidden;
+use super::kind::Kind;
 use super::machine::{Drive, Machine};
 use super::profile::{self, Profile, Shape};
 use super::random::Draw;
-use super::record::Run;
 use super::scales::Scales;
-use super::{Chosen, Kind, hidden};
+use super::simulate::Run;
 
-/// What is cheap to draw of a case: its machine, and what is hidden where.
+/// An effect's id and its place.
+pub(super) type Chosen = (&'static str, String);
+
+/// The machine of a case and its hidden effects with their places, without simulating anything.
 pub(super) fn outline(number: u64, draw: &mut Draw) -> (Machine, Vec<Chosen>) {
     let (kind, turn) = Kind::turn(number);
     let named = |index: u64| hidden::NAMED[(index % hidden::NAMED.len() as u64) as usize];
@@ -28,12 +32,12 @@ pub(super) fn outline(number: u64, draw: &mut Draw) -> (Machine, Vec<Chosen>) {
     }
 }
 
-/// A place for each effect; `None` where the machine has none, or where two effects act alike.
+/// A place for each effect; `None` where the machine has none, or two effects are hard to distinguish.
 fn choose(machine: &Machine, effects: &[&'static str], draw: &mut Draw) -> Option<Vec<Chosen>> {
     let mut chosen: Vec<Chosen> = Vec::new();
     for effect in effects {
         let places = hidden::places(machine, effect);
-        if places.is_empty() || chosen.iter().any(|(other, _)| alike(other, effect)) {
+        if places.is_empty() || chosen.iter().any(|(other, _)| are_similar(other, effect)) {
             return None;
         }
         let place = places[draw.whole(0, places.len() as u64 - 1) as usize].clone();
@@ -45,8 +49,8 @@ fn choose(machine: &Machine, effects: &[&'static str], draw: &mut Draw) -> Optio
     Some(chosen)
 }
 
-/// Effects of which one is often the other.
-fn alike(a: &str, b: &str) -> bool {
+/// Whether one effect is often mistaken for the other.
+fn are_similar(a: &str, b: &str) -> bool {
     let pair = |first: &str, second: &str| (a, b) == (first, second) || (b, a) == (first, second);
     a == b
         || pair("constant_load", "direction_dependence")
@@ -54,7 +58,7 @@ fn alike(a: &str, b: &str) -> bool {
         || pair("sensor_lag", "sensor_delay")
 }
 
-/// Four to six recordings of which one or two are held out, and how many are fitted.
+/// Four to six recordings, of which one or two are held out, and the number that is fitted.
 pub(super) fn runs(machine: &Machine, draw: &mut Draw) -> (Vec<Run>, usize) {
     let (training, held_out) = (draw.whole(3, 4) as usize, draw.whole(1, 2) as usize);
     let must = [draw.one_of(&profile::SHAKING), draw.one_of(&profile::REVERSING)];
@@ -63,12 +67,12 @@ pub(super) fn runs(machine: &Machine, draw: &mut Draw) -> (Vec<Run>, usize) {
     let mut shapes = must.to_vec();
     shapes.extend(draw.shuffled(&rest).into_iter().take(training - 2));
     shapes = draw.shuffled(&shapes);
-    // Held out are other profiles, or the same ones with other phases and another strength.
+    // Held-out profiles are others, or the same with other phases and amplitudes.
     shapes.extend(draw.shuffled(&all).into_iter().take(held_out));
     let run = |shape: Shape| {
         let duration_s = draw.between(5.0, 10.0);
         let strength = (machine.amplitude * draw.between(0.7, 1.1), machine.mean * draw.between(-1.0, 1.0));
-        // A bench that is driven one way turns all the time.
+        // A bench driven in one direction never stops.
         let mean =
             if machine.mean > 1.0 { machine.mean * draw.sign() * draw.between(0.6, 1.0) } else { strength.1 };
         let mean = if profile::REVERSING.contains(&shape) { 0.1 * mean } else { mean };
@@ -78,7 +82,7 @@ pub(super) fn runs(machine: &Machine, draw: &mut Draw) -> (Vec<Run>, usize) {
     (shapes.into_iter().map(run).collect(), training)
 }
 
-/// Noise of every channel.
+/// Standard deviation of the noise of every channel.
 pub(super) fn noise(
     machine: &Machine,
     scales: &Scales,
@@ -90,7 +94,7 @@ pub(super) fn noise(
         let size = scales.channels[index];
         let std = match index.checked_sub(1) {
             None if machine.input.drive == Drive::Speed && draw.chance(0.8) => size * draw.log((1e-4, 3e-3)),
-            // What a drive is told is known; what it does is measured only where that is simulated too.
+            // The command of a drive is noise-free, unless a realistic case measures its torque.
             None if machine.input.drive == Drive::Torque && realistic => size * draw.log((3e-4, 3e-3)),
             None => 0.0,
             Some(sensor) if machine.sensors[sensor].step > 0.0 => 0.3 * machine.sensors[sensor].step,

@@ -1,11 +1,11 @@
 //! Dormand and Prince's Runge-Kutta pair of orders 5 and 4: the truth's integrator, which shares nothing with that of the
 //! identification (exponential steps) or of the virtual bench (backward differentiation).
 
-/// A step's error may be so large, as a part of the largest value that a state has had.
+/// Relative tolerance of a step, to the largest magnitude that a state has had.
 const TOLERANCE: f64 = 1e-7;
-/// Angles grow without end, and what matters of them is small differences: theirs is the change within so much time, s.
+/// The tolerance of angles, which grow without bound, is relative to their change within this time, s.
 const ANGLE_S: f64 = 0.01;
-/// Steps are never shorter, s.
+/// Shortest step, s.
 const SHORTEST_S: f64 = 1e-8;
 
 const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
@@ -21,14 +21,14 @@ const STAGES: [&[f64]; 7] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// A state that moves.
+/// The integrator with its state.
 #[derive(Debug, Clone)]
 pub(super) struct Integrator {
     pub(super) time_s: f64,
     pub(super) state: Vec<f64>,
-    /// The first states are so many angles, then their speeds.
+    /// Number of angles, which are the first states; their speeds follow.
     angles: usize,
-    /// Largest modulus that each state has had.
+    /// Largest magnitude of each state so far.
     size: Vec<f64>,
     step_s: f64,
     stages: Vec<Vec<f64>>,
@@ -36,7 +36,7 @@ pub(super) struct Integrator {
 }
 
 impl Integrator {
-    /// At rest at time 0; no state is expected to matter below `smallest`.
+    /// At rest at time 0; `smallest` is the least magnitude that matters.
     pub(super) fn at_rest(states: usize, angles: usize, smallest: f64) -> Self {
         Self {
             angles,
@@ -49,7 +49,7 @@ impl Integrator {
         }
     }
 
-    /// Goes on to a later time; `false` where the state is no longer finite.
+    /// Integrates to a later time; `false` where the state is no longer finite.
     pub(super) fn go_to(&mut self, to_s: f64, rates: &impl Fn(f64, &[f64], &mut [f64])) -> bool {
         while to_s - self.time_s > 1e-12 {
             let left_s = to_s - self.time_s;
@@ -65,7 +65,7 @@ impl Integrator {
                 for (size, value) in self.size.iter_mut().zip(&self.state) {
                     *size = size.max(value.abs());
                 }
-                // A step that was cut short at the end says little of the next one.
+                // A last step that was shortened does not determine the next one.
                 if step_s == self.step_s || factor < 1.0 {
                     self.step_s = (step_s * factor).max(SHORTEST_S);
                 }
@@ -76,7 +76,7 @@ impl Integrator {
         true
     }
 
-    /// Error of a step whose result is in `trial`, 1 where it is as large as it may be.
+    /// Error of a step whose result is in `trial`, relative to the tolerance.
     fn attempt(&mut self, step_s: f64, rates: &impl Fn(f64, &[f64], &mut [f64])) -> f64 {
         for stage in 0..7 {
             for (index, value) in self.trial.iter_mut().enumerate() {
@@ -96,7 +96,7 @@ impl Integrator {
             let error: f64 =
                 ERROR.iter().zip(&self.stages).map(|(weight, rates)| weight * rates[index]).sum();
             let share = (step_s * error).abs() / (TOLERANCE * size);
-            // NaN must not be lost in a maximum.
+            // `max` would drop NaN.
             worst = if share.is_nan() { f64::INFINITY } else { worst.max(share) };
         }
         worst.max(1e-6)

@@ -1,12 +1,12 @@
-//! Laws of the challenge's truth. They are others than the catalogue's wherever an effect can be written in another way, so that a
-//! diagnosis has to name physics and cannot recognise a formula.
+//! Laws of the challenge's truth. Wherever an effect has another formulation than the catalogue's, it is used here, so that a
+//! diagnosis must identify the effect without knowing its exact formula.
 
 use std::f64::consts::TAU;
 
 /// Most states that one law has.
 pub(super) const MOST_STATES: usize = SLIDERS.len();
 
-/// What acts where, with its parameters, SI.
+/// A law at a place, with its parameters, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Acting {
     pub(super) kind: Kind,
@@ -22,7 +22,7 @@ pub(super) enum Site {
     Spring(usize),
 }
 
-/// A law at work.
+/// A law in the equations of motion.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
     pub(super) kind: Kind,
@@ -32,13 +32,13 @@ pub(super) struct Law {
     pub(super) first: usize,
 }
 
-/// What a law sees.
+/// The inputs of a law.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Seen {
     pub(super) time_s: f64,
-    /// Of the node; of a spring: its driving end.
+    /// Angle of the node, or of the spring's driving end.
     pub(super) angle: f64,
-    /// Of the node; of a spring: its driven end.
+    /// Speed of the node, or of the spring's driven end.
     pub(super) speed: f64,
     pub(super) twist: f64,
     pub(super) twist_rate: f64,
@@ -48,7 +48,7 @@ pub(super) struct Seen {
     pub(super) ratio: f64,
 }
 
-/// What a spring passes on.
+/// Torques of a spring.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Through {
     /// Torque that pulls its ends together.
@@ -66,8 +66,8 @@ impl Through {
 /// Laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Bristles that bend and slip (Canudas de Wit et al. 1995, "LuGre"): torque at speed, at standstill, Stribeck speed, and
-    /// the angle by which they bend.
+    /// LuGre friction (Canudas de Wit et al. 1995): torque at speed, torque at standstill, Stribeck speed, and deflection of the
+    /// bristles at slip.
     Bristles,
     /// Quadratic drag, laminar at low speed: coefficient, laminar speed.
     Drag,
@@ -77,11 +77,11 @@ pub(super) enum Kind {
     Direction,
     /// A constant torque.
     Constant,
-    /// A torque of its own frequency: torque, frequency, phase.
+    /// A harmonic torque: torque, frequency, phase.
     Shake,
-    /// A torque that follows the angle: torque, order, phase.
+    /// A torque that depends on the angle: torque, order, phase.
     AngleTorque,
-    /// A brake of eddy currents: torque, speed.
+    /// An eddy-current brake: torque, speed.
     EddyBrake,
     /// A pad that begins to rub: torque, time, rounding speed.
     LatePad,
@@ -95,11 +95,11 @@ pub(super) enum Kind {
     Play,
     /// Play that is wide at one angle and none at the other: gap, restitution time, phase.
     AnglePlay,
-    /// A gear that does not roll true: order, amplitude, phase.
+    /// An eccentric gear: order, amplitude, phase.
     Eccentric,
-    /// A spring that stiffens: cubic, quintic.
+    /// A hardening spring: cubic, quintic.
     Hardening,
-    /// Springs in parallel that slide, each above a torque of its own (Iwan 1966): torque, deflection.
+    /// Parallel spring-slider elements with different yield torques (Iwan 1966): torque, deflection.
     Sliders,
     /// A friction clutch in series: torque. Its state is the twist of the spring itself.
     Slip,
@@ -107,16 +107,16 @@ pub(super) enum Kind {
     Loosening,
 }
 
-/// Deflections at which sliders begin to slide, in units of the law's, and how sharply.
+/// Yield deflections of the sliders, relative to the law's deflection, and the sharpness exponent of yielding.
 const SLIDERS: [f64; 5] = [0.2, 0.5, 1.0, 1.8, 3.5];
 const SLIDE_POWER: i32 = 4;
-/// How sharply a clutch slips.
+/// Sharpness exponent of a clutch's slip.
 const SLIP_POWER: i32 = 8;
-/// Bristles are damped with their stiffness times so much, s, at low speed.
+/// Damping of the bristles at low speed, relative to their stiffness, s.
 const BRISTLE_DAMPING_S: f64 = 2e-4;
 
 impl Kind {
-    /// How many states of its own a law has.
+    /// Number of states of a law.
     pub(super) fn states(self) -> usize {
         match self {
             Self::Bristles | Self::WearingIn | Self::Slip => 1,
@@ -126,12 +126,12 @@ impl Kind {
     }
 }
 
-/// The sign of x, rounded over a width algebraically.
+/// The sign of x, smoothed over a width.
 fn sign(x: f64, width: f64) -> f64 {
     x / x.hypot(width)
 }
 
-/// From 0 to 1 as x passes 0.
+/// A smooth step from 0 to 1 at x = 0.
 fn step(x: f64, width: f64) -> f64 {
     0.5 * (1.0 + (x / width).tanh())
 }
@@ -172,7 +172,7 @@ pub(super) fn on_node(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]) 
     }
 }
 
-/// What a law changes of the torque through a spring.
+/// Adds a law to the torques of a spring.
 pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64], through: &mut Through) {
     let p = &law.parameters[..];
     match law.kind {
@@ -213,13 +213,13 @@ pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]
     }
 }
 
-/// Rate of an element that follows `rate` until it is full and then slides (Bouc and Wen).
+/// Rate of an elastoplastic element with saturation `full` (Bouc and Wen).
 fn slide(rate: f64, full: f64, power: i32) -> f64 {
-    let bent = full.abs().powi(power);
-    if rate * full > 0.0 { rate * (1.0 - bent.min(1.5)) } else { rate }
+    let saturation = full.abs().powi(power);
+    if rate * full > 0.0 { rate * (1.0 - saturation.min(1.5)) } else { rate }
 }
 
-/// Torque of two flanks that only push, damped by how far they press into each other.
+/// Torque of the two flanks of a gap, in compression only, with damping proportional to penetration.
 fn flanks(seen: &Seen, half: f64, restitution_s: f64) -> f64 {
     let depth = if seen.twist > half {
         seen.twist - half

@@ -1,15 +1,12 @@
 //! A machine of the challenge: one description, from which the truth's equations ([`super::motion`]) and the model file that a
-//! diagnosis begins with ([`Machine::model_file`]) are derived, each by its own way.
+//! diagnosis starts from ([`Machine::model_file`]) are derived independently.
+
+mod build;
 
 use serde::{Deserialize, Serialize};
 use socam_recording::{Channel, Unit};
 
-use super::random::Draw;
-
-/// A start value is wrong by up to this factor.
-const WORST_START: f64 = 3.0;
-
-/// What a parameter is; says its unit.
+/// The kind of a parameter, which determines its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sort {
@@ -30,13 +27,13 @@ pub enum Sort {
 pub struct Parameter {
     /// Name in the model file.
     pub name: String,
-    /// What it is.
+    /// Its kind.
     pub sort: Sort,
     /// True value.
     pub value: f64,
     /// Value in the model file: the true one where `fixed`.
     pub start: f64,
-    /// Known, and not to be fitted.
+    /// Whether it is known and not fitted.
     pub fixed: bool,
 }
 
@@ -45,9 +42,9 @@ pub struct Parameter {
 pub struct Node {
     /// Place name.
     pub name: String,
-    /// Index of its inertia; `None` where the model takes it to have none.
+    /// Index of its inertia; `None` where it is massless in the model.
     pub inertia: Option<usize>,
-    /// Inertia that it really has where the model takes it to have none.
+    /// True inertia where it is massless in the model.
     pub small_inertia: f64,
 }
 
@@ -90,26 +87,26 @@ pub struct Bearing {
     pub damping: Option<usize>,
 }
 
-/// What is driven.
+/// The driven quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
     /// Torque on a node, by a torque or a voltage.
     Torque,
-    /// Motion of a node, whatever torque that takes.
+    /// Prescribed motion of a node.
     Speed,
-    /// The reference of a position servo that the model knows.
+    /// The reference of a position servo that is part of the model.
     Servo,
 }
 
-/// The channel that the model is driven by.
+/// The input channel of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     /// Channel's name.
     pub name: String,
     /// Unit of its column.
     pub unit: Unit,
-    /// What it drives.
+    /// The driven quantity.
     pub drive: Drive,
     /// Driven node.
     pub node: usize,
@@ -119,17 +116,17 @@ pub struct Input {
     pub gain: Option<usize>,
 }
 
-/// Who makes the input while a recording runs.
+/// How the input is made during a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Control {
     /// The profile is the input.
     Open,
-    /// The profile is a speed, which proportional and integral control keeps: N m s/rad, N m/rad.
+    /// The profile is the reference of a PI speed controller.
     Speed {
-        /// Torque per speed error.
+        /// Torque per speed error, N m s/rad.
         proportional: f64,
-        /// Torque per angle error.
+        /// Torque per integrated speed error, N m/rad.
         integral: f64,
     },
     /// The profile is an angle; torque = velocity gain (position gain (reference - angle) - speed).
@@ -173,7 +170,7 @@ pub struct Sensor {
 pub struct Machine {
     /// Its family.
     pub family: String,
-    /// Whether coordinates are positions, not angles.
+    /// Whether coordinates are positions instead of angles.
     pub translates: bool,
     /// Parameters of its model.
     pub parameters: Vec<Parameter>,
@@ -187,25 +184,25 @@ pub struct Machine {
     pub shafts: Vec<Tie>,
     /// Bearings.
     pub bearings: Vec<Bearing>,
-    /// Node on which gravity acts as on a pendulum that hangs at rest, and the parameter of its torque; the model knows it.
+    /// Node on which gravity acts as on a hanging pendulum, and the parameter of its torque; part of the model.
     pub gravity: Option<(usize, usize)>,
-    /// What drives it.
+    /// Its input.
     pub input: Input,
-    /// Who makes the input.
+    /// How the input is made.
     pub control: Control,
-    /// What is measured.
+    /// Its sensors.
     pub sensors: Vec<Sensor>,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Amplitude of a profile of strength 1: of the input's column, or of what a controller follows.
+    /// Amplitude of a profile of strength 1, of the input's column or a controller's reference.
     pub amplitude: f64,
-    /// Mean of a profile, as a part of its amplitude at most.
+    /// Largest mean of a profile, relative to its amplitude.
     pub mean: f64,
     /// Lowest and highest frequency that shows the machine's dynamics, Hz.
     pub band_hz: (f64, f64),
 }
 
-/// Of a parameter: to be fitted, or known.
+/// Whether a parameter is fitted or known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Known {
     Open,
@@ -213,107 +210,12 @@ pub(super) enum Known {
 }
 
 impl Machine {
-    /// A machine without parts.
-    pub(super) fn new(family: &str, rate_hz: f64, band_hz: (f64, f64)) -> Self {
-        let unit = Unit::Nm;
-        Self {
-            family: family.into(),
-            translates: false,
-            parameters: Vec::new(),
-            nodes: Vec::new(),
-            springs: Vec::new(),
-            gears: Vec::new(),
-            shafts: Vec::new(),
-            bearings: Vec::new(),
-            gravity: None,
-            input: Input {
-                name: "motor_torque".into(),
-                unit,
-                drive: Drive::Torque,
-                node: 0,
-                scale: 1.0,
-                gain: None,
-            },
-            control: Control::Open,
-            sensors: Vec::new(),
-            rate_hz,
-            amplitude: 1.0,
-            mean: 0.5,
-            band_hz,
-        }
-    }
-
-    pub(super) fn number(&mut self, name: &str, sort: Sort, value: f64, known: Known) -> usize {
-        let fixed = known == Known::Fixed;
-        self.parameters.push(Parameter { name: name.into(), sort, value, start: value, fixed });
-        self.parameters.len() - 1
-    }
-
-    /// A node with inertia.
-    pub(super) fn body(&mut self, name: &str, inertia: f64, known: Known) -> usize {
-        let inertia = self.number(&format!("{name}_inertia"), Sort::Inertia, inertia, known);
-        self.nodes.push(Node { name: name.into(), inertia: Some(inertia), small_inertia: 0.0 });
-        self.nodes.len() - 1
-    }
-
-    /// A node that the model takes to be massless.
-    pub(super) fn point(&mut self, name: &str, small_inertia: f64) -> usize {
-        self.nodes.push(Node { name: name.into(), inertia: None, small_inertia });
-        self.nodes.len() - 1
-    }
-
-    /// A spring whose damping is open too.
-    pub(super) fn spring(
-        &mut self,
-        name: &str,
-        (from, to): (usize, usize),
-        stiffness: f64,
-        damping: f64,
-    ) -> usize {
-        let stiffness = self.number(&format!("{name}_stiffness"), Sort::Stiffness, stiffness, Known::Open);
-        let damping = self.number(&format!("{name}_damping"), Sort::Damping, damping, Known::Open);
-        self.springs.push(Spring { name: name.into(), from, to, stiffness, damping: Some(damping) });
-        self.springs.len() - 1
-    }
-
-    pub(super) fn gear(&mut self, name: &str, (from, to): (usize, usize), ratio: f64) {
-        let ratio = Some(self.number(&format!("{name}_ratio"), Sort::Ratio, ratio, Known::Fixed));
-        self.gears.push(Tie { name: name.into(), from, to, ratio });
-    }
-
-    pub(super) fn shaft(&mut self, name: &str, (from, to): (usize, usize)) {
-        self.shafts.push(Tie { name: name.into(), from, to, ratio: None });
-    }
-
-    /// A bearing; 0 where the model has no drag there.
-    pub(super) fn bearing(&mut self, name: &str, node: usize, damping: f64) {
-        let open = |machine: &mut Self| {
-            machine.number(&format!("{name}_damping"), Sort::Damping, damping, Known::Open)
-        };
-        let damping = (damping > 0.0).then(|| open(self));
-        self.bearings.push(Bearing { name: name.into(), node, damping });
-    }
-
-    pub(super) fn sensor(&mut self, name: &str, measure: Measure, at: usize) {
-        self.sensors.push(Sensor { name: name.into(), measure, at, step: 0.0 });
-    }
-
-    /// Makes the start values of what is open wrong.
-    pub(super) fn spoil_starts(&mut self, draw: &mut Draw) {
-        for parameter in self.parameters.iter_mut().filter(|parameter| !parameter.fixed) {
-            // Three digits, as people write them.
-            let start = parameter.value * draw.factor(WORST_START);
-            let unit = 10f64.powf(start.abs().log10().floor() - 2.0);
-            parameter.start = (start / unit).round() * unit;
-        }
-    }
-
     /// True value of a parameter.
     pub(super) fn value(&self, parameter: usize) -> f64 {
         self.parameters[parameter].value
     }
 
-    /// The channels as they are recorded, the input first.
+    /// The recorded channels, the input first.
     pub(super) fn channels(&self) -> Vec<Channel> {
         let input = Channel::new(&self.input.name, self.input.unit);
         let outputs = self.sensors.iter().map(|sensor| Channel::new(&sensor.name, self.unit(sensor.measure)));

@@ -1,16 +1,17 @@
-//! Concealed physics: random machines with something hidden in them, for a diagnosis to find.
+//! Random machines with hidden effects that a diagnosis must find.
 //!
-//! [`Case::draw`] depends on a seed and a number alone. A family ([`FAMILY_NAMES`]) draws a machine; from its description come the
-//! truth's equations and, by another way, the model file that a diagnosis begins with, whose open parameters are wrong by up to a
-//! factor of three. What is hidden obeys other laws than those of the catalogue wherever it can be written in another way. Every
-//! second case is realistic: it has a [`Background`] that no case names. A diagnosis gets [`Case::record`]'s recordings and
-//! [`Case::base`], no more.
+//! [`Case::draw`] depends only on a seed and a number. A family ([`FAMILY_NAMES`]) draws a machine. From its description are derived
+//! the truth's equations and, independently, the model file that a diagnosis starts from, whose free parameters are wrong by up to a
+//! factor of three. Hidden effects have other laws than the catalogue's wherever another formulation exists. Every second case is
+//! realistic: it has a [`Background`] that is not counted as hidden. A diagnosis gets only [`Case::record`]'s recordings and
+//! [`Case::base`].
 
 mod background;
 mod draw;
 mod families;
 mod hidden;
 mod integrate;
+mod kind;
 mod laws;
 mod machine;
 mod model_file;
@@ -19,6 +20,8 @@ mod profile;
 mod random;
 mod record;
 mod scales;
+mod simulate;
+mod unmodelled;
 
 use serde::{Deserialize, Serialize};
 use socam_model::Model;
@@ -29,54 +32,16 @@ pub use background::Background;
 use draw::{noise, outline, runs};
 use families::FAMILIES;
 pub use hidden::Hidden;
+pub use kind::Kind;
 pub use machine::{
     Bearing, Control, Drive, Input, Machine, Measure, Node, Parameter, Sensor, Sort, Spring, Tie,
 };
 use motion::Motion;
 pub use profile::{Profile, Shape};
 use random::Draw;
-pub use record::Run;
 use scales::Scales;
-
-/// What is hidden, by number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Nothing.
-    Clean,
-    /// One effect of the catalogue.
-    Single,
-    /// Two of them.
-    Double,
-    /// Physics that the catalogue does not hold.
-    Outside,
-}
-
-/// Kinds of twenty pairs of cases in a row, of which the first is clean and the second realistic.
-const KINDS: [Kind; 20] = {
-    use Kind::{Clean, Double, Outside, Single};
-    [
-        Clean, Single, Double, Clean, Single, Outside, Clean, Single, Clean, Double, Single, Clean, Single,
-        Clean, Outside, Single, Clean, Double, Single, Clean,
-    ]
-};
-
-impl Kind {
-    /// Kind of a case, and how many pairs of the same kind come before it.
-    fn turn(number: u64) -> (Self, u64) {
-        let pair = number / 2;
-        let (block, place) = (pair / KINDS.len() as u64, (pair % KINDS.len() as u64) as usize);
-        let kind = KINDS[place];
-        let among = |kinds: &[Self]| kinds.iter().filter(|other| **other == kind).count() as u64;
-        (kind, block * among(&KINDS) + among(&KINDS[..place]))
-    }
-
-    /// Kind of a case.
-    #[must_use]
-    pub fn of(number: u64) -> Self {
-        Self::turn(number).0
-    }
-}
+pub use simulate::Run;
+use unmodelled::Unmodelled;
 
 /// Names of the families.
 pub const FAMILY_NAMES: [&str; FAMILIES.len()] = {
@@ -89,32 +54,32 @@ pub const FAMILY_NAMES: [&str; FAMILIES.len()] = {
     names
 };
 
-/// A random machine with everything that is known of it.
+/// A random machine with its truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// What it was drawn from.
+    /// Seed of all cases.
     pub seed: u64,
-    /// Its number among those of the seed.
+    /// Its number among the cases of the seed.
     pub number: u64,
-    /// What kind of thing is hidden.
+    /// The kind of what is hidden.
     pub kind: Kind,
     /// Whether it has a background.
     pub realistic: bool,
-    /// What is hidden; nothing on a clean bench.
+    /// The hidden effects; none in a clean case.
     pub hidden: Vec<Hidden>,
-    /// The machine as its model knows it, with true values.
+    /// The machine as in its model, with true values.
     pub machine: Machine,
-    /// What it has beside, and no case names.
+    /// Imperfections that are not counted as hidden.
     pub background: Background,
     /// Standard deviations of the sensors' noise, SI.
     pub noise_std: Vec<(String, f64)>,
     /// The recordings, the held-out ones last.
     pub runs: Vec<Run>,
-    /// So many of them are fitted.
+    /// Number of recordings that are fitted.
     pub training: usize,
 }
 
-/// What a diagnosis gets.
+/// The recordings that a diagnosis gets.
 #[derive(Debug, Clone)]
 pub struct Recordings {
     /// To be fitted.
@@ -123,16 +88,13 @@ pub struct Recordings {
     pub holdout: Vec<Dataset>,
 }
 
-/// An effect's id and its place.
-type Chosen = (&'static str, String);
-
-/// Whether a case is one of simulated realism.
+/// Whether a case is realistic: has a background.
 #[must_use]
 pub fn is_realistic(number: u64) -> bool {
     number % 2 == 1
 }
 
-/// The family that a case's machine is of, without drawing the rest.
+/// The family of a case's machine, without drawing the rest.
 #[must_use]
 pub fn family_of(seed: u64, number: u64) -> String {
     outline(number, &mut Draw::new(seed, number)).0.family
@@ -142,7 +104,7 @@ impl Case {
     /// Case `number` of a seed.
     ///
     /// # Errors
-    /// When the machine runs away, which none should.
+    /// When the motion diverges, which no machine's should.
     pub fn draw(seed: u64, number: u64) -> Result<Self, SimError> {
         let draw = &mut Draw::new(seed, number);
         let (mut machine, chosen) = outline(number, draw);
@@ -173,7 +135,7 @@ impl Case {
         })
     }
 
-    /// The model that a diagnosis begins with: nothing of the truth is in it.
+    /// The model that a diagnosis starts from; it holds nothing of the truth.
     ///
     /// # Errors
     /// When it cannot move, which every machine's can.
@@ -187,7 +149,7 @@ impl Case {
         Self { hidden: Vec::new(), kind: Kind::Clean, ..self.clone() }
     }
 
-    /// Standard deviation of what noise and an encoder's steps do to a channel together, SI.
+    /// Standard deviation of a channel's noise and encoder quantisation together, SI.
     #[must_use]
     pub fn noise_floor(&self, channel: &str) -> f64 {
         let noise = self.noise_std.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, std)| *std);
@@ -199,11 +161,11 @@ impl Case {
     /// Records the case.
     ///
     /// # Errors
-    /// When the machine runs away.
+    /// When the motion diverges.
     pub fn record(&self) -> Result<Recordings, SimError> {
-        let mut beside = self.background.beside();
-        let flaws = hidden::conceal(&self.machine, &self.hidden, &mut beside)?;
-        let motion = Motion::new(&self.machine, &beside);
+        let mut unmodelled = self.background.unmodelled();
+        let flaws = hidden::conceal(&self.machine, &self.hidden, &mut unmodelled)?;
+        let motion = Motion::new(&self.machine, &unmodelled);
         let one = |(index, run): (usize, &Run)| {
             let signals = run.simulate(&self.machine, &motion, self.background.hold)?;
             let name = format!("run {}", index + 1);
@@ -214,8 +176,7 @@ impl Case {
         Ok(Recordings { training, holdout })
     }
 
-    /// Whether two places lie on one body, as far as it matters where something outside the catalogue acts: a node, its bearing,
-    /// and what is rigidly tied to it.
+    /// Whether two places are on one rigid body: a node, its bearing, and what is rigidly tied to it.
     #[must_use]
     pub fn is_same_body(&self, a: &str, b: &str) -> bool {
         let node = |place: &str| {
@@ -223,7 +184,7 @@ impl Case {
             let named = self.machine.nodes.iter().position(|node| node.name == place);
             bearing.map(|bearing| bearing.node).or(named)
         };
-        let motion = Motion::new(&self.machine, &motion::Beside::default());
+        let motion = Motion::new(&self.machine, &Unmodelled::default());
         a == b || node(a).zip(node(b)).is_some_and(|(a, b)| motion.tied_to(a)[b].is_some())
     }
 }

@@ -1,10 +1,10 @@
-//! The model file that a diagnosis begins with, from the description of a machine.
+//! The model file that a diagnosis starts from, written from the description of a machine.
 
 use std::fmt::Write as _;
 
 use super::machine::{Control, Drive, Machine, Measure, Parameter, Sort};
 
-/// Bounds of a parameter in the model file: so many times its start value, and so many times less.
+/// Bounds of a parameter: its start value divided and multiplied by this factor.
 const BOUND_FACTOR: f64 = 100.0;
 
 impl Machine {
@@ -22,7 +22,7 @@ impl Machine {
         }
     }
 
-    /// The model file that a diagnosis begins with.
+    /// The model file that a diagnosis starts from.
     pub(super) fn model_file(&self) -> String {
         let motion = if self.translates { "translation" } else { "rotation" };
         let mut text =
@@ -43,7 +43,7 @@ impl Machine {
         text
     }
 
-    /// Numbers that the model knows and the machine has elsewhere.
+    /// Fixed parameters of gravity and servo, which the machine holds outside its list of parameters.
     fn known_numbers(&self) -> String {
         let hanging = match self.gravity {
             Some(_) => "hanging = { value = 0.0, unit = \"rad\", fixed = true }\n",

@@ -1,4 +1,4 @@
-//! What a machine is told to do while a recording runs.
+//! The command of a machine during a recording.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,25 +6,25 @@ use serde::{Deserialize, Serialize};
 
 use super::random::Draw;
 
-/// A profile begins softly, s.
+/// Time of the fade-in, s.
 const EASE_IN_S: f64 = 0.4;
-/// Edges of steps take so many samples of the fastest thing in a profile's band.
+/// Duration of an edge, in periods of the band's highest frequency.
 const EDGE: f64 = 0.5;
-/// Waves of a multisine.
+/// Number of sines of a multisine.
 const WAVES: usize = 40;
 
-/// A profile; its values lie within about -1 and 1 beside its mean.
+/// A profile: a mean and a shape within about -1 and 1, times an amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// What it is made of.
+    /// Its shape.
     pub shape: Shape,
-    /// Of the amplitude.
+    /// Mean, relative to the amplitude.
     pub mean: f64,
-    /// Amplitude, of the input or of what a controller follows.
+    /// Amplitude of the input or of a controller's reference.
     pub amplitude: f64,
-    /// Waves of sine: amplitude, Hz, phase.
+    /// Sines: amplitude, frequency in Hz, phase in rad.
     waves: Vec<[f64; 3]>,
-    /// Levels that are held, and the times at which each is left, s.
+    /// Levels, and the time at which each one ends, s.
     levels: Vec<f64>,
     times_s: Vec<f64>,
     edge_s: f64,
@@ -34,24 +34,24 @@ pub struct Profile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// Many waves at once.
+    /// A sum of sines.
     Multisine,
-    /// One wave that becomes faster.
+    /// A sine of increasing frequency.
     Chirp,
     /// Two levels, switched at random.
     Binary,
-    /// Levels between.
+    /// Random levels.
     Steps,
-    /// Back and forth at constant rate, slowly, with a little of a multisine.
+    /// Slow ramps in both directions, with a small multisine.
     Triangle,
 }
 
-/// Those that shake a machine, and those that take it through standstill.
+/// Shapes that excite a wide band, and shapes that reverse slowly through standstill.
 pub(super) const SHAKING: [Shape; 3] = [Shape::Multisine, Shape::Chirp, Shape::Binary];
 pub(super) const REVERSING: [Shape; 2] = [Shape::Triangle, Shape::Steps];
 
 impl Profile {
-    /// A profile that lasts `duration_s` and shows what lies in a band.
+    /// Draws a profile of `duration_s` that excites a band.
     pub(super) fn draw(
         shape: Shape,
         (amplitude, mean): (f64, f64),
@@ -89,7 +89,7 @@ impl Profile {
     }
 
     fn add_waves(&mut self, size: f64, count: usize, (low, high): (f64, f64), draw: &mut Draw) {
-        // As strong in every octave; the peak of many waves of random phase is about three times their rms.
+        // Equal power per octave; the peak of many sines of random phase is about three times their rms.
         let each = size * (2.0 / count as f64).sqrt() / 2.5;
         for index in 0..count {
             let share = (index as f64 + draw.between(0.0, 1.0)) / count as f64;

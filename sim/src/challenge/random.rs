@@ -1,10 +1,10 @@
-//! Random numbers as a case needs them.
+//! Random draws of a case.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Every case draws from a stream of its own.
+/// The random stream of a case.
 pub(super) struct Draw(ChaCha8Rng);
 
 impl Draw {
@@ -18,12 +18,12 @@ impl Draw {
         self.0.random_range(low..high)
     }
 
-    /// As likely in every decade.
+    /// Log-uniform.
     pub(super) fn log(&mut self, (low, high): (f64, f64)) -> f64 {
         low * (high / low).powf(self.between(0.0, 1.0))
     }
 
-    /// From 1/`spread` to `spread`.
+    /// Log-uniform from 1/`spread` to `spread`.
     pub(super) fn factor(&mut self, spread: f64) -> f64 {
         self.log((1.0 / spread, spread))
     }
@@ -48,7 +48,7 @@ impl Draw {
         list[self.whole(0, list.len() as u64 - 1) as usize]
     }
 
-    /// Of mean 0 and standard deviation 1.
+    /// Standard normal.
     pub(super) fn normal(&mut self) -> f64 {
         self.0.sample(rand_distr::StandardNormal)
     }
@@ -57,7 +57,7 @@ impl Draw {
         self.0.next_u64()
     }
 
-    /// The list in any order (Fisher and Yates).
+    /// The list in random order (Fisher and Yates).
     pub(super) fn shuffled<T: Copy>(&mut self, list: &[T]) -> Vec<T> {
         let mut list = list.to_vec();
         for last in (1..list.len()).rev() {

@@ -1,14 +1,15 @@
-//! How strongly a machine moves: what sizes of hidden effects, noise and background are measured in.
+//! Typical values of a machine's motion: the units of hidden effects, noise and background.
 
 use super::machine::{Drive, Machine};
-use super::motion::{Beside, Motion};
-use super::record::Run;
+use super::motion::Motion;
+use super::simulate::Run;
+use super::unmodelled::Unmodelled;
 use crate::SimError;
 
-/// Root mean squares over one recording with nothing hidden, but for `peak_torque`.
+/// Root mean squares over one recording with nothing hidden; peaks where named so.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scales {
-    /// Torque that moves each node, N m.
+    /// Largest torque on each node's body, N m.
     pub(super) effort: Vec<f64>,
     /// Speed of each node, rad/s.
     pub(super) speed: Vec<f64>,
@@ -17,14 +18,14 @@ pub(super) struct Scales {
     /// Torque of each spring, N m, and its largest.
     pub(super) torque: Vec<f64>,
     pub(super) peak_torque: Vec<f64>,
-    /// Of each channel about its mean, and its largest modulus; the input first.
+    /// Each channel about its mean, and its largest magnitude; the input first.
     pub(super) channels: Vec<f64>,
     pub(super) peaks: Vec<f64>,
 }
 
 impl Scales {
     pub(super) fn of(machine: &Machine, run: &Run) -> Result<Self, SimError> {
-        let motion = Motion::new(machine, &Beside::default());
+        let motion = Motion::new(machine, &Unmodelled::default());
         let signals = run.simulate(machine, &motion, false)?;
         let rms = |of: &dyn Fn(usize) -> f64| {
             let count = signals.moments.len();
@@ -43,7 +44,7 @@ impl Scales {
         let speed: Vec<f64> =
             (0..machine.nodes.len()).map(|node| rms(&|row| signals.moments[row].speed[node])).collect();
         let effort = |node: usize| {
-            // The strongest torque on the node's body, as the node feels it.
+            // The largest torque on the node's body, referred to the node.
             let own = motion.tied_to(node);
             let springs = machine
                 .springs

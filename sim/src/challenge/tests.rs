@@ -1,3 +1,4 @@
+use super::draw::Chosen;
 use super::*;
 
 #[test]

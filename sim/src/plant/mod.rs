@@ -1,8 +1,8 @@
-//! The drivetrain in motion: its equations, integrated with error control.
+//! Simulates the drivetrain: integrates its equations of motion with error control.
 //!
-//! A one-step method (ESDIRK of order 3, embedded order 4 error estimate): inputs that change from sample to sample restart
-//! nothing, and massless nodes between a stiff spring and a damper cost nothing. The tolerances below keep the truth's error
-//! an order below one count of the default bench's sensors.
+//! The integrator is a one-step method (ESDIRK of order 3, embedded error estimate of order 4): input changes at samples need no
+//! restart, and massless nodes between a stiff spring and a damper need no small steps. The tolerances below keep the error an order
+//! of magnitude below one count of the default bench's sensors.
 
 mod motion;
 
@@ -22,25 +22,25 @@ const RELATIVE_TOLERANCE: f64 = 1e-8;
 const ROTATION_TOLERANCES: (f64, f64) = (1e-10, 1e-8);
 const TRANSLATION_TOLERANCES: (f64, f64) = (1e-11, 1e-9);
 
-/// Step to begin with, s; the error control takes over at once.
+/// First step, s; the error control adapts it at once.
 const FIRST_STEP_S: f64 = 1e-6;
 
 type Matrix = NalgebraMat<f64>;
 type Solver<'p> = Sdirk<'p, Motion, NalgebraLU<f64>, Matrix>;
 
-/// Equations of motion, ready to be solved; at rest at time 0.
+/// Equations of motion, prepared for the solver.
 pub struct Plant {
     problem: OdeSolverProblem<Motion>,
     /// Which states are speeds; the others are angles.
     speeds: Vec<bool>,
 }
 
-/// What a simulation cost.
+/// Effort of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Steps accepted.
     pub steps: usize,
-    /// Steps that the error control refused.
+    /// Steps rejected by the error control.
     pub refused_steps: usize,
     /// Newton iterations.
     pub iterations: usize,
@@ -88,7 +88,7 @@ impl Plant {
             .h0(FIRST_STEP_S)
             .build_from_eqn(Motion::new(equations, values))
             .map_err(|error| failed(0.0, &error))?;
-        // diffsol counts these over the whole run, not per step: a friction law that turns a thousand times is no failure.
+        // diffsol counts failures over the whole run, not per step: thousands of friction reversals are acceptable.
         problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
         Ok(Self { problem, speeds })
     }
@@ -103,7 +103,7 @@ impl Plant {
         &self.speeds
     }
 
-    /// From rest, at time 0, with all inputs 0.
+    /// Starts from rest, at time 0, with all inputs 0.
     ///
     /// # Errors
     /// [`SimError::Solver`] where the solver refuses the problem.
@@ -111,7 +111,7 @@ impl Plant {
         self.start_at(&vec![0.0; self.states()])
     }
 
-    /// From given states, at time 0, with all inputs 0.
+    /// Starts from given states, at time 0, with all inputs 0.
     ///
     /// # Errors
     /// [`SimError::Solver`] where the solver refuses the problem.
@@ -128,11 +128,11 @@ impl Plant {
     }
 }
 
-/// A drivetrain on its way. See [`Plant::start`].
+/// A running simulation. See [`Plant::start`].
 pub struct Trajectory<'p> {
     motion: &'p Motion,
     solver: Solver<'p>,
-    /// The step that the error control would take now.
+    /// The step that the error control proposes.
     step_s: f64,
 }
 
@@ -142,12 +142,12 @@ impl Trajectory<'_> {
         self.solver.state().t
     }
 
-    /// From now on the inputs are these; no time passes.
+    /// Sets the inputs without advancing time.
     pub fn set_input(&mut self, input: &[f64]) {
         self.motion.hold(self.time_s(), input);
     }
 
-    /// Goes on to `to_s` with the inputs held at `input` from now on.
+    /// Advances to `to_s` with the inputs held at `input`.
     ///
     /// # Errors
     /// [`SimError::Solver`] when the solver gives up.
@@ -156,7 +156,7 @@ impl Trajectory<'_> {
         self.advance(to_s)
     }
 
-    /// Goes on to `to_s` with the inputs moving straight from where they are to `input`.
+    /// Advances to `to_s` with the inputs linear from their present values to `input`.
     ///
     /// # Errors
     /// [`SimError::Solver`] when the solver gives up.
@@ -165,18 +165,18 @@ impl Trajectory<'_> {
         self.advance(to_s)
     }
 
-    /// What the model's outputs are now.
+    /// The present outputs of the model.
     pub fn outputs(&self, outputs: &mut [f64]) {
         let state = self.solver.state();
         self.motion.outputs(state.y.batch_as_slice(0), state.t, outputs);
     }
 
-    /// The states now.
+    /// The present states.
     pub fn states(&self) -> &[f64] {
         self.solver.state().y.batch_as_slice(0)
     }
 
-    /// What it cost so far.
+    /// Effort so far.
     pub fn effort(&self) -> Effort {
         let statistics = self.solver.get_statistics();
         Effort {
@@ -187,8 +187,8 @@ impl Trajectory<'_> {
         }
     }
 
-    /// Whole steps up to `to_s`. The solver's own stop time would end in a sliver and begin anew from it, with a fresh
-    /// factorisation each time; equal steps keep the factorisation over many intervals.
+    /// Advances to `to_s` in equal steps. With the solver's stop time the last step would be tiny and each change of step would need a
+    /// new factorisation; equal steps reuse one over many intervals.
     fn advance(&mut self, to_s: f64) -> Result<(), SimError> {
         let from_s = self.time_s();
         let interval_s = to_s - from_s;
@@ -202,7 +202,7 @@ impl Trajectory<'_> {
             if left_s <= rounding_s {
                 break;
             }
-            // A hair of tolerance, so that an interval that just fits is not cut in two.
+            // With tolerance for rounding, so that an interval of exactly one step is not divided.
             let steps = (left_s / self.step_s - 1e-6).ceil().max(1.0);
             let step_s = left_s / steps;
             *self.solver.state_mut().h = step_s;
@@ -214,7 +214,7 @@ impl Trajectory<'_> {
         Ok(())
     }
 
-    /// The first stage takes the slope from the last step's end; an input that has just changed changed it.
+    /// The first stage reuses the rate at the end of the last step, which a changed input invalidates.
     fn renew_slope(&mut self) {
         let time_s = self.time_s();
         let motion = self.motion;
@@ -224,7 +224,7 @@ impl Trajectory<'_> {
 }
 
 fn failed(time_s: f64, error: &diffsol::DiffsolError) -> SimError {
-    // The time is said once.
+    // The time is already in the error.
     let words = error.to_string();
     let reason = words.trim_start_matches("ODE solver error: ").split(" at time").next().unwrap_or_default();
     SimError::Solver { time_s, reason: reason.to_lowercase() }

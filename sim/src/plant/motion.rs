@@ -1,4 +1,4 @@
-//! The right-hand side that the solver sees: x' = A x + B u(t) + H f, with its slopes.
+//! The right-hand side for the solver, x' = A x + B u(t) + H f, and its Jacobian.
 
 use std::cell::RefCell;
 
@@ -9,10 +9,10 @@ use diffsol::{
 use nalgebra::{DMatrix, DVector};
 use socam_model::{Equations, Port};
 
-/// Newton iterations for laws that act on one another within an instant; they are monotone and converge in a few.
+/// Most Newton iterations for laws that are coupled algebraically; they are monotone and converge in a few.
 const COUPLED_ITERATIONS: usize = 30;
 
-/// Equations of motion with an input that moves on straight lines.
+/// Equations of motion with a piecewise-linear input.
 pub(super) struct Motion {
     context: NalgebraContext,
     states: usize,
@@ -23,7 +23,7 @@ pub(super) struct Motion {
     /// H and E row by row.
     rate_force: Rows,
     output_force: Rows,
-    /// U; `None` when no law acts on what another one sees.
+    /// U; `None` when the laws are not coupled algebraically.
     coupling: Option<DMatrix<f64>>,
     /// A, V and H, for the Jacobian.
     state: DMatrix<f64>,
@@ -38,7 +38,7 @@ struct Law {
     parameters: Vec<f64>,
 }
 
-/// The input's course, and room for what is worked out from it.
+/// The input over time, and workspace.
 struct Now {
     start_s: f64,
     value: Vec<f64>,
@@ -47,7 +47,7 @@ struct Now {
     point: Vec<f64>,
     seen: Vec<f64>,
     force: Vec<f64>,
-    /// d force / d seen, law by law.
+    /// d force / d input of each law.
     slopes: Vec<f64>,
 }
 
@@ -143,7 +143,7 @@ impl Motion {
         self.output_force.times(&now.force, outputs, true);
     }
 
-    /// Fills in the point, what the laws see there and what they answer.
+    /// Computes the laws' inputs and forces at a point.
     fn evaluate_laws(&self, x: &[f64], time_s: f64, now: &mut Now) {
         let passed_s = time_s - now.start_s;
         let (states, inputs) = now.point.split_at_mut(self.states);
@@ -170,7 +170,7 @@ impl Motion {
         }
     }
 
-    /// Laws that act on massless nodes change what others see: solves v = v0 + U f(v).
+    /// Laws that act on massless nodes change the inputs of others: solves v = v0 + U f(v).
     fn settle(&self, coupling: &DMatrix<f64>, now: &mut Now) {
         let free = DVector::from_column_slice(&now.seen);
         for _ in 0..COUPLED_ITERATIONS {

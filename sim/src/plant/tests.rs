@@ -3,7 +3,7 @@ use nalgebra::{DMatrix, DVector};
 use super::*;
 use crate::Truth;
 
-/// exp(A t) by scaling and squaring of a Taylor series: nothing in common with the solver.
+/// exp(A t) by scaling and squaring of a Taylor series, independent of the solver.
 fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let squarings = (matrix.amax().log2().ceil() as i32 + 6).max(0);
     let scaled = matrix / 2f64.powi(squarings);
@@ -19,7 +19,7 @@ fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     sum
 }
 
-/// A made-up but lively input: steps of changing size.
+/// An input of steps of different sizes.
 fn lively(sample: usize) -> f64 {
     100.0 + 30.0 * ((sample * sample % 17) as f64 / 8.0 - 1.0)
 }
@@ -69,7 +69,7 @@ fn dry_friction_agrees_with_tiny_steps() {
     let mut x = DVector::zeros(equations.state.nrows());
     let mut worst = 0.0f64;
     for sample in 0..400 {
-        // Turns around and stands still on the way.
+        // Reverses and stands still on the way.
         let torque = 1.2 * (sample as f64 * 0.05).sin();
         trajectory.hold((sample + 1) as f64 * period_s, &[torque]).unwrap();
         for _ in 0..parts {

@@ -1,5 +1,8 @@
 use socam_recording::Selection;
 
+use socam_model::Intersample;
+
+use super::feed::bridge;
 use super::*;
 
 fn replay(model: &str) -> Replay {
@@ -20,11 +23,10 @@ fn own_recording(model: &str, first: &[f64]) -> Dataset {
     };
     let mut columns = vec![feed.inputs[0].clone(), Vec::new(), Vec::new(), Vec::new()];
     let mut trajectory = plant.start_at(first).unwrap();
-    replay
-        .follow(&mut trajectory, &feed, 0..time_s.len(), time_s.len(), |outputs| {
-            columns[1..].iter_mut().zip(outputs).for_each(|(column, value)| column.push(*value));
-        })
-        .unwrap();
+    feed.follow(&mut trajectory, 0..time_s.len(), time_s.len(), |outputs| {
+        columns[1..].iter_mut().zip(outputs).for_each(|(column, value)| column.push(*value));
+    })
+    .unwrap();
     let channels = replay.truth.model.inputs().chain(replay.truth.model.outputs());
     let channels = channels.map(|channel| Column::from_column_name(&channel.column).unwrap()).collect();
     Dataset::from_columns("own", channels, time_s, columns).unwrap()

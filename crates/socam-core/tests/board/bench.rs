@@ -2,7 +2,7 @@
 
 use socam_core::{Board, Command, ConverterSilent, MAX_CHANNELS, Ports, Profile, Request, Shape};
 
-/// A bench of first order behind the converters, with faults to switch on.
+/// A first-order bench behind the converters, with switchable faults.
 #[derive(Debug)]
 pub(crate) struct Bench {
     pub(crate) now_us: u64,
@@ -25,7 +25,7 @@ impl Ports for Bench {
     fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
         let volts = if self.enabled { f64::from(self.output) * 10.0 / 32768.0 } else { 0.0 };
         self.speed_urad_s += (volts * 75.6e6 - self.speed_urad_s) * 0.02;
-        // No sensor is so quiet that it repeats to the count for a second.
+        // Ripple of one count: no real sensor repeats a count for a second.
         self.ripple = -1 - self.ripple;
         let motor = (self.speed_urad_s / 4632.0) as i16;
         let healthy = [motor, (f64::from(motor) * 0.3497) as i16, 100, 200, 0, 0, 0, 0];

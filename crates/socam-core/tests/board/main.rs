@@ -1,4 +1,4 @@
-//! The board against hardware that can misbehave in every way the ports allow.
+//! The board on hardware with every failure that the ports allow.
 
 mod bench;
 
@@ -185,8 +185,8 @@ fn any_event() -> impl Strategy<Value = Event> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// No sequence of requests, silence and failing hardware leaves the output live in a fault - or in any state but running
-    /// and stopping - and the clamp always holds.
+    /// After any sequence of requests, pauses and hardware failures the output is live only when running or stopping, and within
+    /// its clamp.
     #[test]
     fn the_output_is_live_only_where_it_may_be(events in prop::collection::vec(any_event(), 1..60)) {
         let mut ring = Ring::<RING>::new();

@@ -1,11 +1,10 @@
-//! Chunks decompressed in Rust, where the log's library cannot bring its own decompressors.
+//! Decompresses chunks in Rust, for targets on which the mcap crate has no decompressor.
 
 use std::io::Read;
 
 use mcap::records::{Record, op};
 
-/// The body of a chunk as it would be had it not been compressed; `None` when it is damaged. Its checksum is kept, and holds of what
-/// is inside.
+/// The body of a chunk without compression; `None` when it is damaged. The checksum, which is of the uncompressed records, is kept.
 pub(super) fn inflated(body: &[u8]) -> Option<Vec<u8>> {
     let Ok(Record::Chunk { header, data }) = mcap::parse_record(op::CHUNK, body) else { return None };
     let mut records = Vec::new();
@@ -22,7 +21,7 @@ pub(super) fn inflated(body: &[u8]) -> Option<Vec<u8>> {
     plain.extend(header.message_end_time.to_le_bytes());
     plain.extend(most.to_le_bytes());
     plain.extend(header.uncompressed_crc.to_le_bytes());
-    // No compression's name has no letters.
+    // An empty name means no compression.
     plain.extend(0_u32.to_le_bytes());
     plain.extend((records.len() as u64).to_le_bytes());
     plain.extend(records);

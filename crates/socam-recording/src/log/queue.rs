@@ -9,13 +9,13 @@ use crate::error::Result;
 /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
 pub(super) const QUEUE_BYTES: usize = 32 << 20;
 
-/// How often the queue is emptied.
+/// Interval at which the queue is emptied.
 const POLL: Duration = Duration::from_millis(50);
 
 /// Longest time before a chunk is closed. The contract is one second; half of it leaves room for a busy machine.
 const CHUNK_AGE: Duration = Duration::from_millis(500);
 
-/// How often the file is synced to the disk.
+/// Interval of syncs to the disk.
 const SYNC_EVERY: Duration = Duration::from_secs(10);
 
 /// The queue between the caller's thread and the writer's.

@@ -57,7 +57,7 @@ impl Recorder {
     /// Creates the file, writes everything known beforehand, and starts the writer's thread.
     ///
     /// # Errors
-    /// When the file cannot be created or written; nothing is left behind then.
+    /// When the file cannot be created or written; no file is left then.
     pub fn create(path: &Path, header: &RecordingHeader) -> Result<Self> {
         let file = create_file(path, header.replace)?;
         let log = LogWriter::begin(path, file, header).inspect_err(|_| remove(path))?;
@@ -81,7 +81,7 @@ impl Recorder {
         })
     }
 
-    /// Takes samples; never waits for the disk. Returns how many of them were taken; the others are counted as lost.
+    /// Queues samples without waiting for the disk. Returns the number accepted; the others are counted as lost.
     pub fn push_samples(&mut self, rows: &[SampleRow<'_>]) -> usize {
         let mut queue = self.shared.queue();
         let mut taken = 0;
@@ -108,21 +108,21 @@ impl Recorder {
         taken
     }
 
-    /// Takes the board's state and counters; never waits. False when it was dropped.
+    /// Queues the board's state and counters without waiting. False when they were dropped.
     pub fn status(&mut self, status: &Status) -> bool {
         let waiting = (Topic::Status, status.device_time_ns, None);
         let encode = |out: &mut Vec<u8>| encode_status(status, out);
         self.shared.queue().push(waiting, encode)
     }
 
-    /// Takes an event; never waits. False when it was dropped.
+    /// Queues an event without waiting. False when it was dropped.
     pub fn event(&mut self, event: &Event) -> bool {
         let waiting = (Topic::Event, event.device_time_ns, None);
         let encode = |out: &mut Vec<u8>| encode_event(event, out);
         self.shared.queue().push(waiting, encode)
     }
 
-    /// Samples lost so far, for whatever reason.
+    /// Number of samples lost so far, for any reason.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.counts.lost()
@@ -134,7 +134,7 @@ impl Recorder {
         self.shared.queue().bytes.len()
     }
 
-    /// Whether half of the queue is still free. A source that can wait, as a simulation can, waits until it is.
+    /// Whether half of the queue is free. A source that can wait, such as a simulation, waits until it is.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.shared.queue().bytes.len() < Self::QUEUE_BYTES / 2
@@ -146,10 +146,10 @@ impl Recorder {
         self.shared.queue().failed
     }
 
-    /// Writes what is waiting, the index and the summary, and syncs the file.
+    /// Writes the queue, the index and the summary, and syncs the file.
     ///
     /// # Errors
-    /// When writing has failed at any time. A recording without one sample is removed, and said.
+    /// When writing has failed at any time. A recording without a sample is removed, which is an error.
     pub fn finish(mut self) -> Result<RecordingSummary> {
         let (written, bytes) = self.stop()?;
         let Counts { missed, overflowed, refused } = self.counts;
@@ -196,7 +196,7 @@ fn create_file(path: &Path, replace: bool) -> Result<File> {
     options.open(path).map_err(|e| RecordingError::io(path, "create", e))
 }
 
-/// Removes a file that holds nothing worth keeping; devices stay.
+/// Removes a regular file; devices are left.
 fn remove(path: &Path) {
     if path.metadata().is_ok_and(|metadata| metadata.is_file()) {
         let _ = std::fs::remove_file(path);

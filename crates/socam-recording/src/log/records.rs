@@ -9,7 +9,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::error::{RecordingError, Result};
 use crate::files::{self, File};
 
-/// Bytes asked from the system at a time.
+/// Size of the read buffer, bytes.
 const BUFFER_BYTES: usize = 1 << 18;
 
 /// Largest record read into memory (chunks are 1 MiB; attachments are small files).
@@ -18,7 +18,7 @@ const RECORD_BYTES: u64 = 128 << 20;
 /// Opcode and length before every record.
 pub(crate) const RECORD_HEAD: u64 = 9;
 
-/// Whole records of a file, one at a time, skipping those that are not wanted.
+/// Whole records of a file, one at a time; unwanted ones are skipped.
 pub(crate) struct Records {
     pub(crate) path: PathBuf,
     file: BufReader<File>,
@@ -34,9 +34,9 @@ pub(crate) enum Next<'a> {
         byte: u64,
         body: &'a mut Vec<u8>,
     },
-    /// The end as it should be.
+    /// The regular end.
     End,
-    /// The file stops, or stops making sense, at this byte.
+    /// The file is cut off or invalid from this byte on.
     Cut(u64),
 }
 
@@ -60,7 +60,7 @@ impl Records {
         Ok(Self { path: path.into(), file, length, position: 8, body: Vec::new() })
     }
 
-    /// Goes on at a record that starts at this byte.
+    /// Continues at a record that starts at this byte.
     pub(crate) fn seek(&mut self, byte: u64) -> Result<()> {
         self.position = byte;
         self.read(|file| file.seek(SeekFrom::Start(byte)).map(drop))
@@ -115,7 +115,7 @@ impl Records {
     }
 }
 
-/// Opens chunks: decompresses, verifies the checksum, and gives out the records inside.
+/// Opens chunks: decompresses, verifies the checksum, and returns the records inside.
 pub(crate) struct ChunkOpener {
     reader: LinearReader,
 }
@@ -132,7 +132,7 @@ impl ChunkOpener {
 
     /// Calls `take` with each record of a chunk; `None` when the chunk or a record in it is damaged.
     pub(crate) fn open(&mut self, body: &[u8], mut take: impl FnMut(u8, &[u8]) -> Option<()>) -> Option<()> {
-        // Here the log's own library has no decompressor: it sees chunks that are not compressed.
+        // The mcap crate has no decompressor on this target, so it gets chunks decompressed here.
         #[cfg(target_arch = "wasm32")]
         let body = &super::inflate::inflated(body)?;
         let whole = self.feed(body, &mut take);

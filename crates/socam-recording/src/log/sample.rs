@@ -1,17 +1,17 @@
-//! Messages of a log: their values, and their protobuf bytes written and read by hand (ten thousand a second).
+//! Messages of a log: their values, and their protobuf encoding, by hand for speed (ten thousand a second).
 
 use prost::encoding::{DecodeContext, WireType, encode_key, encode_varint, skip_field};
 
 use super::schema::{DEVICE_TIME_NS, EXACT_TIME_S, FIRST_CHANNEL, FLAGS, RAW_COUNTS, SEQUENCE};
 
-/// One sample of all channels, as it is handed to a recorder.
+/// One sample of all channels, for a recorder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleRow<'a> {
     /// The board's time since the recording's start, ns; increases from row to row.
     pub device_time_ns: i64,
-    /// Number of the sample, counted by the board; a jump tells of lost samples.
+    /// Number of the sample, counted by the board; a jump means lost samples.
     pub sequence: u64,
-    /// The board's flags for this sample (saturation and such), bit by bit as the board defines them.
+    /// The board's flags of this sample, by the board's definition of bits.
     pub flags: u32,
     /// The converters' counts, in the order of the board's inputs; may be empty.
     pub raw_counts: &'a [i32],
@@ -26,22 +26,22 @@ pub struct Status {
     pub device_time_ns: i64,
     /// State of the safety machine, in words.
     pub state: String,
-    /// Sampling periods that the board could not keep, since start.
+    /// Sampling periods that the board missed, since start.
     pub overruns: u64,
-    /// Samples lost on the way, since start.
+    /// Samples lost in transmission, since start.
     pub lost: u64,
     /// Frames that arrived damaged, since start.
     pub link_errors: u64,
 }
 
-/// Something that happened during a recording.
+/// An event during a recording.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Event {
     /// The board's time since the recording's start, ns.
     pub device_time_ns: i64,
-    /// What kind: `phase`, `stop`, `fault`, `start`, `note`.
+    /// Its kind: `phase`, `stop`, `fault`, `start`, `note`.
     pub kind: String,
-    /// In words.
+    /// Its text.
     pub text: String,
 }
 
@@ -103,7 +103,7 @@ fn put_counts(out: &mut Vec<u8>, counts: &[i32]) {
     }
 }
 
-/// What a message's field holds, as far as it is of use here.
+/// The value of a message's field, of the types that are used.
 pub(crate) enum Field<'a> {
     Varint(u64),
     Double(f64),

@@ -56,7 +56,7 @@ pub(crate) fn event() -> Vec<u8> {
     message.descriptor_set()
 }
 
-/// Field names of the channels: their columns' names, made into identifiers and told apart where that needs it.
+/// Field names of the channels: their columns' names, made into identifiers and made unique.
 pub(crate) fn field_names(channels: &[Channel]) -> Vec<String> {
     let mut names: Vec<String> = Vec::with_capacity(channels.len());
     for channel in channels {
@@ -77,7 +77,7 @@ pub(crate) fn field_names(channels: &[Channel]) -> Vec<String> {
     names
 }
 
-/// Fields of doubles in the message of this name (`package.Message`), with their numbers: what a reader takes for
+/// Fields of doubles in the message of this name (`package.Message`), with their numbers: a reader takes them as
 /// channels. `None` when the data are no descriptor set with such a message.
 pub(crate) fn double_fields(descriptor_set: &[u8], name: &str) -> Option<Vec<(u32, String)>> {
     let set = FileDescriptorSet::decode(descriptor_set).ok()?;

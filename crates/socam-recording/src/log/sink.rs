@@ -1,9 +1,9 @@
-//! The file under a log: grows by whole records only, counts its bytes, and can be put back to its last whole record.
+//! The file of a log: it grows by whole records only, counts its bytes, and can be truncated to its last whole record.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 
-/// A file written through memory. Only a flush hands anything over, so whoever flushes between records leaves whole records.
+/// A file with a buffer in memory. Only a flush writes, so flushing between records leaves whole records.
 #[derive(Debug)]
 pub(crate) struct LogSink {
     file: File,
@@ -17,7 +17,7 @@ impl LogSink {
         Self { file, held: Vec::new(), written: 0, failed: false }
     }
 
-    /// Bytes handed to the system.
+    /// Number of bytes written to the operating system.
     pub(crate) fn written(&self) -> u64 {
         self.written
     }
@@ -32,7 +32,7 @@ impl LogSink {
             return Ok(());
         }
         if let Err(e) = self.file.write_all(&self.held) {
-            // Whatever part of it arrived is no whole record; a device has nothing to take back.
+            // A partial record is truncated; a device cannot be.
             let _ = self.file.set_len(self.written);
             self.failed = true;
             return Err(e);
@@ -42,7 +42,7 @@ impl LogSink {
         Ok(())
     }
 
-    /// Nothing may follow a failure: an index of records that never arrived is worse than none.
+    /// After a failure nothing more is written: an index must not name records that are missing.
     fn check(&self) -> io::Result<()> {
         if self.failed {
             return Err(io::Error::other("writing failed before"));
@@ -75,7 +75,7 @@ impl Seek for LogSink {
     }
 }
 
-/// Brings a file's content to the disk. Devices and pipes cannot, which is no fault.
+/// Syncs a file's content to the disk. Devices and pipes cannot be synced, which is no error.
 pub(crate) fn sync(file: &File) -> io::Result<()> {
     match file.sync_data() {
         Err(e) if e.kind() == io::ErrorKind::InvalidInput => Ok(()),

@@ -1,4 +1,4 @@
-//! Motor and load on a soft coupling with nothing but the motor's encoder, sampled slowly.
+//! Motor and load on a soft coupling, with only the motor's encoder, sampled slowly.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! A linear axis with a belt in the position loop of a servo that the model knows: reference in, position and force out.
+//! A linear axis with a belt in the position loop of a servo that is part of the model: reference in, position and force out.
 
 use socam_recording::Unit;
 

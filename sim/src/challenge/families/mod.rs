@@ -1,4 +1,4 @@
-//! Families of machines, one file each. A family draws a machine; its start values are spoilt afterwards.
+//! Families of machines, one file each. A family draws a machine; wrong start values are drawn afterwards.
 
 mod encoder_only;
 mod geared;
@@ -15,10 +15,10 @@ use std::f64::consts::TAU;
 use super::machine::Machine;
 use super::random::Draw;
 
-/// A family: its name, and how it draws a machine.
+/// A family: its name, and the function that draws a machine.
 pub(super) type Family = (&'static str, fn(&mut Draw) -> Machine);
 
-/// All of them.
+/// All families.
 pub(super) const FAMILIES: [Family; 9] = [
     ("speed-o-cam", speed_o_cam::draw),
     ("rigid-servo", rigid_servo::draw),
@@ -38,13 +38,13 @@ fn spring_between(inertias: (f64, f64), hz: f64, damping_ratio: f64) -> (f64, f6
     (reduced * pace * pace, 2.0 * damping_ratio * reduced * pace)
 }
 
-/// A torque-driven drive: torque amplitude, N m; inertia of the motor, kg m²; viscous damping of all, N m s/rad, of an axis that
-/// has `ratio` times the motor's inertia in all.
+/// A torque-driven axis whose total inertia is `ratio` times the motor's: torque amplitude, N m; inertia of the motor, kg m²; total
+/// viscous damping, N m s/rad.
 fn servo_numbers(ratio: f64, draw: &mut Draw) -> (f64, f64, f64) {
     let torque = draw.log((0.2, 20.0));
     let acceleration = draw.log((300.0, 1500.0));
     let inertia = torque / acceleration / ratio;
-    // The axis coasts down within so many seconds.
+    // Time constant of the axis coasting down, s.
     let damping = ratio * inertia / draw.log((0.15, 0.8));
     (torque, inertia, damping)
 }

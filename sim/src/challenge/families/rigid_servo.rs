@@ -1,4 +1,4 @@
-//! A servo axis of which nothing gives: motor, gear, shaft and load, driven by a voltage or a torque.
+//! A rigid servo axis: motor, gear, shaft and load, driven by a voltage or a torque.
 
 use socam_recording::Unit;
 
@@ -21,7 +21,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     machine.bearing("load_bearing", load, 0.0);
     machine.amplitude = torque;
     if by_voltage {
-        // The motor's inertia is known: that is what tells torque per volt.
+        // The motor's inertia is known, which makes the torque per volt identifiable.
         machine.input.name = "motor_voltage".into();
         machine.input.unit = Unit::V;
         machine.input.scale = torque / 12.0;

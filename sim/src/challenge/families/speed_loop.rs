@@ -1,4 +1,4 @@
-//! Motor and load on a compliant coupling in a speed loop; the loop's torque drives the model.
+//! Motor and load on a compliant coupling in a speed loop; the loop's torque is the model's input.
 
 use super::two_mass;
 use crate::challenge::machine::{Control, Machine};
@@ -10,10 +10,10 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     let inertia: f64 =
         (0..3).map(|node| machine.nodes[node].inertia.map_or(0.0, |own| machine.value(own))).sum();
     let torque = machine.amplitude;
-    // The loop is slower than the coupling, so that it does not shake itself.
+    // The loop is slower than the coupling's resonance, so that it is stable.
     let pace = draw.between(8.0, 20.0);
     machine.control = Control::Speed { proportional: inertia * pace, integral: 0.25 * inertia * pace * pace };
-    // At this speed changes of the profile take about the torque that the drive has.
+    // At this speed, changes of the profile need about the drive's torque.
     machine.amplitude = torque / (inertia * pace);
     machine
 }

@@ -1,11 +1,11 @@
-//! The default bench: the motor's speed is prescribed, two torque sensors and a tachometer measure what follows.
+//! The default bench: the motor's speed is prescribed, two torque sensors and a tachometer measure the response.
 
 use socam_recording::Unit;
 
 use crate::challenge::machine::{Drive, Input, Known, Machine, Measure, Sort};
 use crate::challenge::random::Draw;
 
-/// Inertia of what the model takes to have none, kg m²: too little to be found, and as much as an explicit integrator bears.
+/// Inertia of nodes that are massless in the model, kg m²: too small to be identified, large enough for an explicit integrator.
 const SMALL_FAST: f64 = 2e-7;
 const SMALL_SLOW: f64 = 1e-6;
 
@@ -46,7 +46,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     machine
 }
 
-/// A spring that the model gives no damper.
+/// A spring without a damper in the model.
 fn undamped(machine: &mut Machine, spring: usize) {
     let name = format!("{}_damping", machine.springs[spring].name);
     machine.springs[spring].damping = None;

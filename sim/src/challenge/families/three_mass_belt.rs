@@ -12,7 +12,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     let (torque, inertia, damping) = servo_numbers(1.0 + pulley_share + load_share, draw);
     let slow = ratio * ratio * inertia;
     let motor = machine.body("motor", inertia, Known::Open);
-    // The small pulley sits on the motor's shaft; the belt is reckoned on the slow side, as strands of so many teeth are.
+    // The small pulley sits on the motor's shaft; the belt's stiffness is referred to the slow side.
     let small = machine.body("belt_side", 0.05 * slow, Known::Fixed);
     let pulley = machine.body("pulley", pulley_share * slow, Known::Open);
     let load = machine.body("load", load_share * slow, Known::Open);

@@ -1,37 +1,18 @@
-//! Frames through links that damage, lose, repeat and reorder them.
+//! Messages as frames, the pinned bytes of the wire, and a host at a board.
 
+mod common;
+mod damage;
+
+use common::{decode, frame, identity, numbered};
 use proptest::prelude::*;
 use socam_core::{
     Board, Command, Config, ConfigError, ConverterSilent, Fault, Flags, Lines, Ports, Profile, ProfileError,
     Refusal, Request, Ring, Sample, Shape, State,
 };
 use socam_wire::{
-    BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, FrontEnd, Identity, LinkCounts, LinkError,
-    MAX_FRAME, SCHEMA_VERSION, Text, ToBoard, ToHost,
+    BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, LinkCounts, LinkError, MAX_FRAME,
+    SCHEMA_VERSION, ToBoard, ToHost,
 };
-
-fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
-    let mut out = [0; MAX_FRAME];
-    let len = encoder.encode(message, &mut out).unwrap();
-    out[..len].to_vec()
-}
-
-fn decode<M: serde::de::DeserializeOwned>(
-    decoder: &mut Decoder<M>,
-    mut bytes: &[u8],
-) -> Vec<Result<M, LinkError>> {
-    std::iter::from_fn(|| decoder.next(&mut bytes)).collect()
-}
-
-fn identity() -> Identity {
-    let front_end =
-        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
-    Identity { board: Text::new("bench 7, serial 0123456789abcdef"), firmware: Text::new("0.1.0"), front_end }
-}
-
-fn numbered(number: u16) -> ToBoard {
-    ToBoard::Request { number, request: Request::Heartbeat }
-}
 
 #[test]
 fn every_request_and_answer_arrives_as_it_was_sent() {
@@ -164,67 +145,6 @@ fn a_restarted_peer_is_understood_again_even_if_its_first_frames_were_lost() {
     assert_eq!(items[3..], [Err(LinkError::Restarted), Ok(numbered(4)), Ok(numbered(5))]);
 }
 
-/// What a link can do to bytes on their way.
-#[derive(Debug, Clone)]
-enum Damage {
-    FlipBit(usize, u8),
-    Remove(usize, usize),
-    Insert(usize, Vec<u8>),
-    Overwrite(usize, Vec<u8>),
-    LoseFrame(usize),
-    RepeatFrame(usize),
-    MoveFrame(usize, usize),
-}
-
-fn any_damage() -> impl Strategy<Value = Damage> {
-    let bytes = || prop::collection::vec(any::<u8>(), 1..40);
-    let at = any::<usize>;
-    prop_oneof![
-        4 => (at(), 0..8u8).prop_map(|(at, bit)| Damage::FlipBit(at, bit)),
-        2 => (at(), 1..60usize).prop_map(|(at, len)| Damage::Remove(at, len)),
-        2 => (at(), bytes()).prop_map(|(at, bytes)| Damage::Insert(at, bytes)),
-        2 => (at(), bytes()).prop_map(|(at, bytes)| Damage::Overwrite(at, bytes)),
-        1 => at().prop_map(Damage::LoseFrame),
-        1 => at().prop_map(Damage::RepeatFrame),
-        1 => (at(), at()).prop_map(|(from, to)| Damage::MoveFrame(from, to)),
-    ]
-}
-
-fn apply(damages: &[Damage], mut frames: Vec<Vec<u8>>) -> Vec<u8> {
-    for damage in damages {
-        let count = frames.len().max(1);
-        match *damage {
-            Damage::LoseFrame(at) if !frames.is_empty() => drop(frames.remove(at % count)),
-            Damage::RepeatFrame(at) if !frames.is_empty() => {
-                frames.insert(at % count, frames[at % count].clone())
-            }
-            Damage::MoveFrame(from, to) if !frames.is_empty() => {
-                let frame = frames.remove(from % count);
-                frames.insert(to % count, frame);
-            }
-            _ => {}
-        }
-    }
-    let mut bytes = frames.concat();
-    for damage in damages {
-        let size = bytes.len().max(1);
-        match damage {
-            Damage::FlipBit(at, bit) if !bytes.is_empty() => bytes[at % size] ^= 1 << bit,
-            Damage::Remove(at, len) if !bytes.is_empty() => {
-                drop(bytes.drain(at % size..(at % size + len).min(bytes.len())));
-            }
-            Damage::Insert(at, extra) => drop(bytes.splice(at % size..at % size, extra.iter().copied())),
-            Damage::Overwrite(at, with) => {
-                for (place, byte) in bytes.iter_mut().skip(at % size).zip(with) {
-                    *place = *byte;
-                }
-            }
-            _ => {}
-        }
-    }
-    bytes
-}
-
 fn any_sample() -> impl Strategy<Value = Sample> {
     (any::<[i16; 8]>(), any::<i16>(), any::<i32>(), any::<u8>()).prop_map(
         |(counts, output_count, setpoint_micro, flags)| Sample {
@@ -240,43 +160,7 @@ fn any_sample() -> impl Strategy<Value = Sample> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Nothing that a link does passes unseen: what arrives is what was sent, or an error says otherwise; no message is made
-    /// up; and the first whole frame after the trouble is understood.
-    #[test]
-    fn no_damage_passes_unseen(
-        count in 1..12u16,
-        damages in prop::collection::vec(any_damage(), 0..4),
-        piece in 1..200usize,
-    ) {
-        let mut encoder = Encoder::new();
-        let opening = frame(&mut encoder, &numbered(0));
-        let sent: Vec<_> = (1..=count).map(numbered).collect();
-        let frames: Vec<_> = sent.iter().map(|message| frame(&mut encoder, message)).collect();
-        let closing = frame(&mut encoder, &numbered(count + 1));
-
-        let mut decoder = Decoder::new();
-        prop_assert_eq!(decode(&mut decoder, &opening), [Ok(numbered(0))]);
-        let stream = [apply(&damages, frames), closing].concat();
-        let items: Vec<_> = stream.chunks(piece).flat_map(|bytes| decode(&mut decoder, bytes)).collect();
-
-        prop_assert_eq!(items.last(), Some(&Ok(numbered(count + 1))));
-        let errors = items.iter().filter(|item| item.is_err()).count();
-        let arrived: Vec<_> = items.into_iter().flatten().take_while(|m| *m != numbered(count + 1)).collect();
-        prop_assert!(arrived == sent || errors > 0);
-        prop_assert!(arrived.iter().all(|message| sent.contains(message)), "a message was made up");
-        prop_assert!(arrived.windows(2).all(|pair| pair[0] != pair[1]), "a message arrived twice");
-    }
-
-    #[test]
-    fn noise_is_survived_and_yields_no_message(noise in prop::collection::vec(any::<u8>(), 0..3000)) {
-        let mut decoder = Decoder::<ToHost>::new();
-        prop_assert!(decode(&mut decoder, &noise).iter().all(Result::is_err));
-        let hello = ToHost::Hello(identity());
-        let last = decode(&mut decoder, &frame(&mut Encoder::new(), &hello)).pop();
-        prop_assert_eq!(last, Some(Ok(hello)));
-    }
-
-    /// Whatever the ring delivers - gaps by dropped samples and missed ticks included - the host gets it, in full batches.
+    /// The host receives all samples of the ring unchanged, also after dropped samples and missed ticks.
     #[test]
     fn samples_travel_in_batches_without_change(
         mut samples in prop::collection::vec((any_sample(), 0..40u32, 0..60u16), 1..200),

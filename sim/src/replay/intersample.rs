@@ -1,26 +1,24 @@
-//! The knots of the straight lines in which a recorded input moves.
+//! Intersample reconstruction: the knots of the piecewise-linear input that drives the solver.
 //!
-//! A band-limited input goes through points between its samples that a windowed sinc gives (Kaiser's window), [`PARTS`] a sample.
-//! Straight lines between such points lose a twelfth of the signal's second difference on that finer grid; the knots are
-//! moved by as much.
+//! A band-limited input is interpolated by a windowed sinc (Kaiser window) at [`PARTS`] points per sample. Linear interpolation
+//! between them loses a twelfth of the signal's second difference on the finer grid; the knots are prefiltered by this amount.
 
 use std::{ops::Range, sync::LazyLock};
 
 use socam_model::Intersample;
 
-/// Parts of a sample.
+/// Points per sample.
 pub(super) const PARTS: usize = 4;
 
-/// Samples to either side that a knot depends on.
+/// Samples on either side that a knot depends on.
 const REACH: usize = 17;
 
-/// Half the width of the window, samples, and its shape.
+/// Half width of the window, samples, and its shape parameter.
 const HALF_WIDTH: f64 = 16.0;
 const SHAPE: f64 = 9.0;
 
-/// Knots of one input over the sample that ends at `row`, one for each part of it, the sample's own at last. `rows` are those
-/// without a gap about it; beyond them the input is taken to go on point-symmetrically, for as many
-/// rows as there are.
+/// Knots of one input over the sampling interval that ends at `row`, the last one at `row`. `rows` is the segment without a gap; the
+/// input is extended point-symmetrically beyond it, by at most its own length.
 pub(super) fn knots(
     values: &[f64],
     rows: &Range<usize>,
@@ -38,7 +36,7 @@ pub(super) fn knots(
     }
 }
 
-/// Where a band-limited input's line begins at a sample.
+/// The knot at a sample from which the next interval starts.
 pub(super) fn first(values: &[f64], rows: &Range<usize>, row: usize, intersample: Intersample) -> f64 {
     match intersample {
         Intersample::Hold | Intersample::Linear => values[row],
@@ -46,7 +44,8 @@ pub(super) fn first(values: &[f64], rows: &Range<usize>, row: usize, intersample
     }
 }
 
-/// `part` parts after a sample. What a straight line through that sample and the next leaves is interpolated: lines are met exactly.
+/// The knot `part` points after a sample. The deviation from the line through that sample and the next is interpolated, so straight
+/// lines are exact.
 fn knot(values: &[f64], rows: &Range<usize>, row: usize, part: usize) -> f64 {
     let (first, last) = (rows.start as i64, rows.end as i64 - 1);
     let at = |k: i64| {
@@ -64,7 +63,7 @@ fn knot(values: &[f64], rows: &Range<usize>, row: usize, part: usize) -> f64 {
     start + slope * part as f64 / PARTS as f64 + rest
 }
 
-/// By part, weights of the samples from [`REACH`] before to as many after and one.
+/// For each point, weights of the samples from [`REACH`] before to [`REACH`] + 1 after.
 static KNOTS: LazyLock<[Vec<f64>; PARTS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|part| {
         let at = |part: f64| {

@@ -1,0 +1,12 @@
+//! What can be hidden in a machine, where, and how large.
+
+mod conceal;
+mod effect;
+mod places;
+mod size;
+
+pub(super) use conceal::conceal;
+pub use effect::Hidden;
+pub(super) use effect::{NAMED, OUTSIDE};
+pub(super) use places::places;
+pub(super) use size::hide;

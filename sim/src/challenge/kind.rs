@@ -1,0 +1,43 @@
+//! What is hidden in which case.
+
+use serde::{Deserialize, Serialize};
+
+/// What is hidden in a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Nothing.
+    Clean,
+    /// One effect of the catalogue.
+    Single,
+    /// Two effects of the catalogue.
+    Double,
+    /// An effect outside the catalogue.
+    Outside,
+}
+
+/// Kinds of twenty consecutive pairs of cases; the first of a pair has no background, the second one is realistic.
+const KINDS: [Kind; 20] = {
+    use Kind::{Clean, Double, Outside, Single};
+    [
+        Clean, Single, Double, Clean, Single, Outside, Clean, Single, Clean, Double, Single, Clean, Single,
+        Clean, Outside, Single, Clean, Double, Single, Clean,
+    ]
+};
+
+impl Kind {
+    /// Kind of a case, and how many pairs of the same kind come before it.
+    pub(super) fn turn(number: u64) -> (Self, u64) {
+        let pair = number / 2;
+        let (block, place) = (pair / KINDS.len() as u64, (pair % KINDS.len() as u64) as usize);
+        let kind = KINDS[place];
+        let among = |kinds: &[Self]| kinds.iter().filter(|other| **other == kind).count() as u64;
+        (kind, block * among(&KINDS) + among(&KINDS[..place]))
+    }
+
+    /// Kind of a case.
+    #[must_use]
+    pub fn of(number: u64) -> Self {
+        Self::turn(number).0
+    }
+}
