@@ -92,7 +92,7 @@ pub fn evaluate_band(
         let (measured, predicted) = run(problem, values, index, nuisance)?;
         let sample_time_s = problem.segments[index].sample_time_s;
         for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
-            sums.add_stretch(band, sample_time_s, measured, predicted);
+            sums.add_segment(band, sample_time_s, measured, predicted);
         }
     }
     let names = problem.model.outputs().map(|channel| channel.name.clone());
@@ -139,7 +139,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn add_stretch(&mut self, band: Band, sample_time_s: f64, measured: &[f64], predicted: &[f64]) {
+    fn add_segment(&mut self, band: Band, sample_time_s: f64, measured: &[f64], predicted: &[f64]) {
         let rows: Vec<usize> = (0..measured.len()).filter(|row| !measured[*row].is_nan()).collect();
         // Missing values part it further.
         for part in rows.chunk_by(|row, next| row + 1 == *next) {
@@ -199,7 +199,7 @@ mod tests {
         let measured = tones(5000, &[(0.0, 7.0), (1.0, 9.0), (2.0, 3.0), (80.0, 4.0), (500.0, 8.0)]);
         let predicted = tones(5000, &[(10.0, 1.0), (2.0, 3.0), (80.0, 4.0)]);
         let mut sums = Sums::default();
-        sums.add_stretch(band, 1e-3, &measured, &predicted);
+        sums.add_segment(band, 1e-3, &measured, &predicted);
         let fit = sums.fit().unwrap();
         assert!((fit.rms - 0.5_f64.sqrt()).abs() < 1e-9, "{fit:?}");
         assert!((fit.fit_percent - 80.0).abs() < 1e-9, "{fit:?}");
@@ -209,18 +209,18 @@ mod tests {
     }
 
     #[test]
-    fn missing_values_part_a_stretch() {
+    fn missing_values_divide_a_segment() {
         let band = Band::new(5.0, 400.0).unwrap();
         let mut measured = tones(2101, &[(20.0, 2.0)]);
         measured[1000] = f64::NAN;
         measured[2001..].fill(f64::NAN);
         let mut sums = Sums::default();
-        sums.add_stretch(band, 1e-3, &measured, &vec![0.0; 2101]);
+        sums.add_segment(band, 1e-3, &measured, &vec![0.0; 2101]);
         assert_eq!(sums.samples, 2000);
         let fit = sums.fit().unwrap();
         assert!((fit.rms - 2.0_f64.sqrt()).abs() < 1e-9 && fit.fit_percent.abs() < 1e-9, "{fit:?}");
         let mut nothing = Sums::default();
-        nothing.add_stretch(Band::new(1.0, 2.0).unwrap(), 1e-3, &measured[..300], &[0.0; 300]);
+        nothing.add_segment(Band::new(1.0, 2.0).unwrap(), 1e-3, &measured[..300], &[0.0; 300]);
         assert_eq!(nothing.fit(), None);
     }
 

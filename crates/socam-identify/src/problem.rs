@@ -8,7 +8,8 @@ use crate::{
     noise::innovations_filter::NoiseLevels,
     prediction::start_state,
     preprocessing::{
-        mask::{self, LeftOut},
+        mask::LeftOut,
+        screening,
         segments::{self, Segment},
     },
     progress::ProgressMonitor,
@@ -171,7 +172,7 @@ impl<'a> Problem<'a> {
         };
         let mut segments = segments::segments(model, datasets, longest, &mut warnings)?;
         let (inputs, outputs): (Vec<_>, Vec<_>) = (model.inputs().collect(), model.outputs().collect());
-        let left_out = mask::find(&inputs, &outputs, datasets, &mut segments)?;
+        let left_out = screening::find(&inputs, &outputs, datasets, &mut segments)?;
         let intersample =
             inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
         Ok(Self {

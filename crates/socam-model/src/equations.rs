@@ -45,7 +45,7 @@ impl Port {
 
     /// Whether its law answers nothing, whatever it sees, at these `values` of all of the model's parameters.
     #[must_use]
-    pub fn is_silent(&self, values: &[f64]) -> bool {
+    pub fn is_inactive(&self, values: &[f64]) -> bool {
         (self.law.inactive)(&self.values(values))
     }
 

@@ -209,7 +209,7 @@ pub fn measure(
     noise_model: &NoiseModel,
     values: &[f64],
 ) -> Result<Option<Evaluation>, IdentifyError> {
-    let problem = levels::blind(problem);
+    let problem = levels::without_parameters(problem);
     let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
     let weights = noise_model.weights(&problem, values);
     let Some(at) = descent::with_nuisance_fitted(&problem, point, weights)? else { return Ok(None) };
@@ -423,7 +423,7 @@ pub fn innovations(
     noise_model: &NoiseModel,
     at: &Evaluation,
 ) -> Result<Option<Vec<Innovations>>, IdentifyError> {
-    let problem = levels::blind(problem);
+    let problem = levels::without_parameters(problem);
     let weights = Weights { innovations: true, ..noise_model.weights(&problem, &at.values) };
     let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
     let Some(passed) = evaluation::run(&problem, &point, &weights)? else { return Ok(None) };

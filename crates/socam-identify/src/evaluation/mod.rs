@@ -11,13 +11,13 @@ use crate::{
     noise::{
         discrepancy::Discrepancy,
         innovations_filter::NoiseLevels,
-        levels::{self, Probe, Score},
+        levels::{self, PerturbedFilters, Score},
         prewhitening::{self, Prewhitening},
     },
     optimiser::qr::{self, QrAccumulator},
     prediction::{modal::Modal, sensitivity_integrator::SensitivityIntegrator, start_state},
     preprocessing::{
-        outliers::{OutlierDetector, OutlierStatistics},
+        outlier_detector::{OutlierDetector, OutlierStatistics},
         segments,
     },
     problem::{Problem, StartState},
@@ -143,7 +143,7 @@ pub(crate) struct Weights {
     /// Whether whitened residuals are wanted.
     pub(crate) innovations: bool,
     /// Noise levels under test, one set for each sample time; empty where none are.
-    pub(crate) probes: Arc<Vec<(f64, Probe)>>,
+    pub(crate) perturbed_filters: Arc<Vec<(f64, PerturbedFilters)>>,
     /// Sizes of remainders when outliers are looked for.
     pub(crate) detector: Option<Arc<Vec<f64>>>,
     /// Filters to be used instead of those that follow the parameters.
@@ -161,7 +161,7 @@ impl Weights {
             scales,
             scores: false,
             innovations: false,
-            probes: Arc::default(),
+            perturbed_filters: Arc::default(),
             detector: None,
             frozen: None,
             discrepancy: Arc::default(),
@@ -329,7 +329,7 @@ impl<'w> ResidualAccumulator<'w> {
     ) -> Self {
         let globals = problem.free.len();
         let outputs = problem.outputs();
-        let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
+        let perturbed = weights.perturbed_filters.iter().find(|(time_s, _)| *time_s == sample_time_s);
         let block_s = if weights.discrepancy.is_empty() { BLOCK_S } else { COMPARED_BLOCK_S };
         Self {
             nuisance,
@@ -342,7 +342,7 @@ impl<'w> ResidualAccumulator<'w> {
             unresolved: 0,
             prewhitening: prewhitening.map(|prewhitening| prewhitening.start(nuisance, globals)),
             discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s),
-            course: probe.map(|(_, probe)| probe.start()),
+            course: perturbed.map(|(_, perturbed)| perturbed.start()),
             detector: weights
                 .detector
                 .as_ref()

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::{noise::innovations_filter::InnovationsFilter, prediction::exponential::padded};
+use crate::{noise::innovations_filter::InnovationsFilter, prediction::step_level::padded};
 
 /// Filters at a little more and a little less of something.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ pub(crate) struct FilterState {
     values: Vec<f64>,
     next: Vec<f64>,
     /// Output by output, lane by lane.
-    pub(crate) remainder: Vec<f64>,
+    pub(crate) innovation: Vec<f64>,
     /// Divided by its root.
     pub(crate) white: Vec<f64>,
 }
@@ -67,25 +67,25 @@ impl FilterBatch {
         self.lanes
     }
 
-    pub(crate) fn rest(&self) -> FilterState {
+    pub(crate) fn initial_state(&self) -> FilterState {
         let zeros = |rows: usize| vec![0.0; rows * self.lanes];
         FilterState {
             values: zeros(self.states),
             next: zeros(self.states),
-            remainder: zeros(self.outputs),
+            innovation: zeros(self.outputs),
             white: zeros(self.outputs),
         }
     }
 
     /// One sample of residuals, one per output, which all filters see; see [`InnovationsFilter::whiten`].
     pub(crate) fn advance(&self, state: &mut FilterState, residual: &[f64], present: &[bool]) {
-        pulp::Arch::new().dispatch(Advance { bank: self, state, residual, present });
+        pulp::Arch::new().dispatch(Advance { batch: self, state, residual, present });
         std::mem::swap(&mut state.values, &mut state.next);
     }
 }
 
 struct Advance<'a> {
-    bank: &'a FilterBatch,
+    batch: &'a FilterBatch,
     state: &'a mut FilterState,
     residual: &'a [f64],
     present: &'a [bool],
@@ -96,26 +96,26 @@ impl WithSimd for Advance<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { bank, state, residual, present } = self;
-        let lanes = bank.lanes;
-        let FilterState { values, next, remainder, white } = state;
-        for (o, row) in remainder.chunks_exact_mut(lanes).enumerate() {
+        let Self { batch, state, residual, present } = self;
+        let lanes = batch.lanes;
+        let FilterState { values, next, innovation, white } = state;
+        for (o, row) in innovation.chunks_exact_mut(lanes).enumerate() {
             if present[o] {
                 row.fill(residual[o]);
-                add(simd, &bank.output[o], values, row);
+                add(simd, &batch.output[o], values, row);
             } else {
                 row.fill(0.0);
             }
         }
         for (i, row) in next.chunks_exact_mut(lanes).enumerate() {
             row.fill(0.0);
-            add(simd, &bank.transition[i], values, row);
-            add(simd, &bank.gain[i], remainder, row);
+            add(simd, &batch.transition[i], values, row);
+            add(simd, &batch.gain[i], innovation, row);
         }
         for (o, row) in white.chunks_exact_mut(lanes).enumerate() {
             row.fill(0.0);
             if present[o] {
-                add(simd, &bank.inverse_root[o], remainder, row);
+                add(simd, &batch.inverse_root[o], innovation, row);
             }
         }
     }

@@ -22,7 +22,7 @@ const FILTERED: f64 = 1e-4;
 const STEEP: f64 = 0.03;
 /// Rows and segments that are looked at.
 const MOST_ROWS: u64 = 32_768;
-const MOST_STRETCHES: usize = 8;
+const MOST_SEGMENTS: usize = 8;
 
 /// Whether a channel drives the model by what a sensor said of a motion.
 pub(crate) fn is_measured(channel: &Channel) -> bool {
@@ -35,7 +35,7 @@ pub(crate) fn is_measured(channel: &Channel) -> bool {
 pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
     let inputs = problem.model.inputs().count();
     let mut windows: Vec<Vec<Sizes>> = vec![Vec::new(); inputs + problem.outputs()];
-    for segment in problem.segments.iter().take(MOST_STRETCHES) {
+    for segment in problem.segments.iter().take(MOST_SEGMENTS) {
         let head = segments::Segment { rows: segment.rows.min(MOST_ROWS), ..segment.clone() };
         let dataset = &problem.datasets[segment.recording];
         segments::read(problem.model, dataset, &head, &vec![Intersample::Linear; inputs], |chunk| {

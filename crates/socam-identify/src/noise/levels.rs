@@ -28,7 +28,7 @@ const LONGEST: f64 = 1.5;
 const LEAST_GAIN: f64 = 0.05;
 /// Rows of each of the first segments on which the first steps are made, and their number.
 const FIRST_ROWS: u64 = 2000;
-const FIRST_STRETCHES: usize = 6;
+const FIRST_SEGMENTS: usize = 6;
 const FIRST_STEPS: usize = 12;
 /// Steps on all data.
 const MOST_STEPS: usize = 3;
@@ -42,7 +42,7 @@ pub(crate) fn maximum_likelihood(
 ) -> Result<NoiseLevels, IdentifyError> {
     let mut kept: Vec<usize> = (0..problem.segments.len()).collect();
     let whole = without_sensitivities(problem, &kept, u64::MAX);
-    kept.truncate(FIRST_STRETCHES);
+    kept.truncate(FIRST_SEGMENTS);
     let head = without_sensitivities(problem, &kept, FIRST_ROWS);
     let head_point = Point { values: point.values.clone(), nuisance: point.nuisance[..kept.len()].to_vec() };
     let levels = fisher_scoring(&head, &head_point, start, most, FIRST_STEPS)?;
@@ -50,7 +50,7 @@ pub(crate) fn maximum_likelihood(
 }
 
 /// All of a problem, where no sensitivities are wanted.
-pub(crate) fn blind<'a>(problem: &Problem<'a>) -> Problem<'a> {
+pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
     let all: Vec<usize> = (0..problem.segments.len()).collect();
     without_sensitivities(problem, &all, u64::MAX)
 }
@@ -97,8 +97,8 @@ fn fisher_scoring(
         (0..sought.len()).filter(|k| is_full(sought[*k])).for_each(|k| score.hold_if_rising(k));
         let (step, gain) = score.step();
         for (level, change) in sought.iter().zip(step) {
-            let workspace = 2.0 * (of(most, *level) / of(&levels, *level)).ln();
-            levels = scaled(&levels, *level, change.min(workspace));
+            let headroom = 2.0 * (of(most, *level) / of(&levels, *level)).ln();
+            levels = scaled(&levels, *level, change.min(headroom));
         }
         if gain < LEAST_GAIN {
             break;
@@ -116,14 +116,20 @@ fn score(
     sought: &[usize],
 ) -> Result<Option<Score>, IdentifyError> {
     let units = &levels.outputs;
-    let probes: Option<Vec<_>> = sample_times(problem)
+    let perturbed_filters: Option<Vec<_>> = sample_times(problem)
         .into_iter()
         .map(|time_s| {
-            Some((time_s, Probe::new(equations, levels, sought, units, time_s, &problem.intersample)?))
+            Some((
+                time_s,
+                PerturbedFilters::new(equations, levels, sought, units, time_s, &problem.intersample)?,
+            ))
         })
         .collect();
-    let Some(probes) = probes else { return Ok(None) };
-    let weights = Weights { probes: Arc::new(probes), ..Weights::white(units.clone(), Vec::new()) };
+    let Some(perturbed_filters) = perturbed_filters else { return Ok(None) };
+    let weights = Weights {
+        perturbed_filters: Arc::new(perturbed_filters),
+        ..Weights::white(units.clone(), Vec::new())
+    };
     let Some(results) = evaluation::run(problem, point, &weights)? else { return Ok(None) };
     let mut sum = Score::new(sought.len());
     results.iter().filter_map(|result| result.levels.as_ref()).for_each(|score| sum.add(score));
@@ -131,11 +137,11 @@ fn score(
 }
 
 /// Filters about one choice of levels.
-pub(crate) struct Probe {
+pub(crate) struct PerturbedFilters {
     /// At the levels, then at a little more and a little less of each that is sought.
     filters: FilterBatch,
     inverse_root: DMatrix<f64>,
-    /// Slope of the remainder's covariance by each level, in units of its root.
+    /// Slope of the innovation's covariance by each level, in units of its root.
     spreads: Vec<DMatrix<f64>>,
 }
 
@@ -192,7 +198,7 @@ pub(crate) fn scaled(levels: &NoiseLevels, sought: usize, log_change: f64) -> No
     levels
 }
 
-impl Probe {
+impl PerturbedFilters {
     /// `None` where one of the filters does not exist.
     pub(crate) fn new(
         equations: &Equations,
@@ -220,13 +226,17 @@ impl Probe {
     }
 
     pub(crate) fn start(&self) -> LevelScore<'_> {
-        LevelScore { probe: self, filters: self.filters.rest(), score: Score::new(self.spreads.len()) }
+        LevelScore {
+            perturbed: self,
+            filters: self.filters.initial_state(),
+            score: Score::new(self.spreads.len()),
+        }
     }
 }
 
 /// The filters along one segment.
 pub(crate) struct LevelScore<'p> {
-    probe: &'p Probe,
+    perturbed: &'p PerturbedFilters,
     filters: FilterState,
     pub(crate) score: Score,
 }
@@ -234,17 +244,17 @@ pub(crate) struct LevelScore<'p> {
 impl LevelScore<'_> {
     /// Takes the residuals of one sample, one per output.
     pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
-        let Probe { filters, inverse_root, spreads } = self.probe;
+        let PerturbedFilters { filters, inverse_root, spreads } = self.perturbed;
         filters.advance(&mut self.filters, residual, present);
         if present.contains(&false) {
             return;
         }
         let (stride, outputs) = (filters.stride(), residual.len());
-        let remainder = |output: usize, lane: usize| self.filters.remainder[output * stride + lane];
+        let innovation = |output: usize, lane: usize| self.filters.innovation[output * stride + lane];
         let white = DVector::from_fn(outputs, |o, _| self.filters.white[o * stride]);
-        // By level: how the remainder moves, in units of its root.
+        // By level: how the innovation moves, in units of its root.
         let moved = DMatrix::from_fn(outputs, spreads.len(), |o, level| {
-            (remainder(o, 2 * level + 1) - remainder(o, 2 * level + 2)) / (2.0 * STEP)
+            (innovation(o, 2 * level + 1) - innovation(o, 2 * level + 2)) / (2.0 * STEP)
         });
         let moved = inverse_root * moved;
         for (i, spread) in spreads.iter().enumerate() {

@@ -14,9 +14,9 @@ use crate::{
     evaluation::{Point, Weights},
     noise::{
         filter_batch::{FilterBatch, FilterState},
-        innovations_filter::{FilteredRows, InnovationsFilter, NoiseLevels},
+        innovations_filter::{FilterRows, InnovationsFilter, NoiseLevels},
     },
-    prediction::exponential::padded,
+    prediction::step_level::padded,
     problem::{Problem, sample_times},
 };
 
@@ -112,7 +112,9 @@ pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels)
     let filter = |time_s: f64| {
         InnovationsFilter::new(&equations, levels, &levels.outputs, time_s, &problem.intersample)
     };
-    sample_times(problem).into_iter().all(|time_s| filter(time_s).is_some_and(|filter| filter.memory() < 1.0))
+    sample_times(problem)
+        .into_iter()
+        .all(|time_s| filter(time_s).is_some_and(|filter| filter.spectral_radius() < 1.0))
 }
 
 /// The filters along one segment. Rows hold sensitivities by free parameters and the residual, then, filled up to whole vectors, what is
@@ -120,7 +122,7 @@ pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels)
 pub(crate) struct PrewhiteningState<'c> {
     prewhitening: &'c Prewhitening,
     globals: usize,
-    state: FilteredRows,
+    state: FilterRows,
     neighbours: FilterState,
     stride: usize,
     rows: Vec<f64>,
@@ -142,8 +144,8 @@ impl Prewhitening {
         PrewhiteningState {
             prewhitening: self,
             globals,
-            state: self.filter.rest_of_rows(stride),
-            neighbours: self.neighbours.rest(),
+            state: self.filter.initial_rows(stride),
+            neighbours: self.neighbours.initial_state(),
             stride,
             rows: Vec::new(),
             residual: Vec::new(),

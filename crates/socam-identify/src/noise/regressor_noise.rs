@@ -6,13 +6,13 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use socam_model::{Channel, Model, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Model};
 use socam_recording::Dataset;
 
 use crate::{
     IdentifyError, Options, Problem, StartState,
     evaluation::{self, Point, SegmentEvaluation, Weights},
-    noise::innovations_filter::{InnovationsFilter, spectral_radius},
+    noise::{innovations_filter::InnovationsFilter, matrix_equations::spectral_radius},
     preprocessing::segments,
     problem::sample_times,
 };
@@ -63,7 +63,8 @@ fn per_sample(
         return Ok(None);
     };
     let plant = spectral_radius((&equations.state * sample_time_s).exp());
-    let memory = if plant < 1.0 - 1e-6 { filter.memory().max(plant) } else { filter.memory() };
+    let memory =
+        if plant < 1.0 - 1e-6 { filter.spectral_radius().max(plant) } else { filter.spectral_radius() };
     let rows = IMPULSE_ROW + (FADED.ln() / memory.ln()).clamp(ROWS.0, ROWS.1) as usize;
     let sizes = levels.inputs.iter().chain(&levels.outputs).enumerate().filter(|(_, std)| **std > 0.0);
     let datasets = sizes.map(|(channel, std)| impulse(&model, channel, *std, rows, sample_time_s));
@@ -108,7 +109,11 @@ fn linear(model: &Model) -> Model {
     for (index, channel) in model.channels.iter_mut().enumerate() {
         (channel.scale, channel.offset, channel.estimate_offset) = (1.0, 0.0, false);
         channel.column = format!("channel_{index}_1");
-        channel.transform = if channel.transform == ChannelTransform::Rate { ChannelTransform::Rate } else { ChannelTransform::Value };
+        channel.transform = if channel.transform == ChannelTransform::Rate {
+            ChannelTransform::Rate
+        } else {
+            ChannelTransform::Value
+        };
     }
     model
 }

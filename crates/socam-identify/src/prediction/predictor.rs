@@ -5,9 +5,10 @@ use socam_model::{Equations, Model};
 use crate::{
     IdentifyError, Intersample,
     prediction::{
+        event::Event,
         hybrid_modes::HybridModes,
-        integrator::{DEFAULT_TOLERANCE, Event, Integrator},
-        intersample::{self, InputCourse},
+        integrator::{DEFAULT_TOLERANCE, Integrator},
+        intersample::{self, InputPolynomial},
         start_state,
     },
 };
@@ -111,16 +112,16 @@ impl Predictor {
             .iter()
             .zip(intersample)
             .map(|(input, kind)| {
-                (intersample::pieces(*kind), intersample::coefficients(input, 0..rows, *kind))
+                (intersample::basis(*kind), intersample::coefficients(input, 0..rows, *kind))
             })
             .collect();
-        let along = |k: usize, course: &mut Vec<InputCourse>| {
-            course.clear();
-            course.extend(held.iter().map(|(pieces, held)| InputCourse::new(pieces, &held[k..])));
+        let along = |k: usize, polynomials: &mut Vec<InputPolynomial>| {
+            polynomials.clear();
+            polynomials.extend(held.iter().map(|(bases, held)| InputPolynomial::new(bases, &held[k..])));
         };
-        let (mut course, mut raw) = (Vec::new(), Vec::new());
-        along(0, &mut course);
-        let first: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
+        let (mut polynomials, mut raw) = (Vec::new(), Vec::new());
+        along(0, &mut polynomials);
+        let first: Vec<f64> = polynomials.iter().map(|polynomial| polynomial.at(1.0)).collect();
         let state = self.start(start, &first)?;
         let mut integrator = Integrator::new(&self.hybrid_modes, self.tolerance, &state, &first);
         let mut steps = 0;
@@ -128,8 +129,9 @@ impl Predictor {
         let mut outputs: Vec<Vec<f64>> = values.iter().map(|_| Vec::with_capacity(rows)).collect();
         for k in 0..rows {
             if k > 0 {
-                along(k, &mut course);
-                integrator.sample(&course, |event| steps += usize::from(matches!(event, Event::Step(_))));
+                along(k, &mut polynomials);
+                integrator
+                    .sample(&polynomials, |event| steps += usize::from(matches!(event, Event::Step(_))));
             }
             raw.clear();
             raw.extend(inputs.iter().map(|input| input[k]));

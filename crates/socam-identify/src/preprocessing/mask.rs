@@ -1,18 +1,9 @@
 //! What of a recording is not used as it was measured: output samples left out, input samples imputed.
 
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 
 use serde::Serialize;
-use socam_model::Channel;
-use socam_recording::{Dataset, check};
-
-use crate::{
-    IdentifyError,
-    preprocessing::{segments::Segment, spikes},
-};
-
-/// Rows beside a saturated segment that are left out with it: what the noise has not lifted over the limit there is too low.
-const BESIDE_SATURATION: u64 = 3;
+use socam_recording::Dataset;
 
 /// Why samples are not used as they were measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -117,7 +108,7 @@ pub(crate) fn time_of(dataset: &Dataset, row: u64) -> f64 {
 }
 
 /// Rows in order, apart.
-type Rows = Vec<Range<u64>>;
+pub(super) type Rows = Vec<Range<u64>>;
 
 /// What is not used as measured of one recording.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -159,7 +150,7 @@ impl Mask {
 }
 
 /// The same rows in order, apart.
-fn joined(mut rows: Rows) -> Rows {
+pub(super) fn joined(mut rows: Rows) -> Rows {
     rows.sort_by_key(|rows| rows.start);
     let mut joined = Rows::new();
     for rows in rows {
@@ -169,50 +160,6 @@ fn joined(mut rows: Rows) -> Rows {
         }
     }
     joined
-}
-
-/// Looks through all recordings for saturated outputs and spikes of inputs, and has the segments say so.
-pub(crate) fn find(
-    inputs: &[&Channel],
-    outputs: &[&Channel],
-    datasets: &[Dataset],
-    segments: &mut [Segment],
-) -> Result<Vec<LeftOut>, IdentifyError> {
-    let mut notes = Vec::new();
-    for (recording, dataset) in datasets.iter().enumerate() {
-        let mut mask = Mask::default();
-        for (output, rows) in saturated(outputs, dataset)? {
-            notes.extend(LeftOut::new(dataset, &outputs[output].name, Reason::Saturated, &rows));
-            mask.add(output, rows);
-        }
-        let own = || segments.iter().filter(|segment| segment.recording == recording);
-        mask.imputed = spikes::find(inputs, dataset, &own().collect::<Vec<_>>())?;
-        for (imputed, channel) in mask.imputed.iter().zip(inputs) {
-            let rows = joined(imputed.iter().map(|(row, _)| *row..row + 1).collect());
-            notes.extend(LeftOut::new(dataset, &channel.name, Reason::Imputed, &rows));
-        }
-        let mask = Arc::new(mask);
-        let own = segments.iter_mut().filter(|segment| segment.recording == recording);
-        own.for_each(|segment| segment.mask = Arc::clone(&mask));
-    }
-    Ok(notes)
-}
-
-/// Rows at which outputs are saturated.
-fn saturated(outputs: &[&Channel], dataset: &Dataset) -> Result<Vec<(usize, Rows)>, IdentifyError> {
-    let columns = outputs.iter().map(|channel| dataset.channel_index(&channel.column));
-    let columns = columns.collect::<Result<Vec<_>, _>>()?;
-    let mut all = Vec::new();
-    for found in check::saturations(dataset, &columns)? {
-        let wider = found.rows.iter().map(|rows| {
-            rows.start.saturating_sub(BESIDE_SATURATION)..(rows.end + BESIDE_SATURATION).min(dataset.rows())
-        });
-        let reading = columns.iter().enumerate().filter(|(_, column)| **column == found.channel);
-        for (output, _) in reading {
-            all.push((output, joined(wider.clone().collect())));
-        }
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 pub(crate) mod filters;
 pub(crate) mod mask;
+pub(crate) mod outlier_detector;
 pub(crate) mod outliers;
+pub(crate) mod screening;
 pub(crate) mod segments;
 pub(crate) mod spikes;

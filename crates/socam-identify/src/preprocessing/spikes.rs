@@ -15,9 +15,9 @@ use crate::{IdentifyError, preprocessing::segments::Segment};
 /// Rows over which the ordinary size of deviations is taken.
 const BLOCK: usize = 1024;
 /// A spike deviates by so many of their standard deviations.
-const LEAST: f64 = 10.0;
+const THRESHOLD: f64 = 10.0;
 /// Bridging it leaves at most this fraction of its deviation.
-const LEFT: f64 = 0.15;
+const MOST_LEFT: f64 = 0.15;
 /// It is so many times larger than the motion from row to row about it.
 const ABOVE_MOTION: f64 = 1.5;
 /// Most rows that are imputed within [`NEAR`] of a deviation.
@@ -44,7 +44,7 @@ pub(crate) fn find(
             continue;
         }
         let column = dataset.channel_index(&channel.column)?;
-        let each = segments.par_iter().map(|segment| in_stretch(column, dataset, segment));
+        let each = segments.par_iter().map(|segment| in_segment(column, dataset, segment));
         let each: Result<Vec<Vec<(u64, f64)>>, IdentifyError> = each.collect();
         let found: Vec<(u64, f64)> = each?.into_iter().flatten().collect();
         let rows: u64 = segments.iter().map(|segment| segment.rows).sum();
@@ -55,7 +55,7 @@ pub(crate) fn find(
 }
 
 /// Spikes of one segment, its neighbours in the run being looked at too.
-fn in_stretch(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec<(u64, f64)>, IdentifyError> {
+fn in_segment(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec<(u64, f64)>, IdentifyError> {
     let (near, end) = (2 * NEAR as u64, segment.first_row + segment.rows);
     let first = segment.first_row.saturating_sub(near).max(segment.run.start);
     let last = (end + near).min(segment.run.end);
@@ -63,12 +63,12 @@ fn in_stretch(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec
     for block in dataset.blocks_in(first..last, &[column])? {
         values.extend_from_slice(block?.columns[0].values());
     }
-    let found = bridges(&values).into_iter().map(|(k, value)| (first + k as u64, value));
+    let found = spikes_in(&values).into_iter().map(|(k, value)| (first + k as u64, value));
     Ok(found.filter(|(row, _)| (segment.first_row..end).contains(row)).collect())
 }
 
 /// Positions of spikes, and what stands there instead.
-fn bridges(values: &[f64]) -> Vec<(usize, f64)> {
+fn spikes_in(values: &[f64]) -> Vec<(usize, f64)> {
     let mut values = values.to_vec();
     let mut found = Vec::new();
     let deviations: Vec<f64> = (0..values.len()).map(|k| deviation(&values, k)).collect();
@@ -76,7 +76,7 @@ fn bridges(values: &[f64]) -> Vec<(usize, f64)> {
     for from in (0..values.len()).step_by(BLOCK) {
         let block = &deviations[from..values.len().min(from + BLOCK)];
         let least =
-            (LEAST * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
+            (THRESHOLD * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
         if block.iter().filter(|own| **own > least).count() > MOST_SUDDEN * block.len() / BLOCK {
             continue;
         }
@@ -105,8 +105,9 @@ fn impute(values: &mut [f64], at: usize, least: f64) -> Vec<(usize, f64)> {
         rows += gap.len();
         gaps.push((gap, sudden));
         if rest < least {
-            let are_spikes =
-                gaps.iter().all(|(gap, sudden)| rest < LEFT * sudden && stands_out(values, gap, *sudden));
+            let are_spikes = gaps
+                .iter()
+                .all(|(gap, sudden)| rest < MOST_LEFT * sudden && stands_out(values, gap, *sudden));
             if are_spikes {
                 return gaps.into_iter().flat_map(|(gap, _)| gap).map(|k| (k, values[k])).collect();
             }
@@ -216,17 +217,17 @@ mod tests {
     }
 
     #[test]
-    fn spikes_are_bridged_and_nothing_else() {
+    fn spikes_are_imputed_and_nothing_else() {
         let rows = 6000;
         for level in [0.0, 0.02, 0.2] {
             let clean: Vec<f64> = (0..rows).map(|k| moving(k) + level * noise(k)).collect();
-            assert_eq!(bridges(&clean), [], "{level}");
+            assert_eq!(spikes_in(&clean), [], "{level}");
             let mut spiked = clean.clone();
             let at = [50, 777, 783, 1500, 1501, 2047, 4000, 5990];
             for (i, k) in at.into_iter().enumerate() {
                 spiked[k] += if i % 3 == 0 { -20.0 } else { 8.0 + i as f64 };
             }
-            let found = bridges(&spiked);
+            let found = spikes_in(&spiked);
             assert!(found.iter().map(|(k, _)| *k).eq(at), "{level}: {found:?}");
             let error = found.iter().map(|(k, value)| (value - clean[*k]).abs()).fold(0.0, f64::max);
             assert!(error < 0.05 + 8.0 * level, "{level}: {error}");
@@ -245,7 +246,7 @@ mod tests {
         for (i, shape) in shapes.into_iter().enumerate() {
             for level in [0.0, 1e-3, 0.02, 0.1] {
                 let values: Vec<f64> = (0..8000).map(|k| shape(k) + level * noise(k)).collect();
-                let found = bridges(&values);
+                let found = spikes_in(&values);
                 assert_eq!(found, [], "shape {i}, noise {level}");
             }
         }

@@ -1,6 +1,6 @@
 //! Whether what is assumed of an input between its samples moves the answer, and whether the recordings contradict it.
 
-use socam_model::{Channel, Intersample, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Intersample};
 
 use crate::{
     IdentifyError, Problem,
@@ -49,7 +49,9 @@ pub(crate) fn warnings(
 
 /// What else an input may do between its samples.
 fn others(channel: &Channel, kind: Intersample) -> &'static [Intersample] {
-    if channel.quantity.is_clock() || matches!(channel.transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_)) {
+    if channel.quantity.is_clock()
+        || matches!(channel.transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_))
+    {
         return &[];
     }
     match kind {
