@@ -167,7 +167,7 @@ impl<'a> Problem<'a> {
         let mut warnings = Vec::new();
         // A piece in the middle of a motion is not in equilibrium.
         let longest = match options.start_state {
-            StartState::Free => segments::PIECE_ROWS,
+            StartState::Free => segments::MOST_ROWS,
             StartState::Equilibrium => u64::MAX,
         };
         let mut segments = segments::segments(model, datasets, longest, &mut warnings)?;
@@ -186,6 +186,27 @@ impl<'a> Problem<'a> {
             left_out,
             misfits: Vec::new(),
         })
+    }
+
+    /// A problem of given segments. Nothing is searched or checked, and there is nothing to report of them.
+    pub(crate) fn of_segments(
+        (model, datasets): (&'a Model, &'a [Dataset]),
+        free: Vec<usize>,
+        segments: Vec<Segment>,
+        options: Options,
+        intersample: Vec<Intersample>,
+    ) -> Self {
+        Self {
+            model,
+            datasets,
+            free,
+            segments,
+            options,
+            intersample,
+            warnings: Vec::new(),
+            left_out: Vec::new(),
+            misfits: Vec::new(),
+        }
     }
 
     /// Number of outputs of the model.

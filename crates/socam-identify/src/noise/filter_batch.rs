@@ -1,16 +1,16 @@
-//! Many filters of one shape beside each other, each for one column: a lane for each, so that they cost little more than one.
+//! Several innovations filters of one shape run side by side on the same residuals, one SIMD lane each.
 
 use pulp::{Simd, WithSimd};
 
 use crate::{noise::innovations_filter::InnovationsFilter, prediction::step_level::padded};
 
-/// Filters at a little more and a little less of something.
+/// Filters of one shape, such as those at perturbed values of each parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterBatch {
     lanes: usize,
     states: usize,
     outputs: usize,
-    /// For each state, then for each output: factors of the states, of those that any filter has.
+    /// For each state, and for each output: its factors of the states. A factor that is zero in all filters is left out.
     transition: Vec<Vec<Factor>>,
     output: Vec<Vec<Factor>>,
     /// For each state: factors of the outputs.
@@ -19,21 +19,21 @@ pub(crate) struct FilterBatch {
     inverse_root: Vec<Vec<Factor>>,
 }
 
-/// What a row takes of another, lane by lane.
+/// Factors of row `of`, one per lane.
 #[derive(Debug, Clone)]
 struct Factor {
     of: usize,
     lanes: Vec<f64>,
 }
 
-/// What the filters remember, and what they last left.
+/// States of the filters, and their last innovations.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterState {
     values: Vec<f64>,
     next: Vec<f64>,
-    /// Output by output, lane by lane.
+    /// Last innovations, output by output, lane by lane.
     pub(crate) innovation: Vec<f64>,
-    /// Divided by its root.
+    /// Those divided by the root of their covariance.
     pub(crate) white: Vec<f64>,
 }
 
@@ -62,7 +62,7 @@ impl FilterBatch {
         }
     }
 
-    /// How far the outputs of one lane lie apart.
+    /// Distance between the outputs of one lane.
     pub(crate) fn stride(&self) -> usize {
         self.lanes
     }
@@ -77,7 +77,7 @@ impl FilterBatch {
         }
     }
 
-    /// One sample of residuals, one per output, which all filters see; see [`InnovationsFilter::whiten`].
+    /// Advances all filters by one sample of residuals, one number per output; see [`InnovationsFilter::whiten`].
     pub(crate) fn advance(&self, state: &mut FilterState, residual: &[f64], present: &[bool]) {
         pulp::Arch::new().dispatch(Advance { batch: self, state, residual, present });
         std::mem::swap(&mut state.values, &mut state.next);
@@ -121,7 +121,7 @@ impl WithSimd for Advance<'_> {
     }
 }
 
-/// Adds rows, each lane times its factor.
+/// Adds rows to `target`, each lane times its factor.
 #[inline(always)]
 fn add<S: Simd>(simd: S, factors: &[Factor], rows: &[f64], target: &mut [f64]) {
     let lanes = target.len();
@@ -137,7 +137,7 @@ fn add<S: Simd>(simd: S, factors: &[Factor], rows: &[f64], target: &mut [f64]) {
     }
 }
 
-/// The first `W` vectors of `target`, which are those from `first` on of every row; answers `W`.
+/// Adds to the first `W` vectors of `target` those from vector `first` on of every row; returns `W`.
 #[inline(always)]
 fn add_some<S: Simd, const W: usize>(
     simd: S,

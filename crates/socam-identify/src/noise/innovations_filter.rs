@@ -1,15 +1,14 @@
-//! What a noisy input makes of the residuals, and the filter that undoes it.
+//! The stationary Kalman filter that whitens residuals coloured by the noise of an input.
 //!
-//! A prediction from a measured input carries that input's error through the drivetrain: residuals swell at the
-//! resonances and stay alike for as long as those ring, in all outputs at once. The residual of a right model is
+//! A prediction from a measured input propagates the input's error through the drivetrain: residuals of all outputs are large at the
+//! resonances and correlated for as long as these ring. The residual of a correct model is
 //!
 //! xi(k+1) = Phi xi(k) + sum of Gamma_j e(k+j),  r(k) = C xi(k) + F e(k) + v(k)
 //!
-//! with e the noise of the inputs' columns and v that of the outputs, all white, and j running over the samples about an interval
-//! that the input's course within it depends on, a rate's on more of them. The filter of Kalman (1960) that predicts
-//! r from its past leaves a white innovation; divided by its covariance's root it has unit variance in every
-//! channel. Residuals and sensitivities pass through the same filter, so that least squares weighs them as the inverse
-//! covariance of all residuals would, at a cost linear in samples.
+//! with e the noise of the inputs' columns and v that of the outputs, all white. j runs over the samples that the reconstruction of the
+//! input within an interval depends on. The filter of Kalman (1960) predicts r from its past and leaves a white innovation; divided by
+//! the root of its covariance the innovation has unit variance in every channel. Residuals and sensitivities pass through the same
+//! filter. Least squares then weights them as the inverse covariance of all residuals would, at a cost linear in samples.
 
 use nalgebra::{Cholesky, DMatrix};
 use pulp::{Simd, WithSimd};
@@ -40,14 +39,14 @@ impl NoiseLevels {
     }
 }
 
-/// The steady filter for one sample time. Residuals come in the units that it was made for.
+/// The stationary filter for one sample time and one set of units of the residuals.
 #[derive(Debug, Clone)]
 pub(crate) struct InnovationsFilter {
     pub(crate) outputs: usize,
     pub(crate) states: usize,
     /// Phi, row by row.
     pub(crate) transition: Vec<f64>,
-    /// C, row by row, and less than nothing by as much.
+    /// C and -C, row by row.
     pub(super) output: Vec<f64>,
     pub(crate) minus_output: Vec<f64>,
     /// K, row by row.
@@ -61,10 +60,9 @@ pub(crate) struct InnovationsFilter {
 }
 
 impl InnovationsFilter {
-    /// For the linear part of `equations`; force laws are taken where they no longer bend. `None` where no steady filter
-    /// exists: an input's noise that no sensor sees and no damping ends.
-    ///
-    /// `units`, one per output, are what residuals will have been divided by.
+    /// The filter for the linear part of `equations`; the derivatives of force laws are taken as zero. `units` has one entry per
+    /// output: residuals come divided by it. `None` where no stationary filter exists, because the noise of an input drives an undamped
+    /// mode that no output shows, or an entry overflows.
     pub(crate) fn new(
         equations: &Equations,
         levels: &NoiseLevels,
@@ -97,7 +95,7 @@ impl InnovationsFilter {
         finite.then_some(filter)
     }
 
-    /// Largest modulus of the filter's poles; one or more where it never forgets.
+    /// Largest modulus of the filter's poles; at least one where the filter never forgets its past.
     pub(crate) fn spectral_radius(&self) -> f64 {
         let (n, p) = (self.states, self.outputs);
         let gain = DMatrix::from_row_slice(n, p, &self.gain);
@@ -106,13 +104,13 @@ impl InnovationsFilter {
         spectral_radius(closed)
     }
 
-    /// Nothing remembered yet of one column.
+    /// The state of the filter before the first sample of one column.
     pub(crate) fn initial_state(&self) -> FilterColumn {
         let values = vec![0.0; self.states];
         FilterColumn { next: values.clone(), values }
     }
 
-    /// Turns `innovation` (one per output) from residuals into what their past did not foretell. A missing output foretells nothing.
+    /// Turns `innovation` (one number per output) from residuals into innovations. That of a missing output is zero.
     pub(crate) fn subtract_prediction(&self, state: &FilterColumn, innovation: &mut [f64], present: &[bool]) {
         let n = self.states;
         for (o, value) in innovation.iter_mut().enumerate() {
@@ -121,7 +119,7 @@ impl InnovationsFilter {
         }
     }
 
-    /// Moves `state` on.
+    /// Updates `state` by one sample.
     pub(crate) fn update(&self, state: &mut FilterColumn, innovation: &[f64]) {
         state.next.fill(0.0);
         for (columns, factors) in self.columns.iter().zip([&*state.values, innovation]) {
@@ -131,7 +129,7 @@ impl InnovationsFilter {
         std::mem::swap(&mut state.values, &mut state.next);
     }
 
-    /// Nothing remembered yet of rows that are `stride` long.
+    /// The state of the filter before the first sample of `stride` columns.
     pub(crate) fn initial_rows(&self, stride: usize) -> FilterRows {
         FilterRows {
             stride,
@@ -141,14 +139,13 @@ impl InnovationsFilter {
         }
     }
 
-    /// One sample of many columns: turns `rows`, one per output, of which the first `width` entries count (a number of whole
-    /// vectors), into what their past did not foretell, divided by its covariance's root, and moves `state` on. A missing output
-    /// stays nothing.
+    /// Filters one sample of many columns in place. `rows` has one row per output, of which the first `width` entries (whole SIMD
+    /// vectors) are used: they become innovations divided by the root of their covariance, zero for a missing output.
     pub(crate) fn whiten(&self, state: &mut FilterRows, rows: &mut [f64], width: usize, present: &[bool]) {
         pulp::Arch::new().dispatch(Whiten { filter: self, state, rows, width, present });
     }
 
-    /// Inverse of the root of the innovation's covariance.
+    /// Inverse of the lower root of the innovation's covariance.
     pub(crate) fn inverse_root(&self) -> DMatrix<f64> {
         DMatrix::from_row_slice(self.outputs, self.outputs, &self.inverse_root)
     }
@@ -188,14 +185,14 @@ impl WithSimd for Whiten<'_> {
     }
 }
 
-/// What the filter remembers of one column.
+/// State of the filter for one column.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterColumn {
     values: Vec<f64>,
     next: Vec<f64>,
 }
 
-/// Of many.
+/// State of the filter for many columns, row by row.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterRows {
     stride: usize,
@@ -227,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn bristles_are_none_of_the_filters_business() {
+    fn states_that_only_a_law_moves_are_left_out() {
         let model = Model::builtin("speed-o-cam").unwrap();
         let values = [("torque", 0.4), ("deflection", 1e-3)];
         let rubbing = model.with_effect("coulomb_friction", "load_bearing", &values).unwrap();

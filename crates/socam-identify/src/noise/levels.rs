@@ -1,8 +1,8 @@
-//! Noise levels from the residuals: the likelihood of what the whitening filter leaves.
+//! Noise levels of outputs and inputs by maximum likelihood of the residuals.
 //!
-//! At given parameters the residuals are Gaussian with a covariance that the levels of output and input noise make
-//! between them. Each pass takes the sensitivity of their likelihood and its information with respect to the logarithms
-//! of the variances; Fisher's scoring does the rest in a few passes.
+//! At given parameters the residuals are Gaussian; their covariance depends on the levels of output and input noise. Each evaluation
+//! gives the derivative of the log-likelihood (the score) and the Fisher information with respect to the logarithms of the variances, from
+//! innovations filters at perturbed levels. Fisher scoring converges in a few evaluations.
 
 use std::sync::Arc;
 
@@ -22,18 +22,19 @@ use crate::{
 
 /// Step of central differences in the logarithm of a variance.
 const STEP: f64 = 0.05;
-/// Longest move of a logarithm at once.
+/// Largest step in the logarithm of a variance.
 const LONGEST: f64 = 1.5;
-/// Log-likelihood that a further step must promise.
+/// Predicted gain of log-likelihood below which the iteration ends.
 const LEAST_GAIN: f64 = 0.05;
-/// Rows of each of the first segments on which the first steps are made, and their number.
+/// The first steps use so many rows of each of the first segments, at most so many segments and steps.
 const FIRST_ROWS: u64 = 2000;
 const FIRST_SEGMENTS: usize = 6;
 const FIRST_STEPS: usize = 12;
-/// Steps on all data.
+/// Most steps on all data.
 const MOST_STEPS: usize = 3;
 
-/// Levels of greatest likelihood at given parameters; they stay below `most`, known ones where they are.
+/// Noise levels of maximum likelihood at given parameters, from `start`. They stay below `most`; levels that the model file gives keep
+/// their values.
 pub(crate) fn maximum_likelihood(
     problem: &Problem<'_>,
     point: &Point,
@@ -49,31 +50,28 @@ pub(crate) fn maximum_likelihood(
     fisher_scoring(&whole, point, levels, most, MOST_STEPS)
 }
 
-/// All of a problem, where no sensitivities are wanted.
+/// The same problem without free parameters: its evaluations give residuals and the sensitivities of nuisance parameters only.
 pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
     let all: Vec<usize> = (0..problem.segments.len()).collect();
     without_sensitivities(problem, &all, u64::MAX)
 }
 
-/// The same problem with nothing to be estimated but start states.
+/// Part of a problem without free parameters: the segments `kept`, of each at most `rows` rows.
 fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| {
         let segment = &problem.segments[*index];
         Segment { rows: segment.rows.min(rows), ..segment.clone() }
     };
-    Problem {
-        model: problem.model,
-        datasets: problem.datasets,
-        free: Vec::new(),
-        segments: kept.iter().map(shortened).collect(),
-        options: problem.options.clone(),
-        intersample: problem.intersample.clone(),
-        warnings: Vec::new(),
-        left_out: Vec::new(),
-        misfits: Vec::new(),
-    }
+    Problem::of_segments(
+        (problem.model, problem.datasets),
+        Vec::new(),
+        kept.iter().map(shortened).collect(),
+        problem.options.clone(),
+        problem.intersample.clone(),
+    )
 }
 
+/// At most `steps` steps of Fisher scoring.
 fn fisher_scoring(
     problem: &Problem<'_>,
     point: &Point,
@@ -107,7 +105,7 @@ fn fisher_scoring(
     Ok(levels)
 }
 
-/// One pass; `None` where a filter does not exist or the prediction overflows.
+/// Score and information at some levels; `None` where a filter does not exist or the prediction overflows.
 fn score(
     problem: &Problem<'_>,
     point: &Point,
@@ -136,16 +134,16 @@ fn score(
     Ok(Some(sum))
 }
 
-/// Filters about one choice of levels.
+/// The innovations filter at some noise levels, and those at each level a little larger and a little smaller.
 pub(crate) struct PerturbedFilters {
-    /// At the levels, then at a little more and a little less of each that is sought.
+    /// At the levels, then for each level that is estimated at a larger and a smaller value.
     filters: FilterBatch,
     inverse_root: DMatrix<f64>,
-    /// Slope of the innovation's covariance by each level, in units of its root.
+    /// Derivative of the innovation's covariance with respect to each log variance, in units of its root.
     spreads: Vec<DMatrix<f64>>,
 }
 
-/// What residuals say of the levels.
+/// Score and Fisher information of the log variances.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
     pub(crate) sensitivity: DVector<f64>,
@@ -162,7 +160,7 @@ impl Score {
         self.information += &other.information;
     }
 
-    /// Keeps a level where it is, and the others' steps from reckoning with it, if more of it were likelier.
+    /// Removes a level from the step if the likelihood rises with it: for a level at its upper bound.
     fn hold_if_rising(&mut self, level: usize) {
         if self.sensitivity[level] > 0.0 {
             self.sensitivity[level] = 0.0;
@@ -171,10 +169,10 @@ impl Score {
         }
     }
 
-    /// Changes of the logarithms of the variances, and what they promise to gain of log-likelihood.
+    /// Step of the logarithms of the variances, and the gain of log-likelihood that it predicts.
     pub(crate) fn step(&self) -> (Vec<f64>, f64) {
         let levels = self.sensitivity.len();
-        // A level that leaves no trace stays where it is.
+        // The identity keeps a level without information where it is.
         let information = &self.information + DMatrix::identity(levels, levels);
         let step = information.lu().solve(&self.sensitivity).unwrap_or_else(|| DVector::zeros(levels));
         let step = step.map(|s| s.clamp(-LONGEST, LONGEST));
@@ -183,12 +181,12 @@ impl Score {
     }
 }
 
-/// A level by its position: outputs first, then inputs.
+/// A level by its index: outputs first, then inputs. NaN beyond them.
 fn of(levels: &NoiseLevels, sought: usize) -> f64 {
     levels.outputs.iter().chain(&levels.inputs).nth(sought).copied().unwrap_or(f64::NAN)
 }
 
-/// With a level, by its position, changed.
+/// The levels with one log variance changed; `sought` is the index of the level.
 pub(crate) fn scaled(levels: &NoiseLevels, sought: usize, log_change: f64) -> NoiseLevels {
     let mut levels = levels.clone();
     let outputs = levels.outputs.len();
@@ -234,7 +232,7 @@ impl PerturbedFilters {
     }
 }
 
-/// The filters along one segment.
+/// Score along one segment.
 pub(crate) struct LevelScore<'p> {
     perturbed: &'p PerturbedFilters,
     filters: FilterState,
@@ -242,7 +240,7 @@ pub(crate) struct LevelScore<'p> {
 }
 
 impl LevelScore<'_> {
-    /// Takes the residuals of one sample, one per output.
+    /// Adds the residuals of one sample, one per output. Samples with a missing output only update the filters.
     pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
         let PerturbedFilters { filters, inverse_root, spreads } = self.perturbed;
         filters.advance(&mut self.filters, residual, present);
@@ -252,7 +250,7 @@ impl LevelScore<'_> {
         let (stride, outputs) = (filters.stride(), residual.len());
         let innovation = |output: usize, lane: usize| self.filters.innovation[output * stride + lane];
         let white = DVector::from_fn(outputs, |o, _| self.filters.white[o * stride]);
-        // By level: how the innovation moves, in units of its root.
+        // Derivative of the innovation with respect to each level, in units of the covariance's root.
         let moved = DMatrix::from_fn(outputs, spreads.len(), |o, level| {
             (innovation(o, 2 * level + 1) - innovation(o, 2 * level + 2)) / (2.0 * STEP)
         });

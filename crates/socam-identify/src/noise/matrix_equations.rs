@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::noise::residual_noise::ResidualNoise;
 
-/// From the growth of a matrix's powers: an iteration for its eigenvalues need not end.
+/// Largest modulus of a matrix's eigenvalues, from the growth of its powers. Unlike an iteration for eigenvalues, this always ends.
 pub(crate) fn spectral_radius(mut matrix: DMatrix<f64>) -> f64 {
     const DOUBLINGS: i32 = 24;
     let mut log_scale = 0.0;
@@ -20,7 +20,7 @@ pub(crate) fn spectral_radius(mut matrix: DMatrix<f64>) -> f64 {
     ((log_scale + matrix.norm().ln()) / 2.0_f64.powi(DOUBLINGS)).exp()
 }
 
-/// Sum of transition^k source transition'^k over very many k.
+/// Solution X = A X A' + Q of a discrete Lyapunov equation: the sum of A^k Q A'^k. `None` where the sum does not converge.
 pub(super) fn gramian(transition: &DMatrix<f64>, source: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     const DOUBLINGS: usize = 24;
     let (mut sum, mut power) = (source.clone(), transition.clone());
@@ -35,8 +35,9 @@ pub(super) fn gramian(transition: &DMatrix<f64>, source: &DMatrix<f64>) -> Optio
     sum.iter().all(|value| value.is_finite()).then_some(sum)
 }
 
-/// Solution of the filter's Riccati equation by the structure-preserving doubling algorithm (Chu, Fan, Lin and Wang,
-/// International Journal of Control 77, 2004), which converges quadratically.
+/// Stationary prediction covariance of the noise states: the solution of the filter's Riccati equation by the structure-preserving
+/// doubling algorithm (Chu, Fan, Lin and Wang, International Journal of Control 77, 2004), which converges quadratically. `spread` is the
+/// covariance of the outputs' noise. `None` where there is no stabilising solution.
 pub(super) fn steady_covariance(noise: &ResidualNoise, spread: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = noise.transition.nrows();
     if n == 0 {

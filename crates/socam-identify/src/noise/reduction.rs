@@ -1,10 +1,10 @@
-//! Fewer states for an innovations filter.
+//! Model reduction of an innovations filter.
 
 use nalgebra::DMatrix;
 
 use crate::noise::{innovations_filter::InnovationsFilter, matrix_equations::gramian};
 
-/// What leaving out states may change in white innovations, of unit variance.
+/// Bound on the change of the whitened innovations (of unit variance) by the states that are left out.
 const NEXT_TO_NOTHING: f64 = 0.01;
 
 impl InnovationsFilter {

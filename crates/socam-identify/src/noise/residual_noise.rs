@@ -5,11 +5,12 @@ use socam_model::Equations;
 
 use crate::{Intersample, prediction::intersample};
 
-/// Samples before and after an interval whose noise is taken to matter within it; a band-limited course depends on more of
-/// them, by less than a hundredth.
+/// Samples before and after an interval whose noise is modelled within it. A band-limited reconstruction depends on more samples, with
+/// weights below a hundredth.
 const REACH: usize = 3;
 
-/// How noise enters the residual: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), w of unit variance.
+/// State-space model of the coloured part of the residuals: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), with white w of
+/// unit variance.
 pub(super) struct ResidualNoise {
     pub(super) transition: DMatrix<f64>,
     pub(super) drive: DMatrix<f64>,
@@ -17,7 +18,8 @@ pub(super) struct ResidualNoise {
 }
 
 impl ResidualNoise {
-    /// Outputs are divided by `units`.
+    /// The model for inputs whose columns have white noise of standard deviation `input_std` (SI); residuals are divided by `units`.
+    /// `None` where an entry overflows.
     pub(super) fn new(
         equations: &Equations,
         input_std: &[f64],
@@ -35,8 +37,8 @@ impl ResidualNoise {
         let (step, taps) = response(&state, &drive, sample_time_s, &kinds);
         let kernels: Vec<Vec<f64>> = noisy.iter().map(|input| equations.transforms[*input].noise()).collect();
         let (n, m, p) = (step.nrows(), noisy.len(), units.len());
-        // The state, then each input's noise of the last samples, the latest first; what comes in is the noise of the
-        // last sample that matters for the coming interval.
+        // The states are those of the drivetrain, then the last noise samples of each input, the latest first. w is the noise of the
+        // last sample that affects the coming interval.
         let remembered: Vec<usize> =
             kernels.iter().zip(&taps).map(|(kernel, taps)| taps.len() + kernel.len() - 2).collect();
         let size = n + remembered.iter().sum::<usize>();
@@ -58,7 +60,7 @@ impl ResidualNoise {
                     transition[(first + age + 1, first + age)] = 1.0;
                 }
             }
-            // What passes through at once, of the samples about this one, the latest first.
+            // Direct feedthrough of the samples about this one, the latest first.
             for (i, unit) in units.iter().enumerate() {
                 let through = equations.feedthrough[(i, *input)] * input_std[*input] / unit;
                 let latest = first + remembered[j] / 2 - kernel.len() / 2;
@@ -73,7 +75,8 @@ impl ResidualNoise {
     }
 }
 
-/// States that outputs show, themselves or through others. What only a law moves, such as friction's bristles, would never forget.
+/// States that outputs show, directly or through other states. A state that only a law moves, such as the deflection of friction's
+/// bristles, would have an undamped pole at one.
 fn observed(equations: &Equations) -> Vec<usize> {
     let states = equations.state.ncols();
     let mut seen: Vec<usize> =
@@ -89,7 +92,8 @@ fn observed(equations: &Equations) -> Vec<usize> {
     seen
 }
 
-/// What the state becomes in an interval: of itself, and, input by input, of its samples about it, the earliest first.
+/// Transition matrix of an interval, and for each input the responses of the state to the samples about the interval, the earliest
+/// first.
 fn response(
     state: &DMatrix<f64>,
     drive: &DMatrix<f64>,
@@ -125,7 +129,8 @@ fn response(
     (step.view((0, 0), (n, n)).into_owned(), taps)
 }
 
-/// Of what a coefficient does, what a sample does; or of that, what a sample of the column does.
+/// Convolution of responses with a kernel: responses to coefficients and the prefilter give those to samples; these and the kernel of
+/// the channel's transform give those to the samples of its column.
 fn convolved(taps: &[DVector<f64>], kernel: &[f64]) -> Vec<DVector<f64>> {
     let states = taps.first().map_or(0, DVector::nrows);
     let mut each = vec![DVector::zeros(states); taps.len() + kernel.len() - 1];
@@ -137,7 +142,7 @@ fn convolved(taps: &[DVector<f64>], kernel: &[f64]) -> Vec<DVector<f64>> {
     each
 }
 
-/// Leaves out the samples beyond [`REACH`], and gives what they would do to those beside the interval.
+/// Leaves out the responses to samples beyond [`REACH`] and adds them to those of the two samples beside the interval.
 fn shortened(taps: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
     let beyond = (taps.len() / 2).saturating_sub(REACH + 1);
     let mut kept = taps[beyond..taps.len() - beyond].to_vec();

@@ -421,7 +421,7 @@ fn best_start(problem: &Problem<'_>, races: &mut Vec<Race>) -> Result<Point, Ide
     if problem.options.starts <= 1 {
         return with_nuisance(first);
     }
-    let runs = problem.segments.iter().filter(|segment| segment.begins_run());
+    let runs = problem.segments.iter().filter(|segment| segment.starts_uninterrupted());
     let short = Problem {
         segments: runs.take(RACE_SEGMENTS).map(|s| feed_head(s, RACE_ROWS)).collect(),
         model: problem.model,

@@ -2,6 +2,7 @@
 
 use crate::prediction::{
     inactive_laws::{InactiveInputs, InactiveLaws},
+    instant::Instant,
     laws::{PortLaw, PortResponse},
     step_level::StepLevel,
 };
@@ -27,16 +28,6 @@ pub(crate) struct AcceptedStep<'w> {
     pub(crate) inactive_laws: &'w InactiveLaws,
     /// The step's map to the inputs of the inactive laws.
     pub(crate) inactive_inputs: &'w InactiveInputs,
-}
-
-/// The motion at one time.
-pub(crate) struct Instant {
-    /// Index of the mode, see [`HybridModes`](crate::prediction::hybrid_modes::HybridModes).
-    pub(crate) mode: usize,
-    pub(crate) state: Vec<f64>,
-    pub(crate) inputs: Vec<f64>,
-    pub(crate) forces: Vec<f64>,
-    pub(crate) responses: Vec<PortResponse>,
 }
 
 /// A switch from one mode to the next. The boundary is detected a little late: the state is taken back along the motion of the mode

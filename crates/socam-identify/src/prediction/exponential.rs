@@ -1,9 +1,9 @@
 //! Exact steps of a model's linear part, with their sensitivities.
 //!
-//! Over a step, inputs and the laws' forces move along parabolas through their values at its start, middle and end. What the
-//! step is_first_port to is then linear in xi = [x, u at start, middle and end, f at start, middle and end], by maps made of
-//! the functions phi_1 to phi_3 of the exponential (collocation of Lobatto's kind, fourth order: Hochbruck and Ostermann 2005,
-//! doi:10.1016/j.apnum.2004.08.005). However stiff the drivetrain, only the forces are approximated.
+//! Over a step, inputs and forces follow parabolas through their values at its start, middle and end. The state at the end is then
+//! linear in xi (see [`step_level`](crate::prediction::step_level)), by maps made of the functions phi_1 to phi_3 of the exponential.
+//! This is exponential collocation at Lobatto nodes, of fourth order (Hochbruck and Ostermann 2005,
+//! doi:10.1016/j.apnum.2004.08.005). Only the forces are approximated, however stiff the drivetrain.
 
 use nalgebra::DMatrix;
 use socam_model::Equations;

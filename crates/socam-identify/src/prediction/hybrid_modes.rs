@@ -7,9 +7,9 @@
 use socam_model::Equations;
 
 use crate::prediction::{
-    event::Instant,
     exponential,
     inactive_laws::{self, InactiveInputs, InactiveLaws, OutputOnlyLaws},
+    instant::Instant,
     laws::PortLaw,
     output_map::OutputMap,
     row_products::row_times,

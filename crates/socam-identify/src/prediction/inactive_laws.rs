@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use socam_model::Equations;
 
 use crate::prediction::{
-    event::Instant,
+    instant::Instant,
     laws::PortLaw,
     row_products::row_times,
     step_level::{Dimensions, StepLevel},

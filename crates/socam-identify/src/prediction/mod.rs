@@ -4,12 +4,14 @@
 //! is integrated by steps that are exact in its linear part (`integrator`, `exponential`), and the accepted steps are differentiated
 //! (`sensitivity_integrator`, `sensitivity`). `predictor` is the integrator alone, for simulations.
 
+mod attempt;
 mod dense_solve;
 mod event;
 pub(crate) mod exponential;
 mod force_sensitivities;
 pub(crate) mod hybrid_modes;
 pub(crate) mod inactive_laws;
+mod instant;
 pub(crate) mod integrator;
 pub(crate) mod intersample;
 pub(crate) mod laws;

@@ -5,10 +5,11 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use crate::prediction::{
-    event::{AcceptedStep, Event, Instant, SwitchingEvent},
+    event::{AcceptedStep, Event, SwitchingEvent},
     force_sensitivities::{Workspace, solve_force_sensitivities},
     hybrid_modes::{HybridModes, LinearDynamics, Play},
     inactive_laws::InactiveSensitivity,
+    instant::Instant,
     integrator::Integrator,
     row_products,
     step_level::{Dimensions, padded},

@@ -1,9 +1,7 @@
 //! Switches of the integrator between the modes of a gear with play.
 
 use crate::prediction::{
-    event::{Instant, SwitchingEvent},
-    hybrid_modes::Play,
-    integrator::Integrator,
+    event::SwitchingEvent, hybrid_modes::Play, instant::Instant, integrator::Integrator,
 };
 
 impl Integrator<'_> {

@@ -1,25 +1,26 @@
-//! Statistics of innovations along a segment, from which outliers are told.
+//! Statistics of the innovations along a segment, from which outliers are found.
 
 use std::{ops::Range, sync::Arc};
 
 use crate::noise::innovations_filter::{FilterColumn, InnovationsFilter};
 
-/// An outlier is so many standard deviations of the bulk away.
+/// Least magnitude of an outlier, in standard deviations of the bulk.
 pub(super) const THRESHOLD: f64 = 6.0;
 
-/// Longest run of them.
+/// Most consecutive samples of an outlier.
 const LONGEST: u64 = 3;
 
-/// The values before and after are at most this fraction of it away.
+/// Largest magnitude of the innovations just before and after an outlier, as a share of the outlier's.
 pub(super) const ALONE: f64 = 0.5;
 
-/// Factors of two below and above one, and bins in each, of the histogram that finds the bulk. A bin is told by a number's
-/// exponent and its first four binary digits.
+/// Octaves below and above one of the histogram of magnitudes. Each octave has 2^[`BIN_BITS`] bins: the bin of a number follows from its
+/// exponent and the first binary digits of its mantissa.
 const OCTAVES: i32 = 24;
 
+/// See [`OCTAVES`].
 const BIN_BITS: u32 = 4;
 
-/// Follows the innovations of one segment.
+/// Detector of outliers along one segment.
 pub(crate) struct OutlierDetector<'w> {
     filter: Option<(&'w InnovationsFilter, FilterColumn)>,
     /// Standard deviation of the bulk of each output, in units of its noise.
@@ -29,19 +30,19 @@ pub(crate) struct OutlierDetector<'w> {
     statistics: Vec<OutlierStatistics>,
 }
 
-/// What was seen of one output.
+/// Statistics of one output along one segment.
 #[derive(Clone)]
 pub(crate) struct OutlierStatistics {
     pub(super) histogram: Vec<u64>,
-    /// Values that stand far out.
+    /// Number of magnitudes above [`THRESHOLD`].
     pub(super) large: u64,
-    /// Those that do so alone, by row of the segment, and how far, in units of noise.
+    /// Isolated clusters of these: rows of the segment, and the largest residual in units of noise.
     pub(super) alone: Vec<(Range<u64>, f64)>,
     cluster: Option<Cluster>,
     previous: f64,
 }
 
-/// Values in a row that stand far out.
+/// Consecutive samples above [`THRESHOLD`].
 #[derive(Clone)]
 struct Cluster {
     rows: Range<u64>,
@@ -64,7 +65,7 @@ impl<'w> OutlierDetector<'w> {
         Self { filter, sizes, row: 0, innovation: Vec::new(), statistics }
     }
 
-    /// Takes the residuals of one sample, in units of noise. What stands far out foretells nothing.
+    /// Adds the residuals of one sample, in units of noise. A large innovation is not fed to the filter.
     pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
         self.innovation.clear();
         self.innovation.extend_from_slice(residual);
@@ -93,12 +94,12 @@ impl<'w> OutlierDetector<'w> {
     }
 }
 
-/// A positive number's exponent and its first binary digits: neighbouring bins have neighbouring numbers.
+/// A positive number's exponent and first binary digits as one integer, which is monotonic in the number.
 fn bin_bits(value: f64) -> u64 {
     value.to_bits() >> (f64::MANTISSA_DIGITS - 1 - BIN_BITS)
 }
 
-/// Least value in a bin of the histogram.
+/// Least number in a bin of the histogram.
 pub(super) fn bin_start(bin: usize) -> f64 {
     f64::from_bits((bin as u64 + bin_bits(2f64.powi(-OCTAVES))) << (f64::MANTISSA_DIGITS - 1 - BIN_BITS))
 }
@@ -110,7 +111,7 @@ impl OutlierStatistics {
         self.histogram[(bin as usize).min(last)] += 1;
     }
 
-    /// No value was larger.
+    /// Upper edge of the highest bin that is not empty; infinity for the last bin.
     pub(super) fn largest(&self) -> f64 {
         self.histogram.iter().rposition(|count| *count > 0).map_or(0.0, |bin| {
             if bin + 1 < self.histogram.len() { bin_start(bin + 1) } else { f64::INFINITY }
@@ -135,7 +136,7 @@ impl OutlierStatistics {
         large
     }
 
-    /// A run has ended before a value of this size. While it lasts, `previous` holds its largest.
+    /// Ends the present cluster; `after` is the next magnitude. During a cluster, `previous` is its largest magnitude.
     fn close(&mut self, after: f64) {
         let Some(cluster) = self.cluster.take() else { return };
         let alone = cluster.before.max(after) <= ALONE * self.previous;

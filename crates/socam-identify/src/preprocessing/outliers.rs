@@ -1,7 +1,8 @@
-//! Outliers: single output values that neither the model nor their neighbours explain.
+//! Outliers: single output values that neither the model nor the neighbouring values explain.
 //!
-//! After a fit each value's residual is compared with what its past foretells, in units of the bulk of such innovations. A few
-//! that stand far out alone are left out, and the fit goes on; many, or many in a row, are what the model does not describe.
+//! After a fit, each innovation (residual less its prediction from past residuals) is divided by the standard deviation of the bulk of
+//! the innovations. Few and isolated large ones are left out, and the fit is repeated. Many of them, or long clusters, are misfit of
+//! the model and stay.
 
 use std::{ops::Range, sync::Arc};
 
@@ -18,17 +19,17 @@ use crate::{
     },
 };
 
-/// Most of a channel's values that can be outliers.
+/// Largest share of a channel's values that can be outliers. If there are more, the model does not describe them.
 const MOST_SHARE: f64 = 0.005;
 
-/// Times that they are looked for: once they are gone, smaller ones show.
+/// Most passes of the search: once large outliers are masked, smaller ones exceed the threshold.
 const MOST_PASSES: usize = 3;
 
-/// Outliers of a problem's recordings beside a model at parameter `values` (SI) and noise `levels`; what is local to a recording
-/// is fitted to it. So recordings that a fit never saw are looked through too.
+/// Outliers of a problem's recordings, for a model with parameter `values` (SI) and noise `levels`. Only nuisance parameters (start
+/// states and offsets) are fitted, so that recordings that no fit has seen can be searched too.
 ///
 /// # Errors
-/// When a recording cannot be read.
+/// When a recording cannot be read or the equations cannot be formed at `values`.
 pub fn outliers(
     problem: &Problem<'_>,
     values: &[f64],
@@ -51,7 +52,8 @@ pub fn outliers(
     Ok(preprocessed.left_out.into_iter().filter(|note| note.reason == Reason::Outliers).collect())
 }
 
-/// Has the problem's segments leave out what are outliers at a point, and the problem say so; false if there are none.
+/// Masks the outliers at a point and adds their reports to the problem; returns false if there are none. Channels with too many large
+/// residuals are reported as [`Problem::misfits`] instead.
 pub(crate) fn leave_out(
     problem: &mut Problem<'_>,
     point: &Point,
@@ -94,7 +96,7 @@ fn misfit(channel: &str, large: u64, all: u64) -> String {
     )
 }
 
-/// One pass; `None` where the prediction overflows.
+/// Per segment, the statistics of each output in units of `sizes`; `None` where the prediction overflows.
 fn statistics_at(
     problem: &Problem<'_>,
     point: &Point,
@@ -107,7 +109,7 @@ fn statistics_at(
     Ok(results.map(|results| results.into_iter().filter_map(|result| result.detector).collect()))
 }
 
-/// Standard deviation of an output's bulk, were it Gaussian.
+/// Standard deviation of an output's bulk, from the median of the magnitudes.
 fn bulk_size(seen: &[Vec<OutlierStatistics>], output: usize) -> f64 {
     let bins = seen.first().map_or(0, |statistics| statistics[output].histogram.len());
     let sums: Vec<u64> =
@@ -121,7 +123,7 @@ fn bulk_size(seen: &[Vec<OutlierStatistics>], output: usize) -> f64 {
     middle.map_or(1.0, |bin| 0.5 * (bin_start(bin) + bin_start(bin + 1)) / 0.6745)
 }
 
-/// Leaves out those of a segment's candidates that their neighbours do not explain either.
+/// Masks those candidates of a segment that the neighbouring values do not explain either; returns whether there are any.
 fn mask_outliers(
     problem: &mut Problem<'_>,
     index: usize,
@@ -149,8 +151,8 @@ fn mask_outliers(
     Ok(true)
 }
 
-/// Whether measured values stand out of their neighbours as they do of the prediction: a prediction may be sudden where the
-/// measured motion is not.
+/// Whether the measured values differ from their neighbours about as much as from the prediction. Otherwise the prediction changes
+/// suddenly and the measured motion does not.
 fn is_in_the_data(
     problem: &Problem<'_>,
     segment: &Segment,
@@ -171,6 +173,6 @@ fn is_in_the_data(
     })?;
     let gap = spikes::REACH..values.len() - spikes::REACH;
     let off = spikes::off_imputed(&mut values, gap);
-    // A missing neighbour says nothing.
+    // With a missing neighbour the test is left out.
     Ok(off.is_nan() || off >= ALONE * residual.abs())
 }

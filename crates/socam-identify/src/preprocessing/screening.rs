@@ -14,10 +14,11 @@ use crate::{
     },
 };
 
-/// Rows beside a saturated segment that are left out with it: what the noise has not lifted over the limit there is too low.
+/// Rows on either side of a saturated range that are left out with it: near the limit only those samples are recorded whose noise keeps
+/// them below it, and their mean is too low.
 const BESIDE_SATURATION: u64 = 3;
 
-/// Looks through all recordings for saturated outputs and spikes of inputs, and has the segments say so.
+/// Searches all recordings for saturated outputs and spikes of inputs, sets the masks of their segments, and returns the reports.
 pub(crate) fn find(
     inputs: &[&Channel],
     outputs: &[&Channel],
@@ -44,7 +45,7 @@ pub(crate) fn find(
     Ok(notes)
 }
 
-/// Rows at which outputs are saturated.
+/// Outputs that are saturated, and the rows at which they are.
 fn saturated(outputs: &[&Channel], dataset: &Dataset) -> Result<Vec<(usize, Rows)>, IdentifyError> {
     let columns = outputs.iter().map(|channel| dataset.channel_index(&channel.column));
     let columns = columns.collect::<Result<Vec<_>, _>>()?;

@@ -40,10 +40,10 @@ fn speeds_and_waves_are_taken_of_an_angle() {
     let zero = vec![0.0; time_s.len()];
     let columns = vec![time_s.iter().map(|t| angle(*t)).collect(), zero.clone(), zero];
     let data = Dataset::from_columns("turning", channels, time_s.clone(), columns).unwrap();
-    let pieces = segments(&model, std::slice::from_ref(&data), 2500, &mut Vec::new()).unwrap();
+    let parts = segments(&model, std::slice::from_ref(&data), 2500, &mut Vec::new()).unwrap();
     let mut row = 0;
-    for piece in &pieces {
-        read(&model, &data, piece, &[Intersample::BandLimited; 3], |chunk| {
+    for part in &parts {
+        read(&model, &data, part, &[Intersample::BandLimited; 3], |chunk| {
             for k in 0..chunk.rows() {
                 let t = time_s[row];
                 let tolerance = if (8..8992).contains(&row) { 1e-5 } else { 0.3 };
@@ -55,7 +55,7 @@ fn speeds_and_waves_are_taken_of_an_angle() {
         })
         .unwrap();
     }
-    assert_eq!((row, pieces.len()), (9000, 4));
+    assert_eq!((row, parts.len()), (9000, 4));
 }
 
 fn read_all(model: &Model, data: &Dataset, segments: &[Segment], intersample: Intersample) -> [Vec<f64>; 3] {
@@ -93,14 +93,14 @@ fn cutting_loses_no_row_and_changes_no_input() {
         let expected = read_all(&model, &data, &whole, intersample);
         for longest in [1000, 4096, 4999, 7001, 12_000] {
             let mut warnings = Vec::new();
-            let pieces = segments(&model, one, longest, &mut warnings).unwrap();
+            let parts = segments(&model, one, longest, &mut warnings).unwrap();
             let least = |run: &Range<u64>| (run.end - run.start).min(longest / 2);
-            assert!(pieces.iter().all(|piece| piece.rows <= longest && piece.rows >= least(&piece.run)));
-            assert_eq!(read_all(&model, &data, &pieces, intersample), expected, "{longest}");
+            assert!(parts.iter().all(|part| part.rows <= longest && part.rows >= least(&part.uninterrupted)));
+            assert_eq!(read_all(&model, &data, &parts, intersample), expected, "{longest}");
             assert!(warnings[0].contains("3 gaps"), "{warnings:?}");
             assert!(warnings[1].contains("1 of the parts"), "{warnings:?}");
             assert!(warnings[1].contains("4 samples"), "{warnings:?}");
-            assert_eq!(pieces.iter().filter(|piece| piece.begins_run()).count(), 3);
+            assert_eq!(parts.iter().filter(|part| part.starts_uninterrupted()).count(), 3);
         }
     }
 }
