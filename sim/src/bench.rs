@@ -1,7 +1,7 @@
 //! The bench behind a board's connectors: drive, drivetrain and sensors.
 
 use socam_core::scaling::Converter;
-use socam_model::{Channel as ModelChannel, Model, Quantity, Role, ChannelTransform};
+use socam_model::{Channel as ModelChannel, ChannelTransform, Model, Quantity, Role};
 use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
 
 use crate::drive::{self, Drive};
@@ -90,7 +90,9 @@ impl Setup {
     /// sensor depends on.
     pub(crate) fn plant(&self) -> Result<Plant, SimError> {
         let Truth { model, values, .. } = &self.truth;
-        if let Some(channel) = model.inputs().next().filter(|channel| channel.transform != ChannelTransform::Value) {
+        if let Some(channel) =
+            model.inputs().next().filter(|channel| channel.transform != ChannelTransform::Value)
+        {
             let problem = "it is made of another column (`take`), which the virtual bench cannot drive; give the model an input \
                            that is read as recorded first";
             return Err(SimError::argument(&channel.name, problem));

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use socam_core::scaling::MotorCalibration;
-use socam_model::{Equations, Model, Quantity, ChannelTransform};
+use socam_model::{ChannelTransform, Equations, Model, Quantity};
 
 /// Speed follows its command within this time (first order, 80 Hz): fast enough to excite the couplings' resonances.
 const SPEED_LAG_S: f64 = 2e-3;

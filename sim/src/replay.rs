@@ -5,7 +5,7 @@ mod start;
 
 use std::str::FromStr;
 
-use socam_model::{Channel, Intersample, Model, Quantity, Role, TransformStart, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Intersample, Model, Quantity, Role, TransformStart};
 use socam_recording::{Channel as Column, Dataset, Segment};
 
 use crate::plant::{Effort, Plant, Trajectory};
@@ -305,7 +305,11 @@ impl Feed {
             feed.time_s.extend_from_slice(&block.time_s);
             for ((column, channel), measured) in outputs.iter().zip(&mut feed.measured) {
                 if let (Some(column), Some(measured)) = (column, measured) {
-                    measured.extend(channel.read(block.columns[*column].values(), step_s, TransformStart::default()));
+                    measured.extend(channel.read(
+                        block.columns[*column].values(),
+                        step_s,
+                        TransformStart::default(),
+                    ));
                 }
             }
         }

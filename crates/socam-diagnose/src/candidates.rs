@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model, Motion, Prior,
-    effects::{self, Amplitude, Coordinate, Effect, Form, Linearisation, REFINED, Rig, FittedValues, Values},
+    effects::{self, Amplitude, Coordinate, Effect, FittedValues, Form, Linearisation, REFINED, Rig, Values},
 };
 
 use crate::{scales::Scales, score_test::A_LITTLE, selection::Path};

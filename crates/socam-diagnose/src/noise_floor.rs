@@ -3,7 +3,7 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use socam_identify::{NoiseLevels, Predictor, Start, comparison::Traces};
-use socam_model::{Channel, Model, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Model};
 
 use crate::spectrum;
 
@@ -47,7 +47,9 @@ pub(crate) fn floor(
             .enumerate()
             .map(|(index, (channel, std))| {
                 let signal = like.and_then(|traces| traces.inputs.get(index));
-                let signal = signal.filter(|_| channel.transform == ChannelTransform::Value).map_or(&[][..], Vec::as_slice);
+                let signal = signal
+                    .filter(|_| channel.transform == ChannelTransform::Value)
+                    .map_or(&[][..], Vec::as_slice);
                 error(signal, std, &mut random)
             })
             .collect();

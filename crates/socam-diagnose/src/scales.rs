@@ -5,7 +5,7 @@ use socam_identify::{
     comparison::{self, Evaluation, Innovations, NoiseModel, Traces},
 };
 use socam_model::{
-    Channel, Model, Quantity, Role, ChannelTransform,
+    Channel, ChannelTransform, Model, Quantity, Role,
     effects::{self, ActsAt, Rig},
 };
 

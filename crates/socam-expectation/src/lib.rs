@@ -1,7 +1,9 @@
 //! What a model expects of a recording that is to determine its parameters: for the command `check` and for the dashboard, which knows
 //! the same in a browser, where nothing is fitted.
 
-use socam_model::{Channel, EffectUse, Mode, Model, Quantity, Site, ChannelTransform, column_unit, effects::Condition};
+use socam_model::{
+    Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,
+};
 use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 
 /// Damping ratio from which on a mode has no peak.

@@ -1,12 +1,12 @@
-//! What a channel takes of its column: the values as they are, their rate, or a wave locked to an angle.
+//! The transform from a recording's column to a channel: the values as they are, their rate, or a wave of an angle.
 //!
-//! A bench with encoders records angles; that its motor's speed is prescribed, or that a mesh pushes once per turn of a shaft, is
-//! made of them here, so that no recording has to be rewritten.
+//! A bench with encoders records angles. The prescribed speed of its motor, or a torque that repeats with each turn of a shaft, is computed
+//! from them here, so that no recording has to be rewritten.
 
 /// Samples to either side that a rate is made of.
 const REACH: usize = 8;
 
-/// What a channel takes of its column.
+/// The transform of a column's values (`take` in a model file).
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChannelTransform {

@@ -3,7 +3,7 @@
 //! While nothing winds up or speeds up, springs and shafts carry no difference of speed, gears keep their ratio, and a torque
 //! changes between two sensors only by what bearings and meshes take in between.
 
-use socam_model::{Channel, Model, Quantity, Role, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Model, Quantity, Role};
 
 /// What is tied to what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,7 +85,9 @@ fn edges(model: &Model) -> Vec<Edge> {
 
 /// All that are tied by the model, where a channel is read as it is.
 pub(super) fn ties(model: &Model, speeds: &[Option<f64>]) -> Vec<Tie> {
-    let plain = |channel: &&(usize, &Channel)| channel.1.transform == ChannelTransform::Value && channel.1.gain.is_none();
+    let plain = |channel: &&(usize, &Channel)| {
+        channel.1.transform == ChannelTransform::Value && channel.1.gain.is_none()
+    };
     let channels: Vec<(usize, &Channel)> = model.channels.iter().enumerate().collect();
     let node = |channel: &Channel| model.nodes.iter().position(|node| node.name == channel.at);
     let turning: Vec<(usize, f64)> = channels

@@ -6,16 +6,16 @@ use socam_recording::Dataset;
 
 use crate::{IdentifyError, prediction::start_state, preprocessing::filters};
 
-/// Low-pass of the position, Hz: five times the 20 Hz that the axis follows.
+/// Cutoff of the position's low-pass, Hz: five times the 20 Hz bandwidth of the axis.
 const CUTOFF_HZ: f64 = 100.0;
 
 /// Bandwidth after decimation, Hz.
 const DECIMATED_HZ: f64 = 40.0;
 
-/// Samples dropped at the ends, where differences are one-sided.
+/// Samples dropped at each end, where differences are one-sided.
 const BORDER: usize = 50;
 
-/// Without integration a friction law may jump: its transition is made this narrow (rad/s, m/s).
+/// Transition speed of friction laws, rad/s (m/s). Nothing is integrated here, so that the law may be a step.
 const SHARP: f64 = 1e-9;
 
 /// A one-coordinate model, ready for regression.
@@ -36,7 +36,8 @@ pub(super) struct FilteredMotion {
     step_s: f64,
 }
 
-/// Decimated regression rows: force not explained at the start values = regressors * parameter change.
+/// Decimated regression rows: `force`, the measured force less that of the model at its start values, is `regressors` times the change
+/// of the parameters. `measured` is the measured force.
 pub(super) struct Table {
     pub(super) regressors: Vec<Vec<f64>>,
     pub(super) force: Vec<f64>,
@@ -145,7 +146,7 @@ impl<'m> Axis<'m> {
         Ok(motions)
     }
 
-    /// Force that the model needs for a motion, and its derivatives: from v' = A x + B u + H f, solved for u.
+    /// Force that a motion requires, and its derivatives with respect to the free parameters: v' = A x + B u + H f, solved for u.
     fn force(&self, x: &DVector<f64>, acceleration: f64) -> (f64, Vec<f64>) {
         let e = &self.equations;
         let gain = e.input[(1, 0)];

@@ -5,11 +5,12 @@ use nalgebra::DMatrix;
 use crate::noise::{innovations_filter::InnovationsFilter, matrix_equations::gramian};
 
 /// Bound on the change of the whitened innovations (of unit variance) by the states that are left out.
-const NEXT_TO_NOTHING: f64 = 0.01;
+const REDUCTION_ERROR: f64 = 0.01;
 
 impl InnovationsFilter {
-    /// The same with fewer states, as far as innovations of what it foretells differ by next to nothing (balanced truncation, Moore
-    /// 1981; of the filter on its own input, Enns 1984).
+    /// The same filter with fewer states, by balanced truncation (Moore 1981; of a filter on its own input, Enns 1984). The bound on the
+    /// change of the whitened innovations is [`REDUCTION_ERROR`]. `None` where a Gramian does not exist or the reduced filter is
+    /// unstable.
     pub(crate) fn reduced(&self) -> Option<Self> {
         let (n, p) = (self.states, self.outputs);
         let matrix =
@@ -17,7 +18,7 @@ impl InnovationsFilter {
         let (transition, gain) = (matrix(n, n, &self.transition), matrix(n, p, &self.gain));
         let (output, root) = (matrix(p, n, &self.output), self.inverse_root());
         let closed = &transition - &gain * &output;
-        // How far the state moves, and what a state leaves in white innovations.
+        // Gramians: covariance of the state, and squares of the whitened innovations by each state.
         let spread = gramian(&transition, &(&gain * &self.covariance * gain.transpose()))?;
         let seen = &root * &output;
         let seen = gramian(&closed.transpose(), &(seen.transpose() * &seen))?;
@@ -29,7 +30,7 @@ impl InnovationsFilter {
         order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
         let hankel: Vec<f64> = order.iter().map(|i| eigen.eigenvalues[*i].max(0.0).sqrt()).collect();
         let mut kept = n;
-        while kept > 1 && 2.0 * hankel[kept - 1..].iter().sum::<f64>() < NEXT_TO_NOTHING {
+        while kept > 1 && 2.0 * hankel[kept - 1..].iter().sum::<f64>() < REDUCTION_ERROR {
             kept -= 1;
         }
         let to = DMatrix::from_fn(n, kept, |i, k| {

@@ -1,9 +1,8 @@
 //! Prediction of a linear model through its modes.
 //!
-//! Diagonalised, every output is a fixed combination of a few signals that do not depend on the number of
-//! parameters: the response chi of each mode to each input, its derivative psi with respect to the mode's
-//! pole, and the decaying start terms. So do all sensitivities. A sample costs a handful of recursions; the
-//! combinations are matrix products over blocks.
+//! In modal coordinates, each output and each of its sensitivities is a linear map of a few signals, whose number does not depend on the
+//! number of parameters: the response chi of each mode to each input, its derivative psi with respect to the mode's pole, and the
+//! decaying start terms. A sample costs a few recursions; the maps are matrix products over blocks of samples.
 
 use faer::Mat;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -29,14 +28,14 @@ type C = Complex<f64>;
 pub(crate) struct Modal {
     /// One mode of each conjugate pair, and each real one.
     modes: Vec<Mode>,
-    /// Inputs, plus one for the constant 1 where constant forces act.
+    /// Number of inputs, including the constant 1 where constant forces act.
     inputs: usize,
     constant: bool,
-    /// Per output, signals x [free | prediction]: the part that inputs excite.
+    /// Per output, the map from the forced signals to [free | prediction].
     forced: Vec<LinearMap>,
     vectors: DMatrix<C>,
     inverse: DMatrix<C>,
-    /// T of each free parameter: sensitivities of eigenvectors V T, of the inverse -T W.
+    /// T of each free parameter: the derivative of the eigenvectors V is V T, that of their inverse W is -T W.
     eigenvector_derivatives: Vec<DMatrix<C>>,
     pole_sensitivities: Vec<DVector<C>>,
     equations: Equations,
@@ -44,7 +43,7 @@ pub(crate) struct Modal {
 }
 
 impl Modal {
-    /// `None` where the modes are too close to each other; then the integrator takes over.
+    /// `None` where the eigenvectors are close to defective; the model must then be integrated.
     pub(crate) fn new(
         problem: &Problem<'_>,
         equations: &Equations,
@@ -78,17 +77,17 @@ impl Modal {
         Some(modal)
     }
 
-    /// Signals per input: itself, then chi and psi of each mode.
+    /// Number of forced signals: for each input the input itself, then chi and psi of each mode.
     fn forced_signals(&self) -> usize {
         self.inputs * (1 + 2 * self.mode_signals())
     }
 
-    /// Real signals that the modes have between them: one for a real mode, two for a pair.
+    /// Number of real signals of all modes: one for a real mode, two for a pair.
     fn mode_signals(&self) -> usize {
         self.modes.iter().map(Mode::signals).sum()
     }
 
-    /// LinearMap of the forced signals of one output.
+    /// The map of the forced signals to one output and its sensitivities.
     fn forced_map(&self, output: usize, weights: &Weights) -> LinearMap {
         let free = self.sensitivities.len();
         let mut combination = Mat::zeros(self.forced_signals(), free + 1);
@@ -113,7 +112,7 @@ impl Modal {
         LinearMap::new(combination.as_ref())
     }
 
-    /// Factor of chi (or psi) of mode `m` in the prediction (`None`) or in sensitivity `j`.
+    /// Factor of chi or psi of mode `m` in the prediction (`j` is `None`) or in sensitivity `j`.
     #[allow(clippy::too_many_arguments)]
     fn residue_part(
         &self,
@@ -142,7 +141,7 @@ impl Modal {
         }
     }
 
-    /// Slope of (C V)_om: dC V + C V T.
+    /// Derivative of (C V)_om with respect to free parameter `j`: dC V + C V T.
     fn row_sensitivity(
         &self,
         output_sensitivity: &DMatrix<f64>,
@@ -157,7 +156,7 @@ impl Modal {
         })
     }
 
-    /// Writes Re(weight * factor * signal) for all modes, rows from `row` on.
+    /// Writes the real factors of Re(weight * factor * signal) for all modes into the rows from `row` on.
     fn fill_rows(
         &self,
         combination: &mut Mat<f64>,
@@ -179,6 +178,7 @@ impl Modal {
     }
 }
 
+/// The signal that a factor belongs to: chi, or its derivative psi with respect to the pole.
 #[derive(Clone, Copy)]
 enum Part {
     Value,
@@ -195,7 +195,7 @@ fn complex(matrix: &DMatrix<f64>) -> DMatrix<C> {
     matrix.map(C::from)
 }
 
-/// ResidualAccumulator to noise units, sensitivities to scaled parameters.
+/// Scales a map: outputs to units of their noise, sensitivities to scaled parameters.
 fn scale_rows(combination: &mut Mat<f64>, weights: &Weights, output: usize, local: usize) {
     for j in 0..combination.ncols() {
         let scale = if j < local { 1.0 } else { weights.scales.get(j - local).copied().unwrap_or(1.0) };

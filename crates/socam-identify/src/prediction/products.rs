@@ -3,10 +3,10 @@
 use faer::{MatMut, MatRef};
 use pulp::{Simd, WithSimd};
 
-/// Most columns of the product that are made in one reading of the signals; their sums stay in registers.
+/// Most columns that are computed in one pass over the signals; their sums stay in registers.
 const TILE: usize = 6;
 
-/// Signals over some samples, one after the other.
+/// Signals over a block of samples, signal by signal.
 pub(crate) struct Signals {
     samples: usize,
     values: Vec<f64>,
@@ -23,7 +23,7 @@ impl Signals {
     }
 }
 
-/// Signals to columns.
+/// A linear map from signals to columns.
 pub(crate) struct LinearMap {
     columns: usize,
     /// Signal by signal.
@@ -31,7 +31,7 @@ pub(crate) struct LinearMap {
 }
 
 impl LinearMap {
-    /// From a matrix of signals x columns.
+    /// The map with this matrix of signals x columns.
     pub(crate) fn new(matrix: MatRef<'_, f64>) -> Self {
         let columns = matrix.ncols();
         let weights = (0..matrix.nrows()).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
@@ -78,7 +78,7 @@ impl<const ADD: bool> WithSimd for Product<'_, ADD> {
     }
 }
 
-/// The next `W` columns, of which `first` is the index of the first.
+/// Computes the next `W` columns; `first` is the index of the first of them.
 #[inline(always)]
 fn tile<'t, S: Simd, const ADD: bool, const W: usize>(
     simd: S,

@@ -3,12 +3,13 @@
 use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
-/// One row of a matrix times a few values.
+/// Product of one row of a matrix with a vector.
 pub(crate) fn row_times(matrix: &DMatrix<f64>, row: usize, by: &[f64]) -> f64 {
     by.iter().enumerate().map(|(j, value)| matrix[(row, j)] * value).sum()
 }
 
-/// Adds rows, each times its factor, to `target`. All are `stride` long, the target may be shorter, in whole vectors.
+/// Adds the sum of all rows, each times its factor, to `target`. Rows are `stride` numbers apart; the target may be shorter, in whole
+/// SIMD vectors.
 pub(crate) fn add_rows(factors: &[f64], rows: &[f64], stride: usize, target: &mut [f64]) {
     pulp::Arch::new().dispatch(AddRows { factors, rows, stride, target });
 }
@@ -29,7 +30,7 @@ impl WithSimd for AddRows<'_> {
     }
 }
 
-/// Rows, `stride` apart, and the matrix that combines them: row by row `width` numbers, one for each of the rows.
+/// A factor of a matrix product: `rows`, `stride` numbers apart, and the matrix that combines them, row by row `width` numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub(crate) factors: &'a [f64],
@@ -38,8 +39,9 @@ pub(crate) struct Source<'a> {
     pub(crate) stride: usize,
 }
 
-/// Makes the first `columns` entries (whole vectors) of each row of `target`, `stride` apart, what the sources combine to, or adds
-/// that to them. A few rows are made in one reading of the sources: their sums are independent and keep the processor busy.
+/// Sets the first `columns` entries (whole SIMD vectors) of each row of `target` to the sum of the sources' products, or adds that sum.
+/// Rows of the target are `stride` numbers apart. Several rows are computed in one pass over the sources: their sums are independent and
+/// fill the processor's pipeline.
 #[inline(always)]
 pub(crate) fn product<S: Simd, const ADD: bool, const N: usize>(
     simd: S,
@@ -60,10 +62,10 @@ pub(crate) fn product<S: Simd, const ADD: bool, const N: usize>(
     }
 }
 
-/// Rows of a [`product`] that are made together.
+/// Rows of a [`product`] that are computed in one pass.
 const STRIP: usize = 4;
 
-/// `R` rows, of which `first` is the index of the first.
+/// Computes `R` rows; `first` is the index of the first of them.
 #[inline(always)]
 fn rows_of<S: Simd, const ADD: bool, const N: usize, const R: usize>(
     simd: S,
@@ -82,7 +84,7 @@ fn rows_of<S: Simd, const ADD: bool, const N: usize, const R: usize>(
     }
 }
 
-/// `W` vectors of each of `R` rows.
+/// Computes `W` vectors of each of `R` rows.
 #[inline(always)]
 fn some_of<S: Simd, const ADD: bool, const N: usize, const R: usize, const W: usize>(
     simd: S,
@@ -117,8 +119,8 @@ fn some_of<S: Simd, const ADD: bool, const N: usize, const R: usize, const W: us
     targets.into_iter().zip(sums).for_each(|(target, sum)| target.copy_from_slice(&sum));
 }
 
-/// Makes `target` the sum of all rows, each times its factor, from their entry `first` on; whole vectors. Each source names its
-/// factors, its rows and how far those are apart.
+/// Sets `target` (whole SIMD vectors) to the sum of all rows, each times its factor, from their entry `first` on. Each source has its
+/// factors, its rows and the distance between rows.
 #[inline(always)]
 pub(crate) fn write<S: Simd, const N: usize>(
     simd: S,
@@ -150,7 +152,7 @@ fn sum_rows<S: Simd, const ADD: bool, const N: usize>(
     }
 }
 
-/// The first `W` vectors of `target`, by the rows' entries from `first` on; answers `W`.
+/// Computes the first `W` vectors of `target` from the rows' entries from `first` on; returns `W`.
 #[inline(always)]
 fn sum_some<S: Simd, const ADD: bool, const N: usize, const W: usize>(
     simd: S,

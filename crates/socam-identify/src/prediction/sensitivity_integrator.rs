@@ -1,7 +1,6 @@
-//! Prediction of a model whose force laws bend it, with exact sensitivities of exactly the steps that are taken.
+//! Prediction of a model with nonlinear force laws, with the exact sensitivities of the accepted steps.
 //!
-//! A [`Integrator`] finds the steps; only those that it takes are differentiated ([`Sensitivity`]), so that steps which switch out
-//! too long cost little.
+//! An [`Integrator`] finds the steps; only accepted steps are differentiated ([`Sensitivity`]), so that rejected ones cost little.
 
 use faer::MatMut;
 use socam_model::Equations;
@@ -21,10 +20,10 @@ use crate::{
     problem::{Problem, StartState},
 };
 
-/// Start terms whose effect has shrunk to this are over.
+/// Share of their largest magnitude below which the sensitivities with respect to the start state are taken to have decayed.
 const DECAYED: f64 = 1e-13;
 
-/// A model at one parameter vector and sample time, ready for any segment.
+/// A model at one parameter vector and sample time.
 pub(crate) struct SensitivityIntegrator<'a> {
     equations: &'a Equations,
     sensitivities: &'a [Equations],
@@ -58,7 +57,8 @@ impl<'a> SensitivityIntegrator<'a> {
         })
     }
 
-    /// Runs one segment into `rows`; false where the prediction overflowed.
+    /// Predicts one segment and adds its residuals and sensitivities to `rows`; returns false where the prediction overflows or needs
+    /// more than `Options::most_steps`.
     pub(crate) fn predict(
         &self,
         problem: &Problem<'_>,
@@ -160,7 +160,7 @@ impl<'a> SensitivityIntegrator<'a> {
     }
 }
 
-/// One segment.
+/// The integration of one segment.
 struct SegmentIntegration<'s> {
     integrator: Integrator<'s>,
     sensitivity: Sensitivity<'s>,
@@ -168,9 +168,9 @@ struct SegmentIntegration<'s> {
     free: usize,
     nuisance: &'s [f64],
     offsets: &'s [usize],
-    /// Outputs now.
+    /// Present outputs.
     values: Vec<f64>,
-    /// Per output, those of the block's samples so far, and their sensitivities.
+    /// Per output, the predictions of the block's samples so far, and their sensitivities.
     predictions: Vec<Vec<f64>>,
     jacobian: Vec<Vec<f64>>,
     /// Largest sensitivity with respect to the start state so far.
@@ -187,7 +187,7 @@ impl SegmentIntegration<'_> {
         self.unresolved += u64::from(integrator.unresolved > before);
     }
 
-    /// `inputs` as measured, and as `held`.
+    /// Records outputs and sensitivities of a sample; `inputs` as measured, `held` as reconstructed.
     fn observe(&mut self, inputs: &[f64], held: &[f64]) {
         self.sensitivity.evaluate_output_only(&self.integrator, held);
         self.integrator.outputs(inputs, &mut self.values);
@@ -197,7 +197,7 @@ impl SegmentIntegration<'_> {
         }
     }
 
-    /// Folds a block of samples that have been observed.
+    /// Adds a block of observed samples to `rows` and clears it.
     fn hand_over(&mut self, count: usize, measured: &[&[f64]], rows: &mut ResidualAccumulator<'_>) -> bool {
         let starting = self.sensitivity.has_start();
         let any_nuisance = starting || !self.offsets.is_empty();

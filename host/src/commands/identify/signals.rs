@@ -5,7 +5,7 @@ use socam_frequency::{
     prepare::{self, Butterworth},
     response::Signals,
 };
-use socam_model::{Channel, Model, Role, TransformStart, ChannelTransform};
+use socam_model::{Channel, ChannelTransform, Model, Role, TransformStart};
 use socam_recording::Dataset;
 
 use crate::output::{self, WrongArguments};
@@ -131,8 +131,9 @@ fn read(
                 own.extend_from_slice(column.values());
             }
         }
-        let si =
-            |channel: &Channel, column: &[f64]| channel.read(column, segment.sample_time_s, TransformStart::default());
+        let si = |channel: &Channel, column: &[f64]| {
+            channel.read(column, segment.sample_time_s, TransformStart::default())
+        };
         let (input, output) = (si(pair.input, &values[0]), si(pair.output, &values[1]));
         let command = values.get(2);
         for rows in complete(&values) {

@@ -5,7 +5,8 @@ use socam_model::Equations;
 
 use crate::prediction::start_state;
 
-/// Constant forces become one more input that is always 1.
+/// Equations and derivatives in which the constant forces of laws without inputs are the column of one more input, the constant 1. The
+/// result has no ports.
 pub(super) fn with_constant_forces(
     equations: &Equations,
     sensitivities: &[Equations],

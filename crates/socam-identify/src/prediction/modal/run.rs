@@ -17,11 +17,11 @@ use crate::{
     problem::Problem,
 };
 
-/// Start terms below this are over.
+/// Magnitude below which the start terms are taken to have decayed.
 const DECAYED: f64 = 1e-13;
 
 impl Modal {
-    /// Runs one segment into `rows`; false where the prediction overflowed.
+    /// Predicts one segment and adds its residuals and sensitivities to `rows`; returns false where the prediction overflows.
     pub(crate) fn predict(
         &self,
         problem: &Problem<'_>,
@@ -49,23 +49,23 @@ impl Modal {
     }
 }
 
-/// State of the recursions along one segment.
+/// The recursions along one segment.
 struct ModalRun<'m> {
     modal: &'m Modal,
-    /// Per input, one for each mode.
+    /// Per input, one recursion for each mode.
     recursions: Vec<Vec<Recursion>>,
-    /// Per input, coefficients beyond its samples.
+    /// Per input, the number of coefficients beyond that of its samples.
     around: Vec<usize>,
-    /// What is left of the start.
+    /// The decaying start terms, one for each mode.
     decays: Vec<Recursion>,
     row: usize,
     start: Vec<LinearMap>,
     decaying: bool,
-    /// Output of each offset.
+    /// Outputs whose offset is estimated.
     offsets: Vec<usize>,
     forced: Signals,
     starts: Signals,
-    /// No input.
+    /// Zeros, the input of the start terms.
     no_input: Vec<f64>,
 }
 
@@ -151,7 +151,7 @@ impl<'m> ModalRun<'m> {
         })
     }
 
-    /// Inputs and the modes' responses to them, one signal each.
+    /// Computes the forced signals of a block: inputs, and the modes' responses to them.
     fn forced(&mut self, chunk: &Chunk, from: usize, count: usize) {
         let per_input = 1 + 2 * self.modal.mode_signals();
         let mut signals: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
@@ -174,7 +174,7 @@ impl<'m> ModalRun<'m> {
         }
     }
 
-    /// Decaying start terms and the same times t, which is their derivative with respect to the pole.
+    /// Computes the start signals of a block: the decaying terms, and t times these, their derivative with respect to the pole.
     fn starts(&mut self, count: usize) {
         let mut signals: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
         self.no_input.resize(count + 1, 0.0);
@@ -182,8 +182,8 @@ impl<'m> ModalRun<'m> {
     }
 }
 
-/// Samples from `row` on, with the input's coefficients from before them to after; at the first of all, the recursions stand
-/// where they are.
+/// Advances the recursions over samples from `row` on. `held` are the input's coefficients from before these samples to after them. The
+/// first sample of the segment is the present state of the recursions.
 fn respond(recursions: &mut [Recursion], row: usize, held: &[f64], signals: &mut [&mut [f64]]) {
     if row > 0 {
         return recursion::advance(recursions, held, signals);
