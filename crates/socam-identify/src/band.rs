@@ -1,4 +1,4 @@
-//! How well a channel is predicted within a band of frequencies: what lies beyond it, drift and hum, counts neither for nor against.
+//! Quality of a prediction within a band of frequencies. Drift below the band and hum above it do not count.
 
 use socam_recording::Dataset;
 
@@ -8,17 +8,17 @@ use crate::{
     preprocessing::segments::{self, Chunk},
 };
 
-/// A band of frequencies, both ends within.
+/// A band of frequencies, including both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     low_hz: f64,
     high_hz: f64,
 }
 
-/// How well one channel is predicted within a band.
+/// Quality of one channel's prediction within a band.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct BandFit {
-    /// Root mean square of the residual's part within the band, SI.
+    /// Root mean square of the residual within the band, SI.
     pub rms: f64,
     /// 100 (1 - norm of the residual / norm of the measured channel), both within the band.
     pub fit_percent: f64,
@@ -50,10 +50,10 @@ impl Band {
         self.high_hz
     }
 
-    /// Whether every part of a recording is sampled fast enough to show the band.
+    /// Checks that half the sampling rate of every part of a recording is at least the upper end.
     ///
     /// # Errors
-    /// When it is not.
+    /// [`IdentifyError::Option`] when it is not.
     pub fn check(self, dataset: &Dataset) -> Result<(), IdentifyError> {
         let slowest_s = dataset.segments().iter().map(|segment| segment.sample_time_s).fold(0.0, f64::max);
         if 2.0 * self.high_hz * slowest_s <= 1.0 {
@@ -68,13 +68,13 @@ impl Band {
     }
 }
 
-/// How well a model with given parameter values (SI, all of them) predicts recordings within a band, running free; as in
-/// [`evaluate`](crate::evaluate), only what is local to a recording is fitted to it. One for each output, by its name; `None`
-/// where nothing was measured within the band.
+/// Quality of the simulation of recordings within a band, by a model with the parameter `values` (SI, all of them). As in
+/// [`evaluate`](crate::evaluate), only start states and offsets are fitted to a recording. The result has one entry per output: its name,
+/// and `None` where nothing was measured within the band.
 ///
 /// # Method
-/// The residual and the measured channel are transformed over each uninterrupted segment, their means removed, and the
-/// transform's lines within the band are summed: a filter without phase and with perfectly steep edges.
+/// The mean is removed from residual and measured channel, both are Fourier transformed over each uninterrupted segment, and the squared
+/// lines within the band are summed: a zero-phase filter with ideal edges.
 ///
 /// # Errors
 /// When a recording cannot be read or is sampled too slowly for the band, or the prediction overflows.
@@ -92,14 +92,14 @@ pub fn evaluate_band(
         let (measured, predicted) = run(problem, values, index, nuisance)?;
         let sample_time_s = problem.segments[index].sample_time_s;
         for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
-            sums.add_stretch(band, sample_time_s, measured, predicted);
+            sums.add_segment(band, sample_time_s, measured, predicted);
         }
     }
     let names = problem.model.outputs().map(|channel| channel.name.clone());
     Ok(names.zip(sums.iter().map(Sums::fit)).collect())
 }
 
-/// A segment's outputs as measured and, but for offsets, as predicted.
+/// A segment's outputs as measured, and as predicted without offsets.
 type Outputs = (Vec<Vec<f64>>, Vec<Vec<f64>>);
 
 fn run(
@@ -139,9 +139,9 @@ struct Sums {
 }
 
 impl Sums {
-    fn add_stretch(&mut self, band: Band, sample_time_s: f64, measured: &[f64], predicted: &[f64]) {
+    fn add_segment(&mut self, band: Band, sample_time_s: f64, measured: &[f64], predicted: &[f64]) {
         let rows: Vec<usize> = (0..measured.len()).filter(|row| !measured[*row].is_nan()).collect();
-        // Missing values part it further.
+        // Missing values divide the segment further.
         for part in rows.chunk_by(|row, next| row + 1 == *next) {
             let (first, rows) = (part[0], part.len());
             let measured = &measured[first..first + rows];
@@ -167,7 +167,7 @@ fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
     signal.iter_mut().for_each(|value| *value -= mean);
     let fft = socam_fft::forward(rows);
     let mut lines = fft.make_output_vec();
-    // It only fails for buffers of a wrong length, and these are its own.
+    // The transform fails only for buffers of a wrong length; these are its own.
     if fft.process(&mut signal, &mut lines).is_err() {
         return 0.0;
     }
@@ -176,7 +176,7 @@ fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
         let hz = *line as f64 * step_hz;
         (band.low_hz..=band.high_hz).contains(&hz)
     });
-    // Every line stands for a negative frequency too, but the one at half the sampling rate.
+    // Each line counts for its negative frequency too, except that at half the sampling rate.
     let square = |(line, value): (usize, &socam_fft::Complex<f64>)| {
         if 2 * line == rows { value.norm_sqr() } else { 2.0 * value.norm_sqr() }
     };
@@ -199,7 +199,7 @@ mod tests {
         let measured = tones(5000, &[(0.0, 7.0), (1.0, 9.0), (2.0, 3.0), (80.0, 4.0), (500.0, 8.0)]);
         let predicted = tones(5000, &[(10.0, 1.0), (2.0, 3.0), (80.0, 4.0)]);
         let mut sums = Sums::default();
-        sums.add_stretch(band, 1e-3, &measured, &predicted);
+        sums.add_segment(band, 1e-3, &measured, &predicted);
         let fit = sums.fit().unwrap();
         assert!((fit.rms - 0.5_f64.sqrt()).abs() < 1e-9, "{fit:?}");
         assert!((fit.fit_percent - 80.0).abs() < 1e-9, "{fit:?}");
@@ -209,18 +209,18 @@ mod tests {
     }
 
     #[test]
-    fn missing_values_part_a_stretch() {
+    fn missing_values_divide_a_segment() {
         let band = Band::new(5.0, 400.0).unwrap();
         let mut measured = tones(2101, &[(20.0, 2.0)]);
         measured[1000] = f64::NAN;
         measured[2001..].fill(f64::NAN);
         let mut sums = Sums::default();
-        sums.add_stretch(band, 1e-3, &measured, &vec![0.0; 2101]);
+        sums.add_segment(band, 1e-3, &measured, &vec![0.0; 2101]);
         assert_eq!(sums.samples, 2000);
         let fit = sums.fit().unwrap();
         assert!((fit.rms - 2.0_f64.sqrt()).abs() < 1e-9 && fit.fit_percent.abs() < 1e-9, "{fit:?}");
         let mut nothing = Sums::default();
-        nothing.add_stretch(Band::new(1.0, 2.0).unwrap(), 1e-3, &measured[..300], &[0.0; 300]);
+        nothing.add_segment(Band::new(1.0, 2.0).unwrap(), 1e-3, &measured[..300], &[0.0; 300]);
         assert_eq!(nothing.fit(), None);
     }
 

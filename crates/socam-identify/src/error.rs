@@ -1,5 +1,5 @@
-//! What can be wrong with the input of an identification. Outcomes (not converged, not determined) are values
-//! in the result, not errors.
+//! Errors of an identification: input that cannot be used. Outcomes (not converged, not determined) are values of the result and not
+//! errors.
 
 use socam_model::ModelError;
 use socam_recording::RecordingError;
@@ -26,7 +26,7 @@ pub enum IdentifyError {
         recording: String,
         /// Samples of its longest segment.
         rows: u64,
-        /// Least number.
+        /// Least number of samples.
         needed: u64,
     },
     /// A parameter that was named does not exist.
@@ -34,12 +34,12 @@ pub enum IdentifyError {
     NoSuchParameter {
         /// Model name.
         model: String,
-        /// What was asked for.
+        /// The name that was given.
         name: String,
-        /// What there is.
+        /// Names of all parameters.
         known: String,
     },
-    /// Everything is fixed.
+    /// All parameters are fixed.
     #[error("every parameter of the model {model} is fixed; free at least one")]
     NothingFree {
         /// Model name.
@@ -70,7 +70,7 @@ pub enum IdentifyError {
         /// Reason and remedy.
         why: String,
     },
-    /// The prediction overflowed at the very start values.
+    /// The prediction overflowed at the start values.
     #[error(
         "the model {model} runs away on these data at its start values; check signs and units of its parameters"
     )]

@@ -1,4 +1,4 @@
-//! What is to be identified, from what, and under which assumptions.
+//! An identification problem: a model, recordings, and assumptions.
 
 use socam_model::{Intersample, Model};
 use socam_recording::Dataset;
@@ -8,29 +8,29 @@ use crate::{
     noise::innovations_filter::NoiseLevels,
     prediction::start_state,
     preprocessing::{
-        mask::{self, LeftOut},
+        mask::LeftOut,
+        screening,
         segments::{self, Segment},
     },
     progress::ProgressMonitor,
 };
 
-/// What is assumed of sensor noise: white, independent between channels.
+/// Levels of the sensor noise, which is assumed to be white and independent between channels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Noise {
-    /// Levels are estimated from the data: those of the outputs, and those of measured speeds that drive the model. Other
-    /// inputs are taken as known exactly.
+    /// Levels of outputs and of measured inputs are estimated from the data. References and clocks are known exactly.
     Estimated,
     /// Known levels.
     Given(NoiseLevels),
 }
 
-/// Where each uninterrupted segment of data starts from.
+/// Start state of each uninterrupted segment of data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartState {
     /// Unknown: estimated with the parameters.
     Free,
-    /// At rest relative to the first input sample, for the current parameters. Only for drivetrains that have
-    /// such a state (no free-running position).
+    /// Equilibrium at the first input sample, for the current parameters. Only for drivetrains that have one (no free-running
+    /// position).
     Equilibrium,
 }
 
@@ -52,9 +52,9 @@ pub struct Options {
     pub noise: Noise,
     /// Start state of each segment.
     pub start_state: StartState,
-    /// Every input between its samples; `None`: each as [`socam_model::Channel::intersample`] says.
+    /// Reconstruction of every input between its samples; `None`: that of [`socam_model::Channel::intersample`].
     pub intersample: Option<Intersample>,
-    /// Whether to warn where the answer hangs on what inputs do between their samples.
+    /// Whether to warn where the result depends on the reconstruction of inputs between their samples.
     pub try_other_intersamples: bool,
     /// Number of starts: the file's values first, then values spread by factors of up to three around them.
     pub starts: usize,
@@ -67,7 +67,7 @@ pub struct Options {
     pub most_steps: Option<usize>,
     /// Linear constraints on parameters.
     pub constraints: Vec<Constraint>,
-    /// Who follows the search and may end it.
+    /// Receiver of progress, which may end the search.
     pub watch: ProgressMonitor,
 }
 
@@ -88,12 +88,13 @@ impl Default for Options {
     }
 }
 
-/// Recordings bound to a model.
+/// Recordings bound to the channels of a model. [`Problem::new`] divides them into segments and searches them for saturated outputs and
+/// spikes of inputs once; only the search for outliers after a fit adds to the masks, on a copy.
 #[derive(Debug, Clone)]
 pub struct Problem<'a> {
     pub(crate) model: &'a Model,
     pub(crate) datasets: &'a [Dataset],
-    /// Parameters to estimate, indices into the model's.
+    /// Indices of the parameters to estimate.
     pub(crate) free: Vec<usize>,
     pub(crate) segments: Vec<Segment>,
     pub(crate) options: Options,
@@ -102,7 +103,7 @@ pub struct Problem<'a> {
     pub(crate) warnings: Vec<String>,
     /// Samples that are not used as measured.
     pub(crate) left_out: Vec<LeftOut>,
-    /// What looked like outliers, but is too much.
+    /// Sentences about channels with too many large residuals to be outliers.
     pub(crate) misfits: Vec<String>,
 }
 
@@ -125,7 +126,7 @@ impl<'a> Problem<'a> {
         Self::bound(model, datasets, options, free)
     }
 
-    /// The same with all parameters held: for [`crate::evaluate`] and [`crate::start_states`].
+    /// The same with all parameters fixed: for [`crate::evaluate`] and [`crate::start_states`].
     ///
     /// # Errors
     /// As those of [`Problem::new`].
@@ -146,7 +147,7 @@ impl<'a> Problem<'a> {
         if datasets.is_empty() {
             return Err(IdentifyError::NoRecordings);
         }
-        // Blocks are small, and a factorisation that is split between threads has other digits with every number of them.
+        // Blocks are small, and the rounding of a factorisation that is divided between threads depends on their number.
         faer::set_global_parallelism(faer::Par::Seq);
         for parameter in free.iter().map(|index| &model.parameters[*index]) {
             let (value, (low, high)) = (parameter.value, parameter.bounds);
@@ -164,14 +165,14 @@ impl<'a> Problem<'a> {
             start_at_rest(model)?;
         }
         let mut warnings = Vec::new();
-        // A piece in the middle of a motion is not in equilibrium.
+        // A part that begins in the middle of a motion is not in equilibrium.
         let longest = match options.start_state {
-            StartState::Free => segments::PIECE_ROWS,
+            StartState::Free => segments::MOST_ROWS,
             StartState::Equilibrium => u64::MAX,
         };
         let mut segments = segments::segments(model, datasets, longest, &mut warnings)?;
         let (inputs, outputs): (Vec<_>, Vec<_>) = (model.inputs().collect(), model.outputs().collect());
-        let left_out = mask::find(&inputs, &outputs, datasets, &mut segments)?;
+        let left_out = screening::find(&inputs, &outputs, datasets, &mut segments)?;
         let intersample =
             inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
         Ok(Self {
@@ -187,13 +188,34 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// A problem of given segments. Nothing is searched or checked, and there is nothing to report of them.
+    pub(crate) fn of_segments(
+        (model, datasets): (&'a Model, &'a [Dataset]),
+        free: Vec<usize>,
+        segments: Vec<Segment>,
+        options: Options,
+        intersample: Vec<Intersample>,
+    ) -> Self {
+        Self {
+            model,
+            datasets,
+            free,
+            segments,
+            options,
+            intersample,
+            warnings: Vec::new(),
+            left_out: Vec::new(),
+            misfits: Vec::new(),
+        }
+    }
+
     /// Number of outputs of the model.
     pub(crate) fn outputs(&self) -> usize {
         self.model.outputs().count()
     }
 }
 
-/// Whether the model has a state of rest to start from.
+/// Checks that the model has an equilibrium to start from.
 fn start_at_rest(model: &Model) -> Result<(), IdentifyError> {
     let values = model.values();
     let inputs = vec![0.0; model.inputs().count()];
@@ -208,7 +230,7 @@ fn start_at_rest(model: &Model) -> Result<(), IdentifyError> {
     }
 }
 
-/// Options that cannot be meant.
+/// Checks that the options fit the model.
 fn check(model: &Model, options: &Options) -> Result<(), IdentifyError> {
     let refuse = |text: String| Err(IdentifyError::Option(text));
     if let Noise::Given(given) = &options.noise {

@@ -1,58 +1,58 @@
-//! Whoever waits for a fit: how far it is, and whether it shall go on.
+//! Progress of a fit, and its cancellation.
 
 use std::sync::Arc;
 
-/// What a fit is doing.
+/// Stage of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Different start values compete on a part of the data.
+    /// Descents from different start values on a part of the data.
     Start {
-        /// Which of them, from one.
+        /// Number of the start, from one.
         number: usize,
-        /// How many there are.
+        /// Number of starts.
         of: usize,
     },
-    /// A descent on all data; noise levels are judged anew between descents.
+    /// A descent on all data. Noise levels are re-estimated between descents.
     Descent {
-        /// Which descent, from one.
+        /// Number of the descent, from one.
         round: usize,
     },
-    /// Intervals of what was found.
+    /// Confidence intervals.
     Intervals,
 }
 
-/// How far a fit is.
+/// State of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// What it is doing.
+    /// Stage.
     pub stage: Stage,
-    /// Steps that were tried in this stage.
+    /// Attempted steps in this stage.
     pub step: usize,
-    /// Mean of the squared residuals at the best point so far, in units of the noise as judged so far: one when nothing is left
-    /// to explain. `None` where it was not looked at.
+    /// Mean squared residual at the best point so far, in units of the present noise level: one for a model that leaves only noise.
+    /// `None` where it was not evaluated.
     pub misfit: Option<f64>,
 }
 
-/// Follows a fit, from its own thread or another.
+/// Receiver of a fit's progress; it is called from the fit's threads.
 pub trait Observer: Send + Sync {
-    /// Learns of each step.
+    /// Called at each step.
     fn progress(&self, progress: &Progress);
 
-    /// Whether the search shall end at the best point so far; asked before each step. Intervals are made all the same.
+    /// Whether the search shall end at the best point so far; called before each step. Intervals are computed all the same.
     fn stop(&self) -> bool;
 }
 
-/// An observer, or none.
+/// An optional [`Observer`].
 #[derive(Clone, Default)]
 pub struct ProgressMonitor(Option<Arc<dyn Observer>>);
 
 impl ProgressMonitor {
-    /// Lets `observer` follow.
+    /// Reports to `observer`.
     pub fn by(observer: Arc<dyn Observer>) -> Self {
         Self(Some(observer))
     }
 
-    /// Tells where the fit stands.
+    /// Reports the state of the fit.
     pub(crate) fn tell(&self, stage: Stage, step: usize, misfit: Option<f64>) {
         if let Some(observer) = &self.0 {
             observer.progress(&Progress { stage, step, misfit });

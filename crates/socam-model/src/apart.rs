@@ -1,4 +1,4 @@
-//! A drivetrain while the teeth of a gear with play do not touch.
+//! Equations of a drivetrain while the teeth of a gear with play do not touch.
 
 use nalgebra::DMatrix;
 
@@ -17,12 +17,12 @@ impl Port {
 }
 
 impl Equations {
-    /// The motion while the teeth at the gear of `port` (the first of its law) are apart: what else transforms their contact's torque
-    /// back is done by the network, and the law's force is zero. `derivatives` are those of these equations with respect to the
-    /// parameters `wrt` at `values`; the answer has them too.
+    /// The equations while the teeth at the gear of `port` (the first port of its law) are apart: the contact's torque is cancelled in
+    /// the linear part, and the law's force is zero. `derivatives` are those of these equations with respect to the parameters `wrt` at
+    /// `values`; the result has them too.
     ///
-    /// The law's answer is K v there, K being the contact's stiffness and damping with a minus. With f = K v + g, the speeds are
-    /// v = (1 - U K)^-1 (V x + W u + U g), and all else follows. `None` where a massless node then hangs on nothing.
+    /// The law's force is K v there, where K holds the contact's negative stiffness and damping. With f = K v + g, the port inputs are
+    /// v = (1 - U K)^-1 (V x + W u + U g), and the other matrices follow. `None` where a massless node is then connected to nothing.
     #[must_use]
     pub fn apart(
         &self,

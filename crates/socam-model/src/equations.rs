@@ -1,4 +1,4 @@
-//! The equations of motion in state-space form, and what follows from them at once.
+//! The equations of motion in state-space form, their poles, zeros and transfer functions.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -8,8 +8,8 @@ use crate::{
     jet::Jet,
 };
 
-/// One thing that a nonlinear law sees. The ports of a law stand next to each other, one for each of its law_inputs (one also where
-/// it sees nothing); what it answers is the force of the first, the others' is zero, and they all act in the same way.
+/// One input of a nonlinear law. A law has one port for each of its inputs, and one port if it has none; its ports stand next to each
+/// other. The response of the law is the force of its first port; the force of the others is zero. All ports of a law act in the same way.
 #[derive(Debug, Clone)]
 pub struct Port {
     /// The effect.
@@ -18,20 +18,20 @@ pub struct Port {
     pub law: &'static Law,
     /// Place name.
     pub place: String,
-    /// Indices of its parameters among the model's.
+    /// Indices of the law's parameters among those of the model.
     pub parameters: Vec<usize>,
-    /// Which of the law's law_inputs this is.
+    /// Index of the law's input.
     pub law_input: usize,
 }
 
 impl Port {
-    /// Ports of its law.
+    /// Number of ports of its law.
     #[must_use]
     pub fn count(&self) -> usize {
         self.law.law_inputs.len().max(1)
     }
 
-    /// Whether the law's answer depends on nothing.
+    /// Whether the law has no input.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.law.law_inputs.is_empty()
@@ -43,13 +43,13 @@ impl Port {
         self.parameters.iter().map(|index| all[*index]).collect()
     }
 
-    /// Whether its law answers nothing, whatever it sees, at these `values` of all of the model's parameters.
+    /// Whether its law has zero force at any input, at these `values` of all of the model's parameters.
     #[must_use]
-    pub fn is_silent(&self, values: &[f64]) -> bool {
+    pub fn is_inactive(&self, values: &[f64]) -> bool {
         (self.law.inactive)(&self.values(values))
     }
 
-    /// The law's answer; `seen` begins with what this port sees, and this port must be the first of its law.
+    /// Response of the law. This port must be the first of its law, and `seen` must begin with the inputs of the law's ports.
     #[must_use]
     pub fn evaluate(&self, seen: &[f64], parameters: &[f64]) -> Response {
         (self.law.evaluate)(&seen[..self.law.law_inputs.len()], parameters)
@@ -74,7 +74,7 @@ pub struct Equations {
     pub feedthrough: DMatrix<f64>,
     /// E, outputs x ports.
     pub force_output: DMatrix<f64>,
-    /// V, ports x states: what each law sees.
+    /// V, ports x states: the input of each port.
     pub port: DMatrix<f64>,
     /// W, ports x inputs.
     pub port_input: DMatrix<f64>,
@@ -89,7 +89,7 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// The same with these ports only, as if the others' laws answered nothing.
+    /// The same equations with these ports only; the forces of the others are taken as zero.
     #[must_use]
     pub fn with_ports(&self, kept: &[usize]) -> Self {
         Self {
@@ -184,12 +184,11 @@ impl Equations {
         self.state.complex_eigenvalues().iter().copied().collect()
     }
 
-    /// Zeros of the linear transfer function from `input` to `output`, 1/s: frequencies at which nothing comes through. Those farther
-    /// out than a thousand times the fastest pole are numerical dust of zeros at infinity, and left out.
+    /// Zeros of the linear transfer function from `input` to `output`, 1/s.
     ///
-    /// They are where [A - s 1, B; C, D] is singular. Shifted by some number that is none of them, and inverted, that is an ordinary
-    /// eigenvalue problem, in which zeros at infinity become zero. Undoing the shift leaves of a zero at 0 the rounding of the shift;
-    /// what is a thousand millionth of it is therefore 0 exactly.
+    /// A zero is a number s for which [A - s 1, B; C, D] is singular. The inverse of that matrix at a shift that is not a zero gives an
+    /// ordinary eigenvalue problem, in which zeros at infinity have the eigenvalue zero. Zeros beyond a thousand times the fastest pole
+    /// are rounding errors of zeros at infinity and are left out; those below 1e-9 of the shift are rounding errors of a zero at 0.
     pub fn zeros(&self, output: usize, input: usize) -> Vec<Complex<f64>> {
         let states = self.state.nrows();
         let fastest = self.poles().iter().map(|pole| pole.norm()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The model file: TOML in, a checked [`Model`] in SI out, every complaint with its line.
+//! Reading of model files: TOML in, a checked [`Model`] in SI out, each error with its line.
 
 use crate::{
     Model, ModelError, Motion, Role,
@@ -28,10 +28,42 @@ pub(crate) use clocks::change_of;
 const SCHEMA: &str = "socam.model/1";
 
 impl Model {
-    /// Reads a model file's text.
+    /// Reads the text of a model file, checks it and forms its equations once.
+    ///
+    /// ```
+    /// use socam_model::Model;
+    ///
+    /// let text = r#"
+    /// schema = "socam.model/1"
+    /// name = "flywheel"
+    /// motion = "rotation"
+    /// [parameters]
+    /// inertia = { value = 40, unit = "g m2" }
+    /// drag = { value = 0.02, unit = "N m s/rad" }
+    /// [[nodes]]
+    /// name = "wheel"
+    /// inertia = "inertia"
+    /// [[bearings]]
+    /// name = "hub"
+    /// at = "wheel"
+    /// damping = "drag"
+    /// [channels.torque]
+    /// role = "input"
+    /// quantity = "torque"
+    /// at = "wheel"
+    /// [channels.speed]
+    /// role = "output"
+    /// quantity = "speed"
+    /// at = "wheel"
+    /// "#;
+    /// let model = Model::parse(text)?;
+    /// assert_eq!(model.parameters[0].value, 0.04);
+    /// assert!(Model::parse(&text.replace("drag\"", "drog\"")).is_err());
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
-    /// [`ModelError::File`] with line, key and what was expected.
+    /// [`ModelError::File`] with the line, the key and what was expected there.
     pub fn parse(text: &str) -> Result<Self, ModelError> {
         let model = read(text)?;
         // A network that cannot move is found here, not in the middle of a fit.
@@ -39,11 +71,11 @@ impl Model {
         Ok(model)
     }
 
-    /// The model with an effect more that need not be in the catalogue, its own parameters fixed at `values` (SI): for benches
-    /// that are simulated. No file can name such an effect, so [`Self::text`] stays as it was.
+    /// The model with one more effect, which need not be in the catalogue, with its own parameters fixed at `values` (SI): for simulated
+    /// benches. No file can name such an effect, so that [`Self::text`] does not change.
     ///
     /// # Errors
-    /// [`ModelError::Network`] where the effect cannot act at that place; as [`Self::equations`] for values that make no sense.
+    /// [`ModelError::Network`] where the effect cannot act at that place; otherwise as [`Self::equations`].
     pub fn with_law(&self, effect: &'static Effect, place: &str, values: &[f64]) -> Result<Self, ModelError> {
         let refused = || ModelError::Network(format!("{} cannot act at {place}", effect.id));
         let model = put(self, effect, place, values).ok_or_else(refused)?;

@@ -1,8 +1,8 @@
-//! From a network to its equations.
+//! The equations of a network.
 //!
-//! Rigid gears and shafts tie nodes into groups, one coordinate each. A coordinate is prescribed (its
+//! Rigid gears and shafts tie nodes into groups of one coordinate each. A coordinate is prescribed (its
 //! speed is an input), massive, damped (massless, but a damper makes its equation first order) or static
-//! (massless and undamped: its equation is algebraic and it is condensed out). All of it is done on
+//! (massless and undamped: its equation is algebraic and is eliminated). All operations are on
 //! [`Jet`](crate::jet::Jet)s, so that every matrix comes with its exact derivatives.
 
 use crate::{Equations, Model, ModelError};
@@ -24,6 +24,14 @@ mod wiring;
 
 impl Model {
     /// Equations of motion for parameter values in SI, in the order of [`Model::parameters`].
+    ///
+    /// ```
+    /// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
+    /// let equations = model.equations(&model.values())?;
+    /// assert_eq!(equations.input.shape(), (equations.state.nrows(), model.inputs().count()));
+    /// assert_eq!(equations.output.nrows(), model.outputs().count());
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`ModelError::Value`] for a value outside what physics allows (an inertia, stiffness or transition speed that is

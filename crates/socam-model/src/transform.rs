@@ -1,12 +1,12 @@
-//! What a channel takes of its column: the values as they are, their rate, or a wave locked to an angle.
+//! The transform from a recording's column to a channel: the values as they are, their rate, or a wave of an angle.
 //!
-//! A bench with encoders records angles; that its motor's speed is prescribed, or that a mesh pushes once per turn of a shaft, is
-//! made of them here, so that no recording has to be rewritten.
+//! A bench with encoders records angles. The prescribed speed of its motor, or a torque that repeats with each turn of a shaft, is computed
+//! from them here, so that no recording has to be rewritten.
 
 /// Samples to either side that a rate is made of.
 const REACH: usize = 8;
 
-/// What a channel takes of its column.
+/// The transform of a column's values (`take` in a model file).
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChannelTransform {
@@ -62,14 +62,14 @@ impl ChannelTransform {
         weights(REACH).iter().map(|weight| 2.0 * weight * weight).sum::<f64>().sqrt() / sample_time_s
     }
 
-    pub(crate) fn apply(self, column: &[f64], sample_time_s: f64, from: TransformStart) -> Vec<f64> {
+    pub(crate) fn apply(self, column: &[f64], sample_time_s: f64, start: TransformStart) -> Vec<f64> {
         match self {
             Self::Value => column.to_vec(),
             Self::Rate => rate(column).into_iter().map(|step| step / sample_time_s).collect(),
             Self::Cos(order) => column.iter().map(|value| (order * value).cos()).collect(),
             Self::Sin(order) => column.iter().map(|value| (order * value).sin()).collect(),
-            Self::Elapsed => (0..column.len()).map(|k| from.time_s + k as f64 * sample_time_s).collect(),
-            Self::Integral => turned(column, sample_time_s, from.angle),
+            Self::Elapsed => (0..column.len()).map(|k| start.time_s + k as f64 * sample_time_s).collect(),
+            Self::Integral => integral(column, sample_time_s, start.integral),
         }
     }
 }
@@ -80,11 +80,11 @@ pub struct TransformStart {
     /// Time since the recording began, s.
     pub time_s: f64,
     /// What [`ChannelTransform::Integral`] has made of the samples before: the integral up to the first of these.
-    pub angle: f64,
+    pub integral: f64,
 }
 
 /// Integral from the first value on.
-fn turned(values: &[f64], sample_time_s: f64, start: f64) -> Vec<f64> {
+fn integral(values: &[f64], sample_time_s: f64, start: f64) -> Vec<f64> {
     let step = |k: usize| match (k.checked_sub(2).and_then(|before| values.get(before)), values.get(k + 1)) {
         (Some(before), Some(after)) => (13.0 * (values[k - 1] + values[k]) - before - after) / 24.0,
         _ => 0.5 * (values[k - 1] + values[k]),

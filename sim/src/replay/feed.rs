@@ -104,7 +104,7 @@ fn mixed(data: &Dataset, mix: &Mix) -> Result<Vec<f64>, SimError> {
     for (values, (_, channel)) in recorded.iter().zip(mix) {
         let mut angle = 0.0;
         for segment in data.segments() {
-            let from = TransformStart { time_s: segment.start_s, angle };
+            let from = TransformStart { time_s: segment.start_s, integral: angle };
             let read = channel.read(&values[segment_rows(segment)], segment.sample_time_s, from);
             // The angle turned during a gap is unknown.
             if channel.transform == ChannelTransform::Integral {

@@ -68,7 +68,7 @@ pub fn measure(
     noise_model: &NoiseModel,
     values: &[f64],
 ) -> Result<Option<Evaluation>, IdentifyError> {
-    let problem = levels::blind(problem);
+    let problem = levels::without_parameters(problem);
     let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
     let weights = noise_model.weights(&problem, values);
     let Some(at) = nuisance::with_nuisance_fitted(&problem, point, weights)? else { return Ok(None) };

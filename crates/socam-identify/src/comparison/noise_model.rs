@@ -130,7 +130,7 @@ pub fn noise(
         .map(|(k, most)| before.inputs.get(k).map_or(*most, |b| b.min(*most)))
         .collect();
     let start = NoiseLevels { outputs: outputs.collect(), inputs };
-    if !start.in_the_input() || !prewhitening::exists(problem, &point, &start) {
+    if !start.in_the_input() || !prewhitening::exists(problem, &point.values, &start) {
         return Ok(start);
     }
     levels::maximum_likelihood(problem, &point, start, &most)

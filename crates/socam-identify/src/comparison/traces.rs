@@ -34,7 +34,7 @@ pub fn innovations(
     noise_model: &NoiseModel,
     at: &Evaluation,
 ) -> Result<Option<Vec<Innovations>>, IdentifyError> {
-    let problem = levels::blind(problem);
+    let problem = levels::without_parameters(problem);
     let weights = Weights { innovations: true, ..noise_model.weights(&problem, &at.values) };
     let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
     let Some(evaluated) = evaluation::run(&problem, &point, &weights)? else { return Ok(None) };

@@ -5,14 +5,17 @@ use std::sync::Arc;
 use faer::{Mat, MatRef, reborrow::ReborrowMut};
 
 use crate::{
-    evaluation::{ChannelSums, SegmentEvaluation, Weights, segment::is_determined},
+    evaluation::{
+        segment::{ChannelSums, SegmentEvaluation, is_determined},
+        weights::Weights,
+    },
     noise::{
         discrepancy::Discrepancy,
-        levels,
+        level_score,
         prewhitening::{self, Prewhitening},
     },
     optimiser::qr::{self, QrAccumulator},
-    preprocessing::outliers::OutlierDetector,
+    preprocessing::outlier_detector::OutlierDetector,
     problem::Problem,
 };
 
@@ -34,7 +37,7 @@ pub(crate) struct ResidualAccumulator<'w> {
     pub(crate) unresolved: u64,
     prewhitening: Option<prewhitening::PrewhiteningState<'w>>,
     discrepancy: Option<&'w Discrepancy>,
-    course: Option<levels::LevelScore<'w>>,
+    course: Option<level_score::LevelScore<'w>>,
     detector: Option<OutlierDetector<'w>>,
     scores: Option<Scores>,
     innovations: Option<Vec<Vec<f64>>>,
@@ -55,7 +58,7 @@ impl<'w> ResidualAccumulator<'w> {
     ) -> Self {
         let globals = problem.free.len();
         let outputs = problem.outputs();
-        let probe = weights.probes.iter().find(|(time_s, _)| *time_s == sample_time_s);
+        let perturbed = weights.perturbed_filters.iter().find(|(time_s, _)| *time_s == sample_time_s);
         let block_s = if weights.discrepancy.is_empty() { BLOCK_S } else { COMPARED_BLOCK_S };
         Self {
             nuisance,
@@ -68,7 +71,7 @@ impl<'w> ResidualAccumulator<'w> {
             unresolved: 0,
             prewhitening: prewhitening.map(|prewhitening| prewhitening.start(nuisance, globals)),
             discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s),
-            course: probe.map(|(_, probe)| probe.start()),
+            course: perturbed.map(|(_, perturbed)| perturbed.start()),
             detector: weights
                 .detector
                 .as_ref()

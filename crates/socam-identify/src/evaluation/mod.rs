@@ -1,9 +1,9 @@
 //! Evaluation of residuals and sensitivities over all data at given parameters, segment by segment.
 
-mod accumulator;
+pub(crate) mod accumulator;
 mod segment;
 mod start;
-mod weights;
+pub(crate) mod weights;
 
 pub(crate) use accumulator::ResidualAccumulator;
 pub(crate) use segment::{ChannelSums, SegmentEvaluation, blocks, channel_sums, squares};
@@ -51,10 +51,12 @@ pub(crate) fn run_below(
     };
     let prewhitenings = match &weights.frozen {
         Some(frozen) => Arc::clone(frozen),
-        None => match prewhitening::all(problem, point, weights, &equations) {
-            Some(prewhitenings) => Arc::new(prewhitenings),
-            None => return Ok(None),
-        },
+        None => {
+            match prewhitening::all(problem, &point.values, &weights.levels(), &weights.scales, &equations) {
+                Some(prewhitenings) => Arc::new(prewhitenings),
+                None => return Ok(None),
+            }
+        }
     };
     let free_start = problem.options.start_state == StartState::Free;
     let still = if free_start { law_states(&equations) } else { Vec::new() };

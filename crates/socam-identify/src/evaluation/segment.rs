@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::{noise::levels::Score, preprocessing::outliers::OutlierStatistics};
+use crate::{noise::level_score::Score, preprocessing::outlier_detector::OutlierStatistics};
 
 /// Evaluation of one segment.
 pub(crate) struct SegmentEvaluation {
@@ -26,7 +26,7 @@ pub(crate) struct SegmentEvaluation {
     pub(crate) block_squares: Vec<f64>,
     /// Whitened residuals by output, zero where one is missing; only if `Weights::innovations`.
     pub(crate) innovations: Vec<Vec<f64>>,
-    /// Score of the noise levels; only if `Weights::probes`.
+    /// Score of the noise levels; only if `Weights::perturbed_filters`.
     pub(crate) levels: Option<Score>,
     /// Statistics of each output for the outlier search; only if `Weights::detector`.
     pub(crate) detector: Option<Vec<OutlierStatistics>>,

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::noise::{
-    discrepancy::Discrepancy, innovations_filter::NoiseLevels, levels::Probe, prewhitening::Prewhitening,
+    discrepancy::Discrepancy, innovations_filter::NoiseLevels, level_score::PerturbedFilters,
+    prewhitening::Prewhitening,
 };
 
 /// Values of all unknowns.
@@ -29,7 +30,7 @@ pub(crate) struct Weights {
     /// Whether whitened residuals are kept.
     pub(crate) innovations: bool,
     /// Noise levels whose score is computed, one set per sample time; empty where none is.
-    pub(crate) probes: Arc<Vec<(f64, Probe)>>,
+    pub(crate) perturbed_filters: Arc<Vec<(f64, PerturbedFilters)>>,
     /// Scale of the innovations of each output for the outlier search.
     pub(crate) detector: Option<Arc<Vec<f64>>>,
     /// Fixed whitening filters; `None` for filters that follow the parameters.
@@ -47,7 +48,7 @@ impl Weights {
             scales,
             scores: false,
             innovations: false,
-            probes: Arc::default(),
+            perturbed_filters: Arc::default(),
             detector: None,
             frozen: None,
             discrepancy: Arc::default(),

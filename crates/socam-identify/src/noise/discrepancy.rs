@@ -1,13 +1,13 @@
-//! Model discrepancy: what residuals hold beyond sensor noise, as one level per output.
+//! Model discrepancy: the part of the residuals beyond sensor noise, as one level per output.
 //!
-//! Residuals of a real model are sensor noise plus what the model lacks (M. C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63, 2001).
-//! [`Discrepancy::estimate`] takes the standard deviation of what the sensor-noise filter leaves, output by output, and residuals and
-//! sensitivities are divided by it. Where only sensor noise is left it is 1. That the discrepancy is correlated over time is left to
-//! covariances over blocks: a filter that whitened it as well would take out what the model misses most, such as a shifted resonance, and
-//! with it the way to what is missing.
+//! Residuals of a real machine are sensor noise plus model error (M. C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63, 2001).
+//! [`Discrepancy::estimate`] takes the standard deviation of the whitened residuals of each output; residuals and sensitivities are divided
+//! by it. It is 1 where only sensor noise is left. The discrepancy's correlation over time is not filtered but taken into account by
+//! covariances over blocks: a filter that whitened the discrepancy would remove the largest model error, such as a shifted resonance,
+//! and with it the evidence for the missing physics.
 //!
 //! # Breaks when
-//! Outputs differ in how long their discrepancy stays correlated: the slower one then counts for more than it says.
+//! The discrepancies of the outputs have different correlation times: the slower output then has too much weight.
 
 use faer::{MatMut, reborrow::ReborrowMut};
 
@@ -15,7 +15,7 @@ use faer::{MatMut, reborrow::ReborrowMut};
 #[derive(Debug, Clone)]
 pub(crate) struct Discrepancy {
     sample_time_s: f64,
-    /// One over the standard deviation of each output's whitened residual.
+    /// Inverse standard deviation of each output's whitened residual.
     inverse_std: Vec<f64>,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Discrepancy {
 pub(crate) type Segment<'a> = (f64, &'a [Vec<f64>]);
 
 impl Discrepancy {
-    /// One for each of the sample times of some segments.
+    /// One for each sample time of the segments. Values of zero count as missing.
     pub(crate) fn estimate(segments: &[Segment<'_>]) -> Vec<Self> {
         let mut times: Vec<f64> = segments.iter().map(|(time_s, _)| *time_s).collect();
         times.sort_by(f64::total_cmp);
@@ -42,7 +42,7 @@ impl Discrepancy {
         each.collect()
     }
 
-    /// That of a sample time.
+    /// The one of a sample time.
     pub(crate) fn at(all: &[Self], sample_time_s: f64) -> Option<&Self> {
         all.iter().find(|own| own.sample_time_s == sample_time_s)
     }
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn each_output_is_divided_by_what_it_misses() {
+    fn each_output_is_divided_by_its_standard_deviation() {
         let mut outputs = [noise(1.0, 1), noise(50.0, 2)];
         // Missing values are no small residuals.
         outputs[1][..4000].fill(0.0);

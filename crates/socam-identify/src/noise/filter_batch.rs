@@ -1,16 +1,16 @@
-//! Many filters of one shape beside each other, each for one column: a lane for each, so that they cost little more than one.
+//! Several innovations filters of one shape run side by side on the same residuals, one SIMD lane each.
 
 use pulp::{Simd, WithSimd};
 
-use crate::{noise::innovations_filter::InnovationsFilter, prediction::exponential::padded};
+use crate::{noise::innovations_filter::InnovationsFilter, prediction::step_level::padded};
 
-/// Filters at a little more and a little less of something.
+/// Filters of one shape, such as those at perturbed values of each parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterBatch {
     lanes: usize,
     states: usize,
     outputs: usize,
-    /// For each state, then for each output: factors of the states, of those that any filter has.
+    /// For each state, and for each output: its factors of the states. A factor that is zero in all filters is left out.
     transition: Vec<Vec<Factor>>,
     output: Vec<Vec<Factor>>,
     /// For each state: factors of the outputs.
@@ -19,21 +19,21 @@ pub(crate) struct FilterBatch {
     inverse_root: Vec<Vec<Factor>>,
 }
 
-/// What a row takes of another, lane by lane.
+/// Factors of row `of`, one per lane.
 #[derive(Debug, Clone)]
 struct Factor {
     of: usize,
     lanes: Vec<f64>,
 }
 
-/// What the filters remember, and what they last left.
+/// States of the filters, and their last innovations.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterState {
     values: Vec<f64>,
     next: Vec<f64>,
-    /// Output by output, lane by lane.
-    pub(crate) remainder: Vec<f64>,
-    /// Divided by its root.
+    /// Last innovations, output by output, lane by lane.
+    pub(crate) innovation: Vec<f64>,
+    /// Those divided by the root of their covariance.
     pub(crate) white: Vec<f64>,
 }
 
@@ -62,30 +62,30 @@ impl FilterBatch {
         }
     }
 
-    /// How far the outputs of one lane lie apart.
+    /// Distance between the outputs of one lane.
     pub(crate) fn stride(&self) -> usize {
         self.lanes
     }
 
-    pub(crate) fn rest(&self) -> FilterState {
+    pub(crate) fn initial_state(&self) -> FilterState {
         let zeros = |rows: usize| vec![0.0; rows * self.lanes];
         FilterState {
             values: zeros(self.states),
             next: zeros(self.states),
-            remainder: zeros(self.outputs),
+            innovation: zeros(self.outputs),
             white: zeros(self.outputs),
         }
     }
 
-    /// One sample of residuals, one per output, which all filters see; see [`InnovationsFilter::whiten`].
+    /// Advances all filters by one sample of residuals, one number per output; see [`InnovationsFilter::whiten`].
     pub(crate) fn advance(&self, state: &mut FilterState, residual: &[f64], present: &[bool]) {
-        pulp::Arch::new().dispatch(Advance { bank: self, state, residual, present });
+        pulp::Arch::new().dispatch(Advance { batch: self, state, residual, present });
         std::mem::swap(&mut state.values, &mut state.next);
     }
 }
 
 struct Advance<'a> {
-    bank: &'a FilterBatch,
+    batch: &'a FilterBatch,
     state: &'a mut FilterState,
     residual: &'a [f64],
     present: &'a [bool],
@@ -96,32 +96,32 @@ impl WithSimd for Advance<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { bank, state, residual, present } = self;
-        let lanes = bank.lanes;
-        let FilterState { values, next, remainder, white } = state;
-        for (o, row) in remainder.chunks_exact_mut(lanes).enumerate() {
+        let Self { batch, state, residual, present } = self;
+        let lanes = batch.lanes;
+        let FilterState { values, next, innovation, white } = state;
+        for (o, row) in innovation.chunks_exact_mut(lanes).enumerate() {
             if present[o] {
                 row.fill(residual[o]);
-                add(simd, &bank.output[o], values, row);
+                add(simd, &batch.output[o], values, row);
             } else {
                 row.fill(0.0);
             }
         }
         for (i, row) in next.chunks_exact_mut(lanes).enumerate() {
             row.fill(0.0);
-            add(simd, &bank.transition[i], values, row);
-            add(simd, &bank.gain[i], remainder, row);
+            add(simd, &batch.transition[i], values, row);
+            add(simd, &batch.gain[i], innovation, row);
         }
         for (o, row) in white.chunks_exact_mut(lanes).enumerate() {
             row.fill(0.0);
             if present[o] {
-                add(simd, &bank.inverse_root[o], remainder, row);
+                add(simd, &batch.inverse_root[o], innovation, row);
             }
         }
     }
 }
 
-/// Adds rows, each lane times its factor.
+/// Adds rows to `target`, each lane times its factor.
 #[inline(always)]
 fn add<S: Simd>(simd: S, factors: &[Factor], rows: &[f64], target: &mut [f64]) {
     let lanes = target.len();
@@ -137,7 +137,7 @@ fn add<S: Simd>(simd: S, factors: &[Factor], rows: &[f64], target: &mut [f64]) {
     }
 }
 
-/// The first `W` vectors of `target`, which are those from `first` on of every row; answers `W`.
+/// Adds to the first `W` vectors of `target` those from vector `first` on of every row; returns `W`.
 #[inline(always)]
 fn add_some<S: Simd, const W: usize>(
     simd: S,

@@ -1,4 +1,4 @@
-//! How much noise a channel can hold.
+//! Upper bounds on the noise of each channel, from its highest frequencies.
 
 use socam_model::{Channel, Quantity};
 
@@ -6,40 +6,40 @@ use crate::{
     IdentifyError, Intersample, Problem, noise::innovations_filter::NoiseLevels, preprocessing::segments,
 };
 
-/// Order of the differences that leave an input's noise and not its motion.
+/// Order of the differences, which remove an input's motion and keep its noise.
 const DIFFERENCES: usize = 8;
-/// Variance of white noise after them, binomial(16, 8); of a rate's, though it is blue, too.
+/// Gain of the differences for the variance of white noise, binomial(16, 8). It is used for rates too, whose noise is blue.
 const DIFFERENCED: f64 = 12_870.0;
-/// Rows of a window over which differences are averaged.
+/// Rows of a window over which squared differences are averaged.
 const WINDOW: usize = 64;
-/// The median of windows lies below the mean, and neither is exact.
+/// Safety factor on the bound of an input: the median of the windows lies below their mean, and both have an error.
 const MARGIN: f64 = 1.1;
-/// An output's noise need not be white: at its highest frequencies it may be so many times less.
+/// Safety factor on the bound of an output, whose noise may be coloured and smaller at the highest frequencies.
 const COLOURED: f64 = 3.0;
-/// A channel whose highest frequencies hold less than this share of its movement, and than that share of what the next lower ones
-/// hold, went through a low-pass filter: they say nothing of its noise then.
+/// An output is taken to be low-pass filtered, and its noise to be unbounded, if its highest frequencies have less than [`FILTERED`] of
+/// its standard deviation and less than [`STEEP`] of the next lower frequencies.
 const FILTERED: f64 = 1e-4;
 const STEEP: f64 = 0.03;
-/// Rows and segments that are looked at.
+/// Most rows of a segment, and most segments, that are evaluated.
 const MOST_ROWS: u64 = 32_768;
-const MOST_STRETCHES: usize = 8;
+const MOST_SEGMENTS: usize = 8;
 
-/// Whether a channel drives the model by what a sensor said of a motion.
+/// Whether an input is a measured signal, which has noise; a reference and a clock are exact.
 pub(crate) fn is_measured(channel: &Channel) -> bool {
     channel.quantity != Quantity::Reference && !channel.quantity.is_clock()
 }
 
-/// Most noise that each channel can hold, SI: what its highest frequencies hold, were they noise alone. Zero for an input
-/// that is not measured, what the model file gives for one whose noise is known. What an output's residual has beyond it is
-/// misfit: to take it for noise would be to believe that output less, and noisy inputs more, than they deserve.
+/// Upper bound on the standard deviation of each channel's noise, SI: its highest frequencies, taken as noise alone. It is zero for an
+/// input that is not measured, and the model file's value for an input of known noise. The part of an output's residual beyond the bound is
+/// misfit; counted as noise it would give that output too little weight, and noisy inputs too much.
 pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
     let inputs = problem.model.inputs().count();
     let mut windows: Vec<Vec<Sizes>> = vec![Vec::new(); inputs + problem.outputs()];
-    for segment in problem.segments.iter().take(MOST_STRETCHES) {
+    for segment in problem.segments.iter().take(MOST_SEGMENTS) {
         let head = segments::Segment { rows: segment.rows.min(MOST_ROWS), ..segment.clone() };
         let dataset = &problem.datasets[segment.recording];
         segments::read(problem.model, dataset, &head, &vec![Intersample::Linear; inputs], |chunk| {
-            // On a grid of several points a sample, noise of as much power per frequency is so many times stronger at each.
+            // A recording resampled at `parts` points per sample has noise of the same spectral density, and `parts` times its variance.
             let parts = dataset.rows_per_sample() as usize;
             for (values, windows) in chunk.inputs.iter().chain(&chunk.outputs).zip(&mut windows) {
                 let values: Vec<f64> = values.iter().copied().step_by(parts).collect();
@@ -61,7 +61,7 @@ pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> 
     })
 }
 
-/// Most noise of an output; no limit where its highest frequencies say nothing of it.
+/// Upper bound on an output's noise; infinity where the output is low-pass filtered.
 fn most_of_output(windows: &[Sizes]) -> f64 {
     let fast = quantile(windows.iter().map(|window| window.fast), 0.9);
     let slower = quantile(windows.iter().map(|window| window.slower), 0.9);
@@ -72,17 +72,17 @@ fn most_of_output(windows: &[Sizes]) -> f64 {
     if fast > 0.0 && !is_filtered { COLOURED * fast } else { f64::INFINITY }
 }
 
-/// Root of a quantile of variances; zero where there are none.
+/// Square root of a quantile of variances; zero if there are none.
 fn quantile(variances: impl Iterator<Item = f64>, part: f64) -> f64 {
     let mut values: Vec<f64> = variances.collect();
     values.sort_by(f64::total_cmp);
     values.get((part * values.len() as f64) as usize).map_or(0.0, |variance| variance.sqrt())
 }
 
-/// What a window of a channel holds; not a number where a value is missing.
+/// Statistics of a window of a channel; NaN if a value is missing.
 #[derive(Debug, Clone, Copy)]
 struct Sizes {
-    /// Variance of white noise that would leave the differences of neighbours, and of every other value.
+    /// Variance of white noise with the same mean squared differences, of all values and of every other value.
     fast: f64,
     slower: f64,
     mean: f64,
@@ -98,7 +98,7 @@ impl Sizes {
     }
 }
 
-/// Variance of white noise that would leave differences of this size.
+/// Variance of white noise with the same mean squared differences.
 fn differenced(window: &[f64]) -> f64 {
     let mut values = window.to_vec();
     for _ in 0..DIFFERENCES {

@@ -1,39 +1,39 @@
-//! Noise levels from the residuals: the likelihood of what the whitening filter leaves.
+//! Noise levels of outputs and inputs by maximum likelihood of the residuals.
 //!
-//! At given parameters the residuals are Gaussian with a covariance that the levels of output and input noise make
-//! between them. Each pass takes the sensitivity of their likelihood and its information with respect to the logarithms
-//! of the variances; Fisher's scoring does the rest in a few passes.
+//! At given parameters the residuals are Gaussian; their covariance depends on the levels of output and input noise. Each evaluation
+//! gives the derivative of the log-likelihood (the score) and the Fisher information with respect to the logarithms of the variances, from
+//! innovations filters at perturbed levels. Fisher scoring converges in a few evaluations.
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
 use socam_model::Equations;
 
 use crate::{
-    IdentifyError, Intersample, Problem,
+    IdentifyError,
     evaluation::{self, Point, Weights},
     noise::{
-        filter_batch::{FilterBatch, FilterState},
-        innovations_filter::{InnovationsFilter, NoiseLevels},
+        innovations_filter::NoiseLevels,
+        level_score::{PerturbedFilters, Score, of, scaled},
     },
     preprocessing::segments::Segment,
-    problem::sample_times,
+    problem::{Problem, sample_times},
 };
 
-/// Step of central differences in the logarithm of a variance.
-const STEP: f64 = 0.05;
-/// Longest move of a logarithm at once.
-const LONGEST: f64 = 1.5;
-/// Log-likelihood that a further step must promise.
+/// Predicted gain of log-likelihood below which the iteration ends.
 const LEAST_GAIN: f64 = 0.05;
-/// Rows of each of the first segments on which the first steps are made, and their number.
+
+/// The first steps use so many rows of each of the first segments, at most so many segments and steps.
 const FIRST_ROWS: u64 = 2000;
-const FIRST_STRETCHES: usize = 6;
+
+const FIRST_SEGMENTS: usize = 6;
+
 const FIRST_STEPS: usize = 12;
-/// Steps on all data.
+
+/// Most steps on all data.
 const MOST_STEPS: usize = 3;
 
-/// Levels of greatest likelihood at given parameters; they stay below `most`, known ones where they are.
+/// Noise levels of maximum likelihood at given parameters, from `start`. They stay below `most`; levels that the model file gives keep
+/// their values.
 pub(crate) fn maximum_likelihood(
     problem: &Problem<'_>,
     point: &Point,
@@ -42,38 +42,35 @@ pub(crate) fn maximum_likelihood(
 ) -> Result<NoiseLevels, IdentifyError> {
     let mut kept: Vec<usize> = (0..problem.segments.len()).collect();
     let whole = without_sensitivities(problem, &kept, u64::MAX);
-    kept.truncate(FIRST_STRETCHES);
+    kept.truncate(FIRST_SEGMENTS);
     let head = without_sensitivities(problem, &kept, FIRST_ROWS);
     let head_point = Point { values: point.values.clone(), nuisance: point.nuisance[..kept.len()].to_vec() };
     let levels = fisher_scoring(&head, &head_point, start, most, FIRST_STEPS)?;
     fisher_scoring(&whole, point, levels, most, MOST_STEPS)
 }
 
-/// All of a problem, where no sensitivities are wanted.
-pub(crate) fn blind<'a>(problem: &Problem<'a>) -> Problem<'a> {
+/// The same problem without free parameters: its evaluations give residuals and the sensitivities of nuisance parameters only.
+pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
     let all: Vec<usize> = (0..problem.segments.len()).collect();
     without_sensitivities(problem, &all, u64::MAX)
 }
 
-/// The same problem with nothing to be estimated but start states.
+/// Part of a problem without free parameters: the segments `kept`, of each at most `rows` rows.
 fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| {
         let segment = &problem.segments[*index];
         Segment { rows: segment.rows.min(rows), ..segment.clone() }
     };
-    Problem {
-        model: problem.model,
-        datasets: problem.datasets,
-        free: Vec::new(),
-        segments: kept.iter().map(shortened).collect(),
-        options: problem.options.clone(),
-        intersample: problem.intersample.clone(),
-        warnings: Vec::new(),
-        left_out: Vec::new(),
-        misfits: Vec::new(),
-    }
+    Problem::of_segments(
+        (problem.model, problem.datasets),
+        Vec::new(),
+        kept.iter().map(shortened).collect(),
+        problem.options.clone(),
+        problem.intersample.clone(),
+    )
 }
 
+/// At most `steps` steps of Fisher scoring.
 fn fisher_scoring(
     problem: &Problem<'_>,
     point: &Point,
@@ -97,8 +94,8 @@ fn fisher_scoring(
         (0..sought.len()).filter(|k| is_full(sought[*k])).for_each(|k| score.hold_if_rising(k));
         let (step, gain) = score.step();
         for (level, change) in sought.iter().zip(step) {
-            let workspace = 2.0 * (of(most, *level) / of(&levels, *level)).ln();
-            levels = scaled(&levels, *level, change.min(workspace));
+            let headroom = 2.0 * (of(most, *level) / of(&levels, *level)).ln();
+            levels = scaled(&levels, *level, change.min(headroom));
         }
         if gain < LEAST_GAIN {
             break;
@@ -107,7 +104,7 @@ fn fisher_scoring(
     Ok(levels)
 }
 
-/// One pass; `None` where a filter does not exist or the prediction overflows.
+/// Score and information at some levels; `None` where a filter does not exist or the prediction overflows.
 fn score(
     problem: &Problem<'_>,
     point: &Point,
@@ -116,146 +113,24 @@ fn score(
     sought: &[usize],
 ) -> Result<Option<Score>, IdentifyError> {
     let units = &levels.outputs;
-    let probes: Option<Vec<_>> = sample_times(problem)
+    let perturbed_filters: Option<Vec<_>> = sample_times(problem)
         .into_iter()
         .map(|time_s| {
-            Some((time_s, Probe::new(equations, levels, sought, units, time_s, &problem.intersample)?))
+            Some((
+                time_s,
+                PerturbedFilters::new(equations, levels, sought, units, time_s, &problem.intersample)?,
+            ))
         })
         .collect();
-    let Some(probes) = probes else { return Ok(None) };
-    let weights = Weights { probes: Arc::new(probes), ..Weights::white(units.clone(), Vec::new()) };
+    let Some(perturbed_filters) = perturbed_filters else { return Ok(None) };
+    let weights = Weights {
+        perturbed_filters: Arc::new(perturbed_filters),
+        ..Weights::white(units.clone(), Vec::new())
+    };
     let Some(results) = evaluation::run(problem, point, &weights)? else { return Ok(None) };
     let mut sum = Score::new(sought.len());
     results.iter().filter_map(|result| result.levels.as_ref()).for_each(|score| sum.add(score));
     Ok(Some(sum))
-}
-
-/// Filters about one choice of levels.
-pub(crate) struct Probe {
-    /// At the levels, then at a little more and a little less of each that is sought.
-    filters: FilterBatch,
-    inverse_root: DMatrix<f64>,
-    /// Slope of the remainder's covariance by each level, in units of its root.
-    spreads: Vec<DMatrix<f64>>,
-}
-
-/// What residuals say of the levels.
-#[derive(Debug, Clone)]
-pub(crate) struct Score {
-    pub(crate) sensitivity: DVector<f64>,
-    pub(crate) information: DMatrix<f64>,
-}
-
-impl Score {
-    pub(crate) fn new(levels: usize) -> Self {
-        Self { sensitivity: DVector::zeros(levels), information: DMatrix::zeros(levels, levels) }
-    }
-
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.sensitivity += &other.sensitivity;
-        self.information += &other.information;
-    }
-
-    /// Keeps a level where it is, and the others' steps from reckoning with it, if more of it were likelier.
-    fn hold_if_rising(&mut self, level: usize) {
-        if self.sensitivity[level] > 0.0 {
-            self.sensitivity[level] = 0.0;
-            self.information.row_mut(level).fill(0.0);
-            self.information.column_mut(level).fill(0.0);
-        }
-    }
-
-    /// Changes of the logarithms of the variances, and what they promise to gain of log-likelihood.
-    pub(crate) fn step(&self) -> (Vec<f64>, f64) {
-        let levels = self.sensitivity.len();
-        // A level that leaves no trace stays where it is.
-        let information = &self.information + DMatrix::identity(levels, levels);
-        let step = information.lu().solve(&self.sensitivity).unwrap_or_else(|| DVector::zeros(levels));
-        let step = step.map(|s| s.clamp(-LONGEST, LONGEST));
-        let gain = self.sensitivity.dot(&step) - 0.5 * step.dot(&(&self.information * &step));
-        (step.as_slice().to_vec(), gain)
-    }
-}
-
-/// A level by its position: outputs first, then inputs.
-fn of(levels: &NoiseLevels, sought: usize) -> f64 {
-    levels.outputs.iter().chain(&levels.inputs).nth(sought).copied().unwrap_or(f64::NAN)
-}
-
-/// With a level, by its position, changed.
-pub(crate) fn scaled(levels: &NoiseLevels, sought: usize, log_change: f64) -> NoiseLevels {
-    let mut levels = levels.clone();
-    let outputs = levels.outputs.len();
-    let std =
-        if sought < outputs { &mut levels.outputs[sought] } else { &mut levels.inputs[sought - outputs] };
-    *std *= (0.5 * log_change).exp();
-    levels
-}
-
-impl Probe {
-    /// `None` where one of the filters does not exist.
-    pub(crate) fn new(
-        equations: &Equations,
-        levels: &NoiseLevels,
-        sought: &[usize],
-        units: &[f64],
-        sample_time_s: f64,
-        intersample: &[Intersample],
-    ) -> Option<Self> {
-        let filter = |levels: &NoiseLevels| {
-            InnovationsFilter::new(equations, levels, units, sample_time_s, intersample)
-        };
-        let centre = filter(levels)?;
-        let root = centre.inverse_root();
-        let mut filters = vec![centre];
-        let mut spreads = Vec::new();
-        for level in sought {
-            let pair = [filter(&scaled(levels, *level, STEP))?, filter(&scaled(levels, *level, -STEP))?];
-            let sensitivity = (&pair[0].covariance - &pair[1].covariance) / (2.0 * STEP);
-            spreads.push(&root * sensitivity * root.transpose());
-            filters.extend(pair);
-        }
-        let filters = FilterBatch::new(&filters.iter().collect::<Vec<_>>());
-        Some(Self { filters, inverse_root: root, spreads })
-    }
-
-    pub(crate) fn start(&self) -> LevelScore<'_> {
-        LevelScore { probe: self, filters: self.filters.rest(), score: Score::new(self.spreads.len()) }
-    }
-}
-
-/// The filters along one segment.
-pub(crate) struct LevelScore<'p> {
-    probe: &'p Probe,
-    filters: FilterState,
-    pub(crate) score: Score,
-}
-
-impl LevelScore<'_> {
-    /// Takes the residuals of one sample, one per output.
-    pub(crate) fn take(&mut self, residual: &[f64], present: &[bool]) {
-        let Probe { filters, inverse_root, spreads } = self.probe;
-        filters.advance(&mut self.filters, residual, present);
-        if present.contains(&false) {
-            return;
-        }
-        let (stride, outputs) = (filters.stride(), residual.len());
-        let remainder = |output: usize, lane: usize| self.filters.remainder[output * stride + lane];
-        let white = DVector::from_fn(outputs, |o, _| self.filters.white[o * stride]);
-        // By level: how the remainder moves, in units of its root.
-        let moved = DMatrix::from_fn(outputs, spreads.len(), |o, level| {
-            (remainder(o, 2 * level + 1) - remainder(o, 2 * level + 2)) / (2.0 * STEP)
-        });
-        let moved = inverse_root * moved;
-        for (i, spread) in spreads.iter().enumerate() {
-            let sensitivity = moved.column(i);
-            self.score.sensitivity[i] +=
-                0.5 * (white.dot(&(spread * &white)) - spread.trace()) - white.dot(&sensitivity);
-            for (j, other) in spreads.iter().enumerate() {
-                self.score.information[(i, j)] += 0.5 * spread.dot(other) + sensitivity.dot(&moved.column(j));
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -265,8 +140,8 @@ mod tests {
     #[test]
     fn a_level_that_is_held_leaves_the_others_alone() {
         let mut score = Score {
-            sensitivity: DVector::from_vec(vec![-80.0, 5000.0]),
-            information: DMatrix::from_row_slice(2, 2, &[99.0, 60.0, 60.0, 99.0]),
+            sensitivity: nalgebra::DVector::from_vec(vec![-80.0, 5000.0]),
+            information: nalgebra::DMatrix::from_row_slice(2, 2, &[99.0, 60.0, 60.0, 99.0]),
         };
         score.hold_if_rising(0);
         assert!(score.step().0[0] != 0.0, "it falls");

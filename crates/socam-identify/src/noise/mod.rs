@@ -1,9 +1,14 @@
-//! Noise: its levels at inputs and outputs, the filters that whiten residuals, and the discrepancy of a model that lacks physics.
+//! Noise: its levels at inputs and outputs (`levels`, `input_noise`), the filters that whiten residuals (`innovations_filter`,
+//! `prewhitening`), its bias in the information (`regressor_noise`), and the discrepancy of a model that lacks physics (`discrepancy`).
 
 pub(crate) mod discrepancy;
 pub(crate) mod filter_batch;
 pub(crate) mod innovations_filter;
 pub(crate) mod input_noise;
+pub(crate) mod level_score;
 pub(crate) mod levels;
+mod matrix_equations;
 pub(crate) mod prewhitening;
+mod reduction;
 pub(crate) mod regressor_noise;
+mod residual_noise;

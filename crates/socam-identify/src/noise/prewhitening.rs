@@ -1,60 +1,60 @@
-//! Residuals coloured by a noisy input: made white at the parameters of the pass, and how that changes with them.
+//! Parameter-dependent prewhitening of residuals that are coloured by a noisy input, with its derivatives.
 //!
-//! With input noise of standard deviation s_u the residual r(theta) of a prediction from the measured input has a
-//! covariance that depends on the parameters: Phi(theta) = G s_u^2 G' + s_y^2. Least squares of Phi(theta)^-1/2 r(theta)
-//! is what remains of the likelihood of input and output when the true input is eliminated as an unknown (errors in
-//! variables with known noise; Söderström, Automatica 43, 2007). Its expectation has no part of the noise that changes with
-//! theta, so the estimate is not drawn to where noise is amplified less. The determinant of Phi has no place in it.
+//! With input noise of standard deviation s_u, the residual r(theta) of a prediction from the measured input has the covariance
+//! Phi(theta) = G s_u^2 G' + s_y^2, which depends on the parameters. Least squares of Phi(theta)^-1/2 r(theta) is the likelihood of input
+//! and output after elimination of the true input as an unknown (errors in variables with known noise; Söderström, Automatica 43,
+//! 2007). The expectation of the noise's contribution does not depend on theta, so that the estimate is not biased towards parameters
+//! that amplify noise less. The determinant of Phi does not enter.
 
 use faer::{MatMut, reborrow::ReborrowMut};
 use socam_model::Equations;
 
 use crate::{
     Intersample,
-    evaluation::{Point, Weights},
     noise::{
         filter_batch::{FilterBatch, FilterState},
-        innovations_filter::{FilteredRows, InnovationsFilter, NoiseLevels},
+        innovations_filter::{FilterRows, InnovationsFilter, NoiseLevels},
     },
-    prediction::exponential::padded,
+    prediction::step_level::padded,
     problem::{Problem, sample_times},
 };
 
-/// Step of differences in a parameter, relative.
+/// Relative step of the central differences with respect to a parameter.
 const STEP: f64 = 1e-4;
 
-/// The filter for one sample time, and its neighbours.
+/// The filter for one sample time, and those at perturbed parameters.
 #[derive(Debug, Clone)]
 pub(crate) struct Prewhitening {
     pub(crate) sample_time_s: f64,
     pub(crate) filter: InnovationsFilter,
-    /// At a little more of each free parameter, then at a little less of each; none where filters stay.
+    /// Filters at a larger value of each free parameter, then at a smaller value of each. Empty for fixed filters.
     neighbours: FilterBatch,
-    /// Turns the difference of the two to a sensitivity, as scaled as those of the pass.
+    /// Factor from the difference of the two to a derivative, in the scale of the evaluation's sensitivities.
     factors: Vec<f64>,
 }
 
-/// One prewhitening for each sample time; empty where no input is noisy. `None` where no steady filter exists.
+/// One prewhitening for each sample time, at parameter `values`; `scales` are those of the sensitivities; empty if no input is noisy. `None` where no stationary filter
+/// exists.
 pub(crate) fn all(
     problem: &Problem<'_>,
-    point: &Point,
-    weights: &Weights,
+    values: &[f64],
+    levels: &NoiseLevels,
+    scales: &[f64],
     equations: &Equations,
 ) -> Option<Vec<Prewhitening>> {
-    let levels = weights.levels();
     if !levels.in_the_input() {
         return Some(Vec::new());
     }
     let changed = |j: usize, step: f64| {
-        let mut values = point.values.clone();
+        let mut values = values.to_vec();
         values[problem.free[j]] += step;
         problem.model.equations(&values).ok()
     };
     let mut sides = Vec::new();
-    for (j, scale) in weights.scales.iter().enumerate() {
-        let value = point.values[problem.free[j]].abs();
+    for (j, scale) in scales.iter().enumerate() {
+        let value = values[problem.free[j]].abs();
         let step = STEP * if value > 0.0 { value } else { *scale };
-        // A mass cannot be less than nothing.
+        // A parameter at the end of its range, such as an inertia near zero, has a one-sided difference.
         let less = changed(j, -step).map(|equations| (equations, 2.0 * step));
         let (less, distance) = less.unwrap_or_else(|| (equations.clone(), step));
         sides.push((changed(j, step)?, less, scale / distance));
@@ -64,7 +64,7 @@ pub(crate) fn all(
         let filter = |equations: &Equations| {
             InnovationsFilter::new(
                 equations,
-                &levels,
+                levels,
                 &levels.outputs,
                 prewhitening.sample_time_s,
                 &problem.intersample,
@@ -79,12 +79,12 @@ pub(crate) fn all(
             ..prewhitening
         })
     };
-    let prewhitenings = fixed(equations, &levels, &times_s, &problem.intersample)?;
+    let prewhitenings = fixed(equations, levels, &times_s, &problem.intersample)?;
     prewhitenings.into_iter().map(with_neighbours).collect()
 }
 
-/// Filters that stay as they are, whatever the parameters: one for each sample time. Empty where no input is noisy, `None` where
-/// no steady filter exists.
+/// Fixed filters, which do not follow the parameters: one for each sample time. Empty if no input is noisy, `None` where no stationary
+/// filter exists.
 pub(crate) fn fixed(
     equations: &Equations,
     levels: &NoiseLevels,
@@ -106,21 +106,23 @@ pub(crate) fn fixed(
     times_s.iter().map(prewhitening).collect()
 }
 
-/// Whether residuals can be made white at a point.
-pub(crate) fn exists(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels) -> bool {
-    let Ok(equations) = problem.model.equations(&point.values) else { return false };
+/// Whether a stable stationary filter exists at a point for every sample time.
+pub(crate) fn exists(problem: &Problem<'_>, values: &[f64], levels: &NoiseLevels) -> bool {
+    let Ok(equations) = problem.model.equations(values) else { return false };
     let filter = |time_s: f64| {
         InnovationsFilter::new(&equations, levels, &levels.outputs, time_s, &problem.intersample)
     };
-    sample_times(problem).into_iter().all(|time_s| filter(time_s).is_some_and(|filter| filter.memory() < 1.0))
+    sample_times(problem)
+        .into_iter()
+        .all(|time_s| filter(time_s).is_some_and(|filter| filter.spectral_radius() < 1.0))
 }
 
-/// The filters along one segment. Rows hold sensitivities by free parameters and the residual, then, filled up to whole vectors, what is
-/// local.
+/// The filters along one segment. Each row holds the sensitivities of free parameters and the residual, then those of nuisance
+/// parameters; each part is padded to whole SIMD vectors.
 pub(crate) struct PrewhiteningState<'c> {
     prewhitening: &'c Prewhitening,
     globals: usize,
-    state: FilteredRows,
+    state: FilterRows,
     neighbours: FilterState,
     stride: usize,
     rows: Vec<f64>,
@@ -129,21 +131,21 @@ pub(crate) struct PrewhiteningState<'c> {
 }
 
 impl Prewhitening {
-    /// Leaves out what the filter need not remember; for filters that stay.
+    /// Reduces the number of the filter's states; for fixed filters.
     pub(crate) fn reduce(&mut self) {
         if let Some(reduced) = self.filter.reduced() {
             self.filter = reduced;
         }
     }
 
-    /// Nothing remembered yet, for rows of `nuisance` columns, `globals` more and the residual.
+    /// The filters before the first sample of a segment with `nuisance` nuisance parameters and `globals` free parameters.
     pub(crate) fn start(&self, nuisance: usize, globals: usize) -> PrewhiteningState<'_> {
         let stride = padded(globals + 1) + padded(nuisance);
         PrewhiteningState {
             prewhitening: self,
             globals,
-            state: self.filter.rest_of_rows(stride),
-            neighbours: self.neighbours.rest(),
+            state: self.filter.initial_rows(stride),
+            neighbours: self.neighbours.initial_state(),
             stride,
             rows: Vec::new(),
             residual: Vec::new(),
@@ -153,9 +155,8 @@ impl Prewhitening {
 }
 
 impl PrewhiteningState<'_> {
-    /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other; its
-    /// columns are what is local (all of it, or nothing), sensitivities by free parameters and the residual. `present` is by row of
-    /// the block.
+    /// Filters consecutive samples in place. `block` holds `samples` rows of each output, one output after the other. Its columns are
+    /// the nuisance parameters (all or none of them), the free parameters and the residual. `present` has one entry per row.
     pub(crate) fn apply(&mut self, mut block: MatMut<'_, f64>, samples: usize, present: &[bool]) {
         let globals = self.globals + 1;
         let nuisance = block.ncols() - globals;
@@ -185,7 +186,7 @@ impl PrewhiteningState<'_> {
         }
     }
 
-    /// Adds to each parameter's sensitivity what the filter's own change makes of the residual.
+    /// Adds the derivative of the filter, applied to the residual, to each parameter's sensitivity.
     fn add_sensitivities(&mut self) {
         let Prewhitening { neighbours, factors, .. } = self.prewhitening;
         if factors.is_empty() {

@@ -1,7 +1,8 @@
-//! How much of the squares of sensitivities is noise, and so no information.
+//! Regressor-noise bias of the information matrix.
 //!
-//! Sensitivities are made of measured signals where an input is noisy: their squares grow with that noise as if it told of the
-//! parameters. What it adds is found by letting each noisy channel jump for one sample and squaring the response.
+//! Where an input is noisy, sensitivities are computed from measured signals: the noise adds to their products although it has no
+//! information about the parameters. Its expected contribution is the sum of the squared responses of the sensitivities to a unit noise
+//! impulse in each noisy channel.
 
 use std::sync::Arc;
 
@@ -12,20 +13,20 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError, Options, Problem, StartState,
     evaluation::{self, Point, SegmentEvaluation, Weights},
-    noise::innovations_filter::{InnovationsFilter, spectral_radius},
+    noise::{innovations_filter::InnovationsFilter, matrix_equations::spectral_radius},
     preprocessing::segments,
     problem::sample_times,
 };
 
-/// Row of the impulse whose response shows what a sample's noise does.
+/// Row of the impulse in the artificial recording.
 const IMPULSE_ROW: usize = 32;
-/// The response is followed until it has fallen to this fraction.
+/// The response is computed until it has decayed to this fraction.
 const FADED: f64 = 1e-5;
-/// It is followed for at least and at most so many rows.
+/// Least and greatest number of rows of the response.
 const ROWS: (f64, f64) = (64.0, 16_384.0);
 
-/// Sum over all samples of what noise is expected to have of the products of sensitivities, free parameters by free parameters, as
-/// scaled and weighted in a pass; nothing where no input is noisy.
+/// Expected contribution of noise to the products of sensitivities, summed over all samples: free parameters x free parameters, in the
+/// scale and weights of an evaluation. Zero if no input is noisy.
 pub(crate) fn products(
     problem: &Problem<'_>,
     point: &Point,
@@ -63,8 +64,9 @@ fn per_sample(
         return Ok(None);
     };
     let plant = spectral_radius((&equations.state * sample_time_s).exp());
-    let memory = if plant < 1.0 - 1e-6 { filter.memory().max(plant) } else { filter.memory() };
-    let rows = IMPULSE_ROW + (FADED.ln() / memory.ln()).clamp(ROWS.0, ROWS.1) as usize;
+    let slowest =
+        if plant < 1.0 - 1e-6 { filter.spectral_radius().max(plant) } else { filter.spectral_radius() };
+    let rows = IMPULSE_ROW + (FADED.ln() / slowest.ln()).clamp(ROWS.0, ROWS.1) as usize;
     let sizes = levels.inputs.iter().chain(&levels.outputs).enumerate().filter(|(_, std)| **std > 0.0);
     let datasets = sizes.map(|(channel, std)| impulse(&model, channel, *std, rows, sample_time_s));
     let datasets = datasets.collect::<Result<Vec<_>, _>>()?;
@@ -72,26 +74,22 @@ fn per_sample(
         recording,
         first_row: 0,
         rows: dataset.rows(),
-        run: 0..dataset.rows(),
+        uninterrupted: 0..dataset.rows(),
         mask: Arc::default(),
         sample_time_s,
         origin_s: 0.0,
     });
-    let twin = Problem {
-        model: &model,
-        datasets: &datasets,
-        free: problem.free.clone(),
-        segments: segments.collect(),
-        options: Options { start_state: StartState::Free, ..problem.options.clone() },
-        intersample: problem.intersample.clone(),
-        warnings: Vec::new(),
-        left_out: Vec::new(),
-        misfits: Vec::new(),
-    };
+    let impulses = Problem::of_segments(
+        (&model, &datasets),
+        problem.free.clone(),
+        segments.collect(),
+        Options { start_state: StartState::Free, ..problem.options.clone() },
+        problem.intersample.clone(),
+    );
     let at_rest = vec![0.0; equations.state.nrows()];
     let still = Point { values: point.values.clone(), nuisance: vec![at_rest; datasets.len()] };
     let weights = Weights { scores: false, ..weights.clone() };
-    let Some(results) = evaluation::run(&twin, &still, &weights)? else { return Ok(None) };
+    let Some(results) = evaluation::run(&impulses, &still, &weights)? else { return Ok(None) };
     let free = problem.free.len();
     let mut products = Mat::<f64>::zeros(free, free);
     for result in &results {
@@ -101,7 +99,7 @@ fn per_sample(
     Ok(Some(products))
 }
 
-/// The model without force laws, its channels in SI and each with a column of its own; rates stay rates.
+/// The model without force laws, with channels in SI that have one column each. Rates stay rates; other transforms are left out.
 fn linear(model: &Model) -> Model {
     let mut model = model.clone();
     model.effects.retain(|used| used.effect.laws().is_empty());
@@ -117,8 +115,8 @@ fn linear(model: &Model) -> Model {
     model
 }
 
-/// A recording in which the column of one channel, inputs counted first, jumps for one sample by what makes noise of that size, and
-/// all others are zero.
+/// A recording in which one channel (inputs are counted first) has an impulse of one sample and all others are zero. The impulse makes
+/// noise of standard deviation `size` in the channel.
 fn impulse(
     model: &Model,
     jumping: usize,

@@ -87,6 +87,11 @@ impl Descent {
         self.misfit().max(1.0)
     }
 
+    /// What a step starts from.
+    pub(crate) fn linearisation(&self) -> (&Point, &Weights, &[SegmentEvaluation]) {
+        (&self.point, &self.weights, &self.evaluated)
+    }
+
     fn factor(&self, problem: &Problem<'_>) -> Mat<f64> {
         global_factor(problem, &self.point, &self.weights, &self.evaluated)
     }
@@ -184,7 +189,7 @@ fn accepted(
     step: &[f64],
     refused: i32,
 ) -> Result<bool, IdentifyError> {
-    let trial = moved(problem, at, step, SHORTER.powi(refused));
+    let trial = moved(problem, at.linearisation(), step, SHORTER.powi(refused));
     let Some(evaluated) = evaluation::run_below(problem, &trial, &at.weights, at.cost)? else {
         return Ok(false);
     };

@@ -73,7 +73,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
         }
         let before = descent.weights.levels();
         let levels = reestimated_levels(problem, &descent, &most)?;
-        let levels = if prewhitening::exists(problem, &descent.point, &levels) {
+        let levels = if prewhitening::exists(problem, &descent.point.values, &levels) {
             levels
         } else {
             NoiseLevels { inputs: vec![0.0; levels.inputs.len()], ..levels }

@@ -98,7 +98,7 @@ pub(crate) fn refit(problem: &Problem<'_>, at: &mut Descent) -> Result<(), Ident
         if at.evaluated.iter().all(|result| predicted_decrease(result) <= SETTLED * result.weighted_squares) {
             break;
         }
-        let trial = moved(problem, at, &still, share);
+        let trial = moved(problem, at.linearisation(), &still, share);
         let evaluated = evaluation::run_below(problem, &trial, &at.weights, at.cost)?;
         let evaluated = evaluated.filter(|evaluated| squares(evaluated) < at.cost);
         let Some(evaluated) = evaluated else {

@@ -66,9 +66,9 @@ pub fn at_minimum(
     let clock = report::CpuClock::start();
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     let point = comparison::begin(problem, &at.values, Some((problem.model, at)))?.ok_or_else(diverged)?;
-    let blind = levels::blind(problem);
-    let found =
-        with_nuisance_fitted(&blind, point, noise.weights(&blind, &at.values))?.ok_or_else(diverged)?;
+    let parameterless = levels::without_parameters(problem);
+    let found = with_nuisance_fitted(&parameterless, point, noise.weights(&parameterless, &at.values))?
+        .ok_or_else(diverged)?;
     let end = if problem.options.watch.stops() { End::Interrupted } else { End::Converged };
     // The correction for regressor noise needs the share of input noise in the residuals.
     let inputs = noise.levels().inputs.iter().map(|std| std / noise.excess().max(1.0).sqrt());

@@ -48,18 +48,14 @@ pub(crate) fn best_start(
     if problem.options.starts <= 1 {
         return with_nuisance(first);
     }
-    let runs = problem.segments.iter().filter(|segment| segment.begins_run());
-    let short = Problem {
-        segments: runs.take(START_SEGMENTS).map(|s| head(s, START_ROWS)).collect(),
-        model: problem.model,
-        datasets: problem.datasets,
-        free: problem.free.clone(),
-        options: problem.options.clone(),
-        intersample: problem.intersample.clone(),
-        warnings: Vec::new(),
-        left_out: Vec::new(),
-        misfits: Vec::new(),
-    };
+    let runs = problem.segments.iter().filter(|segment| segment.starts_uninterrupted());
+    let short = Problem::of_segments(
+        (problem.model, problem.datasets),
+        problem.free.clone(),
+        runs.take(START_SEGMENTS).map(|segment| head(segment, START_ROWS)).collect(),
+        problem.options.clone(),
+        problem.intersample.clone(),
+    );
     let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
     let candidates = (0..problem.options.starts)
         .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });

@@ -8,8 +8,8 @@ use clarabel::{
 use faer::{Mat, MatRef, linalg::solvers::SolveLstsqCore};
 
 use crate::{
-    evaluation::{Point, Weights},
-    optimiser::{descent::Descent, qr},
+    evaluation::{Point, SegmentEvaluation, Weights},
+    optimiser::qr,
     problem::Problem,
     uncertainty::combinations,
 };
@@ -25,18 +25,24 @@ pub(crate) fn predicted_gain(factor: MatRef<'_, f64>, step: &[f64]) -> f64 {
 }
 
 /// The point after a step of the free parameters. Nuisance parameters follow, and take `share` of their own Gauss-Newton step.
-pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f64) -> Point {
-    let mut point = at.point.clone();
+pub(crate) fn moved(
+    problem: &Problem<'_>,
+    (point, weights, evaluated): (&Point, &Weights, &[SegmentEvaluation]),
+    step: &[f64],
+    share: f64,
+) -> Point {
+    let before = point.values.clone();
+    let mut point = point.clone();
     for (j, index) in problem.free.iter().enumerate() {
         if step[j] == 0.0 {
             continue;
         }
         let bounds = problem.model.parameters[*index].bounds;
-        let moved = coordinate(problem, *index).along(point.values[*index], step[j] * at.weights.scales[j]);
+        let moved = coordinate(problem, *index).along(point.values[*index], step[j] * weights.scales[j]);
         point.values[*index] = moved.clamp(bounds.0, bounds.1);
     }
-    carry_dampings(problem, at, step, &mut point.values);
-    for (nuisance, result) in point.nuisance.iter_mut().zip(&at.evaluated) {
+    carry_dampings(problem, &before, &weights.scales, step, &mut point.values);
+    for (nuisance, result) in point.nuisance.iter_mut().zip(evaluated) {
         let (r, count) = (result.factor.as_ref(), result.nuisance());
         let change = result.solve_nuisance(|row| {
             let moved: f64 = step.iter().enumerate().map(|(j, s)| r[(row, count + j)] * s).sum();
@@ -49,10 +55,10 @@ pub(crate) fn moved(problem: &Problem<'_>, at: &Descent, step: &[f64], share: f6
 
 /// Damping of springs in series: their compliances 1/k add, and so do their terms c/k^2. A spring whose stiffness moves takes its damping
 /// along such that steps are linear in c/k^2.
-fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mut [f64]) {
+fn carry_dampings(problem: &Problem<'_>, before: &[f64], scales: &[f64], step: &[f64], values: &mut [f64]) {
     let change = |index: usize| {
         let position = problem.free.iter().position(|free| *free == index)?;
-        Some(step[position] * at.weights.scales[position])
+        Some(step[position] * scales[position])
     };
     for spring in &problem.model.springs {
         let Some(damping) = spring.damping else { continue };
@@ -60,7 +66,7 @@ fn carry_dampings(problem: &Problem<'_>, at: &Descent, step: &[f64], values: &mu
         let (Some(stiffer), Some(more), false) = (change(spring.stiffness), change(damping), straight) else {
             continue;
         };
-        let (k, c) = (at.point.values[spring.stiffness], at.point.values[damping]);
+        let (k, c) = (before[spring.stiffness], before[damping]);
         let moved = (c + more - 2.0 * c * stiffer / k) * (values[spring.stiffness] / k).powi(2);
         let bounds = problem.model.parameters[damping].bounds;
         values[damping] = moved.clamp(0.1 * c, 10.0 * c.max(1e-12)).clamp(bounds.0, bounds.1);

@@ -1,66 +1,74 @@
-//! The ways in which a drivetrain moves: one, or, where a gear has play, three, with sharp boundaries between them.
+//! The modes of a drivetrain as a hybrid system: one, or three where a gear has play, with sharp boundaries between them.
 //!
-//! Teeth touch on one flank, are apart, or touch on the other. Contact is stiff and quick, and so is the law that takes it back
-//! while teeth are apart; but each way for itself is linear, and exact in steps of any length. So a step ends where the twist in
-//! the mesh meets a boundary, and what is stiff costs nothing.
+//! The teeth of a gear with play touch on one flank, are apart, or touch on the other flank. Contact is stiff and fast, and so is the
+//! law that cancels it while the teeth are apart. Each mode for itself is linear, and exact in steps of any length. A step therefore
+//! ends where the twist in the mesh crosses a boundary, and the stiffness of the contact costs no steps.
 
 use socam_model::Equations;
 
 use crate::prediction::{
-    exponential::{self, Sizes, StepLevel},
-    inactive_laws::{self, InactiveLaws, OutputOnlyLaws},
-    integrator::Instant,
-    laws::Law,
-    products::row_times,
-    sensitivity::Constants,
+    exponential,
+    inactive_laws::{self, InactiveInputs, InactiveLaws, OutputOnlyLaws},
+    instant::Instant,
+    laws::PortLaw,
+    output_map::OutputMap,
+    row_products::row_times,
+    step_level::{Dimensions, StepLevel},
 };
 
-/// Play below this is far less than what its law is rounded over, which is then taken as it is, rad.
+/// Play below this is integrated through its smooth law, rad: the law rounds its corners over a similar width.
 const LEAST_GAP: f64 = 1e-9;
 
-/// A linear motion, with what laws add to it.
-pub(crate) struct Motion {
+/// The linear motion of a mode, and the laws beside it.
+pub(crate) struct LinearDynamics {
+    /// Of the active ports only.
     pub(crate) equations: Equations,
+    /// Derivatives of `equations` with respect to the free parameters up to the last that changes a matrix.
     pub(crate) sensitivities: Vec<Equations>,
+    /// Steps of a sample, half a sample, and so on.
     pub(crate) levels: Vec<StepLevel>,
-    /// What laws see at once of their own forces, row by row.
+    /// One for each of `levels`; empty where all laws are active.
+    inactive_inputs: Vec<InactiveInputs>,
+    /// Direct effect of each port's force on each port's input: ports x ports, row by row.
     pub(crate) coupling: Vec<f64>,
-    pub(crate) constants: Constants,
+    pub(crate) output_map: OutputMap,
     pub(crate) inactive_laws: InactiveLaws,
     pub(crate) output_only: OutputOnlyLaws,
 }
 
-/// A way of moving.
+/// One mode.
 pub(crate) struct ContactMode {
-    motion: usize,
-    pub(crate) laws: Vec<Law>,
-    /// Of the twist in the mesh, rad: beyond it lies the side before or after this one.
+    dynamics: usize,
+    pub(crate) laws: Vec<PortLaw>,
+    /// Range of the twist in the mesh, rad. The previous mode lies below, the next one above.
     pub(crate) range: [f64; 2],
 }
 
-/// What sees the play.
+/// The law of a gear's play.
 #[derive(Clone, Copy)]
 pub(crate) struct Play {
-    /// The port of the twist; that of its rate is the next.
+    /// The port of the mesh's twist; the next port is that of its rate.
     pub(crate) port: usize,
-    /// Column of the gap, where it is estimated.
+    /// Position of the gap among the free parameters; `None` where it is fixed.
     pub(crate) gap: Option<usize>,
 }
 
-/// All ways of moving, in the order of the twist.
+/// All modes, in the order of the twist.
 pub(crate) struct HybridModes {
-    motions: Vec<Motion>,
-    pub(crate) sides: Vec<ContactMode>,
+    dynamics: Vec<LinearDynamics>,
+    pub(crate) modes: Vec<ContactMode>,
     pub(crate) play: Option<Play>,
     /// Length of the shortest step, s.
     pub(crate) finest_s: f64,
-    /// Number of free parameters, and of those up to the last that moves anything.
+    /// Number of free parameters.
     pub(crate) free: usize,
+    /// Number of free parameters up to the last that changes the motion.
     pub(crate) moving: usize,
 }
 
-impl Motion {
-    /// `sensitivities` are those with respect to the parameters `free` at `values`; `None` where the exponential overflows.
+impl LinearDynamics {
+    /// The mode with these `equations`. `sensitivities` are their derivatives with respect to the parameters `free`, at `values`;
+    /// `ports` are the active and the inactive ones. `None` where the exponential overflows.
     fn new(
         equations: &Equations,
         sensitivities: &[Equations],
@@ -68,53 +76,58 @@ impl Motion {
         ports: [&[usize]; 2],
         sample_time_s: f64,
     ) -> Option<Self> {
-        let live = equations.with_ports(ports[0]);
+        let [active, inactive] = ports;
+        let own = equations.with_ports(active);
         let mut moved: Vec<Equations> =
-            sensitivities.iter().map(|sensitivity| sensitivity.with_ports(ports[0])).collect();
-        // Parameters of laws come last and move none of this. One at least is kept, so that there is something to add up.
-        let last = moved.iter().rposition(moves).unwrap_or(0);
+            sensitivities.iter().map(|sensitivity| sensitivity.with_ports(active)).collect();
+        // The parameters of laws come last and change no matrix. At least one derivative is kept, so that no sum is empty.
+        let last = moved.iter().rposition(changes_a_matrix).unwrap_or(0);
         moved.truncate(last + 1);
-        let mut levels = exponential::levels(&live, &moved, sample_time_s)?;
-        let [live_ports, quiet] = ports;
-        let [moving, reading] = inactive_laws::parted(equations, quiet);
-        let output_only = OutputOnlyLaws::new(equations, values, free, [live_ports, &reading]);
-        let ports = [live_ports, &*moving];
+        let levels = exponential::levels(&own, &moved, sample_time_s)?;
+        let [moving, output_only] = inactive_laws::partition_by_action(equations, inactive);
+        let output_only = OutputOnlyLaws::new(equations, values, free, [active, &output_only]);
+        let ports = [active, &*moving];
         let inactive_laws = InactiveLaws::new(equations, values, free, ports);
+        let mut inactive_inputs = Vec::new();
         if !moving.is_empty() {
-            let sizes = Sizes::new(equations, 0);
+            let dimensions = Dimensions::new(equations, 0);
             let all = exponential::levels(equations, &[], sample_time_s)?;
-            // Where all are inactive nothing bends, and a step is a sample.
-            for (level, whole) in levels.iter_mut().zip(&all) {
-                level.inactive_inputs = inactive_laws.inactive_inputs(whole, sizes, ports);
-            }
+            inactive_inputs =
+                all.iter().map(|level| inactive_laws.inactive_inputs(level, dimensions, ports)).collect();
         }
-        let constants = Constants::new(&live, &moved);
-        let coupling = live.port_force.transpose().iter().copied().collect();
+        // Without active ports there is one level, a sample.
+        inactive_inputs.resize_with(inactive_inputs.len().max(levels.len()), InactiveInputs::default);
         Some(Self {
-            equations: live,
+            output_map: OutputMap::new(&own, &moved),
+            coupling: own.port_force.transpose().iter().copied().collect(),
+            equations: own,
             sensitivities: moved,
             levels,
-            coupling,
-            constants,
+            inactive_inputs,
             inactive_laws,
             output_only,
         })
     }
 
-    /// Of the states, at an instant.
+    /// The map of a step to the inputs of the inactive laws.
+    pub(crate) fn inactive_inputs(&self, level: usize) -> &InactiveInputs {
+        &self.inactive_inputs[level]
+    }
+
+    /// Rates of the states at an instant.
     pub(crate) fn rates(&self, at: &Instant) -> Vec<f64> {
         rates(&self.equations, at)
     }
 
-    /// How these move with each parameter while states and forces stay.
-    pub(crate) fn moved_rates(&self, at: &Instant) -> Vec<Vec<f64>> {
+    /// Derivative of the rates with respect to each parameter, at constant states and forces.
+    pub(crate) fn rate_sensitivities(&self, at: &Instant) -> Vec<Vec<f64>> {
         self.sensitivities.iter().map(|sensitivity| rates(sensitivity, at)).collect()
     }
 }
 
 impl HybridModes {
-    /// Of `equations` at parameters `values`, with sensitivities with respect to those with the indices `free`; `None` where the exponential
-    /// overflows.
+    /// The modes of `equations` at parameters `values`. `sensitivities` are the derivatives of `equations` with respect to the
+    /// parameters with the indices `free`. `None` where the exponential overflows.
     pub(crate) fn new(
         equations: &Equations,
         sensitivities: &[Equations],
@@ -123,73 +136,66 @@ impl HybridModes {
         sample_time_s: f64,
     ) -> Option<Self> {
         let finest_s = sample_time_s * 0.5_f64.powi(exponential::HALVINGS as i32);
-        let (quiet, live): (Vec<usize>, Vec<usize>) =
-            (0..equations.ports.len()).partition(|port| equations.ports[*port].is_silent(values));
-        let ports = [&*live, &*quiet];
-        let motion = |equations: &Equations, sensitivities: &[Equations]| {
-            Motion::new(equations, sensitivities, (values, free), ports, sample_time_s)
+        let (inactive, active): (Vec<usize>, Vec<usize>) =
+            (0..equations.ports.len()).partition(|port| equations.ports[*port].is_inactive(values));
+        let ports = [&*active, &*inactive];
+        let dynamics = |equations: &Equations, sensitivities: &[Equations]| {
+            LinearDynamics::new(equations, sensitivities, (values, free), ports, sample_time_s)
         };
-        let touching = motion(equations, sensitivities)?;
-        let laws = Law::all(&touching.equations, values, free);
-        // Whatever ways of moving there are, the same parameters move them.
-        let by_laws = laws.iter().flat_map(Law::columns).chain(touching.inactive_laws.columns());
+        let touching = dynamics(equations, sensitivities)?;
+        let laws = PortLaw::all(&touching.equations, values, free);
+        // All modes keep sensitivities with respect to the same parameters.
+        let by_laws = laws.iter().flat_map(PortLaw::columns).chain(touching.inactive_laws.columns());
         let moving = by_laws.map(|column| column + 1).fold(touching.sensitivities.len(), usize::max);
-        let one = |touching, laws| {
-            let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-            let side = ContactMode { motion: 0, laws, range: everywhere };
-            Self {
-                motions: vec![touching],
-                sides: vec![side],
-                play: None,
-                finest_s,
-                free: free.len(),
-                moving,
-            }
+        let single = |touching, laws| {
+            let range = [f64::NEG_INFINITY, f64::INFINITY];
+            let (dynamics, modes) = (vec![touching], vec![ContactMode { dynamics: 0, laws, range }]);
+            Self { dynamics, modes, play: None, finest_s, free: free.len(), moving }
         };
-        // Of several gears with play none is treated so: their ways of moving would multiply.
+        // Several gears with play are integrated through their smooth laws: the number of their modes would multiply.
         let is_play = |p: &usize| equations.ports[*p].law_input == 0 && equations.ports[*p].is_play();
-        let mut plays = live.iter().filter(|p| is_play(p));
-        let (Some(port), None) = (plays.next(), plays.next()) else { return Some(one(touching, laws)) };
+        let mut plays = active.iter().filter(|p| is_play(p));
+        let (Some(port), None) = (plays.next(), plays.next()) else { return Some(single(touching, laws)) };
         let gap = equations.ports[*port].parameters[0];
         let apart = equations.apart(sensitivities, values, free, *port);
-        let Some((loose, moved)) = apart.filter(|_| values[gap] > LEAST_GAP) else {
-            return Some(one(touching, laws));
+        let Some((apart, moved)) = apart.filter(|_| values[gap] > LEAST_GAP) else {
+            return Some(single(touching, laws));
         };
-        let loose = motion(&loose, &moved)?;
-        let by_listeners = loose.inactive_laws.columns().map(|column| column + 1);
-        let moving = by_listeners.fold(moving.max(loose.sensitivities.len()), usize::max);
-        let port = live.iter().position(|p| p == port)?;
+        let apart = dynamics(&apart, &moved)?;
+        let by_inactive = apart.inactive_laws.columns().map(|column| column + 1);
+        let moving = by_inactive.fold(moving.max(apart.sensitivities.len()), usize::max);
+        let port = active.iter().position(|p| p == port)?;
         let half = 0.5 * values[gap];
-        let side = |motion: usize, range: [f64; 2], flank: f64| {
-            let mut laws = Law::all(&touching.equations, values, free);
-            laws[port].stay_on(flank);
-            ContactMode { motion, laws, range }
+        let mode = |dynamics: usize, range: [f64; 2], flank: f64| {
+            let mut laws = PortLaw::all(&touching.equations, values, free);
+            laws[port].fix_flank(flank);
+            ContactMode { dynamics, laws, range }
         };
-        let sides = vec![
-            side(0, [f64::NEG_INFINITY, -half], -1.0),
-            side(1, [-half, half], 0.0),
-            side(0, [half, f64::INFINITY], 1.0),
+        let modes = vec![
+            mode(0, [f64::NEG_INFINITY, -half], -1.0),
+            mode(1, [-half, half], 0.0),
+            mode(0, [half, f64::INFINITY], 1.0),
         ];
         let gap = free.iter().position(|index| *index == gap);
         let play = Some(Play { port, gap });
-        Some(Self { motions: vec![touching, loose], sides, play, finest_s, free: free.len(), moving })
+        Some(Self { dynamics: vec![touching, apart], modes, play, finest_s, free: free.len(), moving })
     }
 
-    /// Of the network as it is, teeth in touch.
-    pub(crate) fn network(&self) -> &Motion {
-        &self.motions[0]
+    /// The dynamics while teeth touch, that is of the network as it is.
+    pub(crate) fn network(&self) -> &LinearDynamics {
+        &self.dynamics[0]
     }
 
-    pub(crate) fn motion(&self, side: usize) -> &Motion {
-        &self.motions[self.sides[side].motion]
+    pub(crate) fn dynamics(&self, mode: usize) -> &LinearDynamics {
+        &self.dynamics[self.modes[mode].dynamics]
     }
 
-    /// Where the twist in the mesh is when this state is met.
-    pub(crate) fn side_at(&self, state: &[f64], inputs: &[f64]) -> usize {
+    /// The mode in whose range the twist in the mesh is at this state.
+    pub(crate) fn mode_at(&self, state: &[f64], inputs: &[f64]) -> usize {
         let Some(Play { port, .. }) = self.play else { return 0 };
         let e = &self.network().equations;
         let twist = row_times(&e.port, port, state) + row_times(&e.port_input, port, inputs);
-        self.sides.iter().position(|side| twist <= side.range[1]).unwrap_or(0)
+        self.modes.iter().position(|mode| twist <= mode.range[1]).unwrap_or(0)
     }
 }
 
@@ -202,8 +208,8 @@ fn rates(e: &Equations, at: &Instant) -> Vec<f64> {
     (0..e.state.nrows()).map(rate).collect()
 }
 
-/// Whether a parameter with these sensitivities moves anything but laws.
-fn moves(sensitivity: &Equations) -> bool {
+/// Whether the derivative with respect to a parameter has an entry that is not zero.
+fn changes_a_matrix(sensitivity: &Equations) -> bool {
     let Equations {
         state,
         input,

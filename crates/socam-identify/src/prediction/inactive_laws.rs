@@ -1,192 +1,194 @@
-//! Laws that answer nothing as yet: nothing depends on them, and what they would answer moves with their own parameters only.
+//! Inactive laws: laws of zero amplitude, whose force is zero whatever their inputs. They do not change the motion; only the
+//! sensitivities of their forces with respect to their own parameters are propagated.
 
 use nalgebra::DMatrix;
 use socam_model::Equations;
 
 use crate::prediction::{
-    exponential::{Sizes, StepLevel},
-    integrator::Instant,
-    laws::Law,
-    products::row_times,
+    instant::Instant,
+    laws::PortLaw,
+    row_products::row_times,
+    step_level::{Dimensions, StepLevel},
 };
 
-/// All of a model's, along one way of moving.
+/// The inactive laws of a model that would change the motion, in one mode.
 pub(crate) struct InactiveLaws {
-    /// By what they hear first; each hears as much as its law has law_inputs.
-    laws: Vec<Law>,
-    /// First port of each.
-    leaders: Vec<usize>,
-    /// What they hear of states, inputs and the forces of the others.
+    /// One per law, with all of its inputs.
+    laws: Vec<PortLaw>,
+    /// First port of each law.
+    first_ports: Vec<usize>,
+    /// Inputs of all laws by states, by inputs, and by the forces of the active ports.
     port: DMatrix<f64>,
     port_input: DMatrix<f64>,
     port_force: DMatrix<f64>,
-    /// What their forces, one for each, would do to states, to what the others see, and to outputs.
+    /// Effect of each law's force on the rates of the states, on the inputs of the active ports, and on the outputs: one column a law.
     force: DMatrix<f64>,
-    seen: DMatrix<f64>,
+    active_port: DMatrix<f64>,
     output: DMatrix<f64>,
 }
 
-/// A step as they hear it.
+/// The map of a step to the inputs of the inactive laws, and from their forces to the step's end.
 #[derive(Default)]
 pub(crate) struct InactiveInputs {
-    /// What is inactive in its middle, then at its end, by its xi; row by row.
-    inactive: Vec<f64>,
+    /// Inputs of all laws in the middle of the step, then at its end, by the xi of the active ports: row by row.
+    inputs: Vec<f64>,
     width: usize,
-    /// For each law what its force at the start, in the middle and at the end does to the step's rows: three after each other.
+    /// For each law, the effect of its force at the start, in the middle and at the end on the step's rows: three columns of `rows`
+    /// numbers after each other.
     drive: Vec<f64>,
     rows: usize,
 }
 
-/// Those of them that would change what sensors read, and move nothing: they hear the motion when it is observed.
+/// The inactive laws that change what sensors read and not the motion. Their inputs are evaluated only when outputs are observed.
 pub(crate) struct OutputOnlyLaws {
-    /// By what they hear first.
-    laws: Vec<Law>,
-    /// What they hear of states, inputs and forces, one after the other: for each as many numbers as there is to hear.
-    inactive: Vec<f64>,
+    laws: Vec<PortLaw>,
+    /// Inputs of all laws by states, inputs and forces: `count` numbers for each of these.
+    inputs: Vec<f64>,
     count: usize,
-    /// What each law's answer does to outputs.
+    /// Effect of each law on the outputs: one column a law.
     output: DMatrix<f64>,
 }
 
-/// How what a law would answer moves with one free parameter.
+/// Sensitivity of the force of one inactive law with respect to one free parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct InactiveSensitivities {
+pub(crate) struct InactiveSensitivity {
     law: usize,
+    /// Position of the parameter among the free ones.
     pub(crate) column: usize,
-    pub(crate) sensitivity: f64,
+    pub(crate) value: f64,
 }
 
-/// Parts the ports that are `quiet` into those whose forces would move something, and those that only sensors would show.
-pub(crate) fn parted(equations: &Equations, quiet: &[usize]) -> [Vec<usize>; 2] {
-    let mut leader = 0;
-    let (moving, reading) = quiet.iter().partition(|port| {
+/// Divides the ports `inactive` into those whose forces would change the motion and those whose forces only sensors would show.
+pub(crate) fn partition_by_action(equations: &Equations, inactive: &[usize]) -> [Vec<usize>; 2] {
+    let mut first = 0;
+    let (moving, output_only) = inactive.iter().partition(|port| {
         if equations.ports[**port].law_input == 0 {
-            leader = **port;
+            first = **port;
         }
         let forces = [&equations.force, &equations.port_force];
-        forces.into_iter().any(|matrix| matrix.column(leader).iter().any(|value| *value != 0.0))
+        forces.into_iter().any(|matrix| matrix.column(first).iter().any(|value| *value != 0.0))
     });
-    [moving, reading]
+    [moving, output_only]
 }
 
-/// First port of each law that some ports belong to.
-fn leaders(equations: &Equations, ports: &[usize]) -> Vec<usize> {
+/// First port of each law that the ports belong to.
+fn first_ports(equations: &Equations, ports: &[usize]) -> Vec<usize> {
     ports.iter().copied().filter(|p| equations.ports[*p].law_input == 0).collect()
 }
 
-impl OutputOnlyLaws {
-    /// Of the ports `reading` of `equations`, of whose others `live` answer.
-    pub(crate) fn new(
-        equations: &Equations,
-        values: &[f64],
-        free: &[usize],
-        [live, reading]: [&[usize]; 2],
-    ) -> Self {
-        let own = equations.with_ports(reading);
-        let force = equations.port_force.select_rows(reading).select_columns(live);
-        let leaders = leaders(equations, reading);
-        Self {
-            laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
-            inactive: [own.port, own.port_input, force]
-                .iter()
-                .flat_map(|part| part.iter().copied())
-                .collect(),
-            count: reading.len(),
-            output: equations.force_output.select_columns(&leaders),
-        }
-    }
-
-    /// What they would answer now.
-    pub(crate) fn evaluate(&self, motion: impl Iterator<Item = f64>, all: &mut Vec<InactiveSensitivities>) {
-        all.clear();
-        if self.count == 0 {
-            return;
-        }
-        let mut inactive = vec![0.0; self.count];
-        for (value, column) in motion.zip(self.inactive.chunks_exact(self.count)) {
-            inactive.iter_mut().zip(column).for_each(|(inactive, factor)| *inactive += factor * value);
-        }
-        evaluate(&self.laws, &inactive, all);
-    }
-
-    /// Of one of them to an output.
-    pub(crate) fn to_output(&self, output: usize, inactive: &InactiveSensitivities) -> f64 {
-        self.output[(output, inactive.law)] * inactive.sensitivity
-    }
-}
-
-/// What laws would answer to what they hear, one after the other.
-fn evaluate(laws: &[Law], inactive: &[f64], all: &mut Vec<InactiveSensitivities>) {
+/// Appends the sensitivities of the forces of `laws` to `all`; `inputs` holds the inputs of all laws, one law after the other.
+fn evaluate(laws: &[PortLaw], inputs: &[f64], all: &mut Vec<InactiveSensitivity>) {
     let mut first = 0;
     for (index, law) in laws.iter().enumerate() {
-        let sensitivities = law.at(&inactive[first..]).by_parameter;
-        let own = law.free.iter().map(|(position, column)| InactiveSensitivities {
+        let by_parameter = law.at(&inputs[first..]).by_parameter;
+        let own = law.free.iter().map(|(position, column)| InactiveSensitivity {
             law: index,
             column: *column,
-            sensitivity: sensitivities[*position],
+            value: by_parameter[*position],
         });
         all.extend(own);
         first += law.count();
     }
 }
 
-impl InactiveLaws {
-    /// Of the ports `quiet` of `equations`, of whose others `live` answer.
+impl OutputOnlyLaws {
+    /// The laws of the ports `output_only` of `equations`; `active` are the ports whose laws have a force.
     pub(crate) fn new(
         equations: &Equations,
         values: &[f64],
         free: &[usize],
-        [live, quiet]: [&[usize]; 2],
+        [active, output_only]: [&[usize]; 2],
     ) -> Self {
-        let own = equations.with_ports(quiet);
-        let leaders = leaders(equations, quiet);
+        let own = equations.with_ports(output_only);
+        let force = equations.port_force.select_rows(output_only).select_columns(active);
+        let first_ports = first_ports(equations, output_only);
         Self {
-            laws: Law::all(&own, values, free).into_iter().filter(Law::leads).collect(),
-            port: own.port,
-            port_input: own.port_input,
-            port_force: equations.port_force.select_rows(quiet).select_columns(live),
-            force: equations.force.select_columns(&leaders),
-            seen: equations.port_force.select_rows(live).select_columns(&leaders),
-            output: equations.force_output.select_columns(&leaders),
-            leaders,
+            laws: PortLaw::all(&own, values, free).into_iter().filter(PortLaw::is_first_port).collect(),
+            inputs: [own.port, own.port_input, force].iter().flat_map(|part| part.iter().copied()).collect(),
+            count: output_only.len(),
+            output: equations.force_output.select_columns(&first_ports),
         }
     }
 
-    /// Columns of what they would answer.
-    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
-        self.laws.iter().flat_map(Law::columns)
+    /// Sensitivities of the forces at `motion` = [x, u, f].
+    pub(crate) fn evaluate(&self, motion: impl Iterator<Item = f64>, all: &mut Vec<InactiveSensitivity>) {
+        all.clear();
+        if self.count == 0 {
+            return;
+        }
+        let mut inputs = vec![0.0; self.count];
+        for (value, column) in motion.zip(self.inputs.chunks_exact(self.count)) {
+            inputs.iter_mut().zip(column).for_each(|(input, factor)| *input += factor * value);
+        }
+        evaluate(&self.laws, &inputs, all);
     }
 
-    /// What a step is to them, which is one of all ports.
+    /// Contribution of a sensitivity to an output.
+    pub(crate) fn to_output(&self, output: usize, inactive: &InactiveSensitivity) -> f64 {
+        self.output[(output, inactive.law)] * inactive.value
+    }
+}
+
+impl InactiveLaws {
+    /// The laws of the ports `inactive` of `equations`; `active` are the ports whose laws have a force.
+    pub(crate) fn new(
+        equations: &Equations,
+        values: &[f64],
+        free: &[usize],
+        [active, inactive]: [&[usize]; 2],
+    ) -> Self {
+        let own = equations.with_ports(inactive);
+        let first_ports = first_ports(equations, inactive);
+        Self {
+            laws: PortLaw::all(&own, values, free).into_iter().filter(PortLaw::is_first_port).collect(),
+            port: own.port,
+            port_input: own.port_input,
+            port_force: equations.port_force.select_rows(inactive).select_columns(active),
+            force: equations.force.select_columns(&first_ports),
+            active_port: equations.port_force.select_rows(active).select_columns(&first_ports),
+            output: equations.force_output.select_columns(&first_ports),
+            first_ports,
+        }
+    }
+
+    /// Positions of the laws' parameters among the free ones.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.laws.iter().flat_map(PortLaw::columns)
+    }
+
+    /// The part of a step of all ports, `level`, that concerns the inactive laws.
     pub(crate) fn inactive_inputs(
         &self,
         level: &StepLevel,
-        sizes: Sizes,
-        [live, quiet]: [&[usize]; 2],
+        dimensions: Dimensions,
+        [active, inactive]: [&[usize]; 2],
     ) -> InactiveInputs {
-        let (n, p) = (sizes.states, sizes.ports);
-        let others = (0..3).flat_map(|node| live.iter().map(move |port| sizes.forces() + node * p + port));
-        let columns: Vec<usize> = (0..sizes.forces()).chain(others).collect();
-        let ends = |ports: &[usize]| -> Vec<usize> {
+        let (n, p) = (dimensions.states, dimensions.ports);
+        let forces =
+            (0..3).flat_map(|node| active.iter().map(move |port| dimensions.forces() + node * p + port));
+        let columns: Vec<usize> = (0..dimensions.forces()).chain(forces).collect();
+        let rows_of = |ports: &[usize]| -> Vec<usize> {
             [n, n + p].iter().flat_map(|first| ports.iter().map(move |port| first + port)).collect()
         };
-        let rows: Vec<usize> = (0..n).chain(ends(live)).collect();
-        let at = |row: usize, column: usize| level.rows[row * sizes.width() + column];
-        let inactive =
-            ends(quiet).into_iter().flat_map(|row| columns.iter().map(move |column| at(row, *column)));
-        let nodes =
-            self.leaders.iter().flat_map(|port| (0..3).map(move |node| sizes.forces() + node * p + port));
+        let rows: Vec<usize> = (0..n).chain(rows_of(active)).collect();
+        let at = |row: usize, column: usize| level.rows[row * dimensions.width() + column];
+        let inputs =
+            rows_of(inactive).into_iter().flat_map(|row| columns.iter().map(move |column| at(row, *column)));
+        let nodes = self
+            .first_ports
+            .iter()
+            .flat_map(|port| (0..3).map(move |node| dimensions.forces() + node * p + port));
         InactiveInputs {
-            inactive: inactive.collect(),
+            inputs: inputs.collect(),
             width: columns.len(),
             drive: nodes.flat_map(|column| rows.iter().map(move |row| at(*row, column))).collect(),
             rows: rows.len(),
         }
     }
 
-    /// What they would answer at an instant.
-    pub(crate) fn at(&self, at: &Instant) -> Vec<InactiveSensitivities> {
-        let inactive: Vec<f64> = (0..self.port.nrows())
+    /// Sensitivities of the forces at one time.
+    pub(crate) fn at(&self, at: &Instant) -> Vec<InactiveSensitivity> {
+        let inputs: Vec<f64> = (0..self.port.nrows())
             .map(|row| {
                 row_times(&self.port, row, &at.state)
                     + row_times(&self.port_input, row, &at.inputs)
@@ -194,56 +196,57 @@ impl InactiveLaws {
             })
             .collect();
         let mut all = Vec::new();
-        evaluate(&self.laws, &inactive, &mut all);
+        evaluate(&self.laws, &inputs, &mut all);
         all
     }
 
-    /// What they would answer in the middle of a step and at its end.
+    /// Sensitivities of the forces in the middle of a step and at its end.
     pub(crate) fn along(
         &self,
         inactive_inputs: &InactiveInputs,
         xi: &[f64],
-        [middle, end]: [&mut Vec<InactiveSensitivities>; 2],
+        [middle, end]: [&mut Vec<InactiveSensitivity>; 2],
     ) {
-        let rows = inactive_inputs.inactive.chunks_exact(inactive_inputs.width.max(1));
-        let inactive: Vec<f64> = rows.map(|row| row.iter().zip(xi).map(|(a, x)| a * x).sum()).collect();
-        let (first, last) = inactive.split_at(inactive.len() / 2);
-        for (inactive, all) in [(first, middle), (last, end)] {
+        let rows = inactive_inputs.inputs.chunks_exact(inactive_inputs.width.max(1));
+        let inputs: Vec<f64> = rows.map(|row| row.iter().zip(xi).map(|(a, x)| a * x).sum()).collect();
+        let (first, last) = inputs.split_at(inputs.len() / 2);
+        for (inputs, all) in [(first, middle), (last, end)] {
             all.clear();
-            evaluate(&self.laws, inactive, all);
+            evaluate(&self.laws, inputs, all);
         }
     }
 
-    /// Of one of them to the rate of a state, to what a port sees, and to an output.
-    pub(crate) fn to_rate(&self, state: usize, inactive: &InactiveSensitivities) -> f64 {
-        self.force[(state, inactive.law)] * inactive.sensitivity
+    /// Contribution of a sensitivity to the rate of a state.
+    pub(crate) fn to_rate(&self, state: usize, inactive: &InactiveSensitivity) -> f64 {
+        self.force[(state, inactive.law)] * inactive.value
     }
 
-    /// See [`InactiveLaws::to_rate`].
-    pub(crate) fn to_port(&self, port: usize, inactive: &InactiveSensitivities) -> f64 {
-        self.seen[(port, inactive.law)] * inactive.sensitivity
+    /// Contribution of a sensitivity to the input of an active port.
+    pub(crate) fn to_port(&self, port: usize, inactive: &InactiveSensitivity) -> f64 {
+        self.active_port[(port, inactive.law)] * inactive.value
     }
 
-    /// See [`InactiveLaws::to_rate`].
-    pub(crate) fn to_output(&self, output: usize, inactive: &InactiveSensitivities) -> f64 {
-        self.output[(output, inactive.law)] * inactive.sensitivity
+    /// Contribution of a sensitivity to an output.
+    pub(crate) fn to_output(&self, output: usize, inactive: &InactiveSensitivity) -> f64 {
+        self.output[(output, inactive.law)] * inactive.value
     }
 }
 
 impl InactiveInputs {
-    /// Adds to a step's rows, from row `first` on, what the answers at its start, in its middle and at its end do to them.
+    /// Adds the effect of the forces' sensitivities at the start, in the middle and at the end of a step to the sensitivities of the
+    /// step's rows from `first` on, of which each has `columns` numbers.
     pub(crate) fn add(
         &self,
-        nodes: [&[InactiveSensitivities]; 3],
+        nodes: [&[InactiveSensitivity]; 3],
         first: usize,
         rows: &mut [f64],
         columns: usize,
     ) {
-        for (node, answers) in nodes.into_iter().enumerate() {
-            for answer in answers {
-                let drive = &self.drive[(3 * answer.law + node) * self.rows..][first..];
+        for (node, sensitivities) in nodes.into_iter().enumerate() {
+            for own in sensitivities {
+                let drive = &self.drive[(3 * own.law + node) * self.rows..][first..];
                 for (row, factor) in rows.chunks_exact_mut(columns).zip(drive) {
-                    row[answer.column] += factor * answer.sensitivity;
+                    row[own.column] += factor * own.value;
                 }
             }
         }

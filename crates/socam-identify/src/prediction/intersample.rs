@@ -1,24 +1,26 @@
-//! What an input does between its samples: it is held, moves in straight lines, or is a spline that moves as a band-limited signal does.
+//! Reconstruction of an input between its samples: it is held, is piecewise linear, or is a quintic spline that approximates a
+//! band-limited signal.
 //!
-//! A tone at x rad per sample that is drawn in straight lines loses (sin(x/2)/(x/2))^2 of itself and gains images at
-//! all frequencies that differ from it by the sampling rate, which excite the drivetrain too: at a seventh of the
-//! sampling rate 6 % and 2.4 %. A spline of fifth degree has the sixth power instead of the second. Its
-//! coefficients are the samples, sharpened by the inverse of what it takes from each tone; the images that stay have
-//! (f/(1-f))^6 of a tone at f times the sampling rate: 1e-5 at a seventh, 1e-3 at a quarter.
+//! Linear interpolation multiplies a tone at x rad per sample by (sin(x/2)/(x/2))^2 and adds images at all frequencies that differ
+//! from it by multiples of the sampling rate, which excite the drivetrain too. At a seventh of the sampling rate the tone loses 6 %
+//! and the largest image has 2.4 %. A quintic B-spline has the sixth power instead of the second. Its coefficients are the samples
+//! after a prefilter, the inverse of the spline's own response. The remaining images have (f/(1-f))^6 of a tone at f times the sampling
+//! rate: 1e-5 at a seventh, 1e-3 at a quarter (M. Unser, IEEE Signal Processing Magazine 16(6), 1999, on B-splines and their prefilters).
 
 use std::{ops::Range, sync::LazyLock};
 
 use crate::Intersample;
 
-/// Polynomials in the position between two samples, lowest power first: what one coefficient contributes.
-type Piece = [f64; 6];
+/// Contribution of one coefficient within an interval between two samples: a polynomial in the position, from 0 to 1, lowest power
+/// first.
+type BasisPolynomial = [f64; 6];
 
-/// Straight lines: the sample before and the one after.
-const LINEAR: [Piece; 2] = [[1.0, -1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]];
+/// Linear interpolation: the sample before and the one after.
+const LINEAR: [BasisPolynomial; 2] = [[1.0, -1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]];
 
-/// The cardinal B-spline of fifth degree, 120 times, from the coefficient two samples before the interval to the one three
-/// samples after its start.
-const QUINTIC: [Piece; 6] = [
+/// 120 times the cardinal B-spline of fifth degree: from the coefficient two samples before the interval's start to the one three
+/// samples after it.
+const QUINTIC: [BasisPolynomial; 6] = [
     [1.0, -5.0, 10.0, -10.0, 5.0, -1.0],
     [26.0, -50.0, 20.0, 20.0, -20.0, 5.0],
     [66.0, 0.0, -60.0, 0.0, 30.0, -10.0],
@@ -27,14 +29,14 @@ const QUINTIC: [Piece; 6] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
 ];
 
-/// The sample before, until the one after.
-const HELD: [Piece; 2] = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]];
+/// Zero-order hold: the sample before.
+const HELD: [BasisPolynomial; 2] = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]];
 
-/// Second differences that prefilter goes up to.
+/// Powers of the second difference in the prefilter's series.
 const POWERS: usize = 8;
 
-/// What each coefficient about an interval contributes within it, the earliest first.
-pub(crate) fn pieces(intersample: Intersample) -> Vec<Piece> {
+/// Basis polynomials of the coefficients about an interval, the earliest first.
+pub(crate) fn basis(intersample: Intersample) -> Vec<BasisPolynomial> {
     match intersample {
         Intersample::Hold => HELD.to_vec(),
         Intersample::Linear => LINEAR.to_vec(),
@@ -42,15 +44,15 @@ pub(crate) fn pieces(intersample: Intersample) -> Vec<Piece> {
     }
 }
 
-/// An input between two samples: a polynomial in the position between them.
+/// An input between two samples: a polynomial in the position, from 0 to 1.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct InputCourse(Piece);
+pub(crate) struct InputPolynomial(BasisPolynomial);
 
-impl InputCourse {
-    /// From the coefficients about the interval.
-    pub(crate) fn new(pieces: &[Piece], coefficients: &[f64]) -> Self {
+impl InputPolynomial {
+    /// The combination of the basis polynomials by the coefficients about the interval.
+    pub(crate) fn new(basis: &[BasisPolynomial], coefficients: &[f64]) -> Self {
         let mut sum = [0.0; 6];
-        for (piece, coefficient) in pieces.iter().zip(coefficients) {
+        for (piece, coefficient) in basis.iter().zip(coefficients) {
             sum.iter_mut().zip(piece).for_each(|(sum, c)| *sum += c * coefficient);
         }
         Self(sum)
@@ -60,7 +62,8 @@ impl InputCourse {
         self.0.iter().rev().fold(0.0, |sum, c| sum * position + c)
     }
 
-    /// Values at the start, the middle and the end of a part, of the parabola that has the same ends and the same mean over it.
+    /// Values at the start, the middle and the end of a part of the interval, of the parabola that has the same ends and the same mean
+    /// there.
     pub(crate) fn parabola(&self, [from, to]: [f64; 2]) -> [f64; 3] {
         let integral = |position: f64| {
             let powers = self.0.iter().enumerate().rev();
@@ -72,7 +75,7 @@ impl InputCourse {
     }
 }
 
-/// Coefficients before the interval's first sample that matter within it, and as many after its last.
+/// Number of coefficients before an interval's first sample that contribute within it; there are as many after its last sample.
 pub(crate) const fn margin(intersample: Intersample) -> usize {
     match intersample {
         Intersample::Hold | Intersample::Linear => 0,
@@ -80,7 +83,7 @@ pub(crate) const fn margin(intersample: Intersample) -> usize {
     }
 }
 
-/// Samples to either side of some rows that their coefficients and the margin's depend on.
+/// Number of samples on either side of some rows that the rows' coefficients, and those of the margin, depend on.
 pub(crate) const fn reach(intersample: Intersample) -> usize {
     match intersample {
         Intersample::Hold | Intersample::Linear => 1,
@@ -88,9 +91,9 @@ pub(crate) const fn reach(intersample: Intersample) -> usize {
     }
 }
 
-/// Coefficients for the intervals that end at each of some rows of `values`: from [`margin`] + 1 before the first row to
-/// [`margin`] after the last. Beyond its ends `values` is taken to go on point-symmetrically; a held input is what its first sample
-/// says before that too.
+/// Coefficients for the intervals that end at each of the given rows of `values`: from [`margin`] + 1 before the first row to
+/// [`margin`] after the last. `values` is extended by point reflection at its ends; a held input keeps its first value before its first
+/// sample. `values` must not be empty.
 pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Intersample) -> Vec<f64> {
     let margin = margin(intersample) as i64;
     let last = values.len() as i64 - 1;
@@ -123,7 +126,7 @@ pub(crate) fn coefficients(values: &[f64], rows: Range<usize>, intersample: Inte
     }
 }
 
-/// What a sample contributes to the coefficients about it: from this many coefficients before it to as many after it.
+/// Impulse response of the prefilter: the contribution of one sample to the coefficients about it, symmetric about its middle.
 pub(crate) fn prefilter(intersample: Intersample) -> Vec<f64> {
     match intersample {
         Intersample::Hold | Intersample::Linear => vec![1.0],
@@ -134,13 +137,12 @@ pub(crate) fn prefilter(intersample: Intersample) -> Vec<f64> {
     }
 }
 
-/// The prefilter filter, from its middle on. In powers of d = 2 - 2 cos x = 4 sin^2(x/2) the inverse of
-/// (sin(x/2)/(x/2))^2 is the square of arcsin(s)/s at s = sqrt(d)/2, that is 1 + d/12 + d^2/90 + ...; it is wanted to
-/// the third power.
+/// Impulse response of the prefilter, from its middle on. In powers of d = 2 - 2 cos x = 4 sin^2(x/2), the inverse of
+/// (sin(x/2)/(x/2))^2 is the square of arcsin(s)/s at s = sqrt(d)/2, that is 1 + d/12 + d^2/90 + ...; the prefilter is its third power.
 static PREFILTER: LazyLock<[f64; POWERS + 1]> = LazyLock::new(|| {
     let mut square = [1.0; POWERS + 1];
     for n in 1..=POWERS {
-        // 2 (n!)^2 / (2n + 2)!, by the ratio of neighbours.
+        // The coefficient of d^n is 2 (n!)^2 / (2n + 2)!; here by its ratio to the previous one.
         let m = n as f64;
         square[n] = square[n - 1] * m * m / ((2.0 * m + 2.0) * (2.0 * m + 1.0));
     }
@@ -148,12 +150,12 @@ static PREFILTER: LazyLock<[f64; POWERS + 1]> = LazyLock::new(|| {
         std::array::from_fn(|n| (0..=n).map(|i| a[i] * b[n - i]).sum::<f64>())
     };
     let series = times(&times(&square, &square), &square);
-    // d^n is 2 - shift - shift^-1 to the n: alternating binomials of 2n.
+    // d^n is (2 - shift - shift^-1)^n: the binomials of 2n with alternating signs.
     let mut kernel = [0.0; POWERS + 1];
     for (n, weight) in series.iter().enumerate() {
         let mut binomial = 1.0;
         for i in 0..=n {
-            // binomial(2n, i) stands n - i from the middle.
+            // binomial(2n, i) belongs n - i samples from the middle.
             let sign = if (n - i) % 2 == 0 { 1.0 } else { -1.0 };
             kernel[n - i] += weight * sign * binomial;
             binomial *= (2 * n - i) as f64 / (i + 1) as f64;
@@ -168,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_spline_follows_a_tone_between_its_samples() {
-        let pieces = pieces(Intersample::BandLimited);
+        let basis = basis(Intersample::BandLimited);
         for (x, tolerance) in [(0.3_f64, 5e-8), (0.6, 5e-6), (0.9, 1e-4)] {
             let tone = |t: f64| (x * t + 0.3).sin();
             let values: Vec<f64> = (0..60).map(|k| tone(f64::from(k))).collect();
@@ -176,7 +178,7 @@ mod tests {
             for k in 20..40 {
                 for s in [0.0_f64, 0.3, 0.5, 0.9] {
                     let value: f64 = (0..6)
-                        .map(|m| (0..6).map(|j| pieces[m][j] * s.powi(j as i32)).sum::<f64>() * all[k + m])
+                        .map(|m| (0..6).map(|j| basis[m][j] * s.powi(j as i32)).sum::<f64>() * all[k + m])
                         .sum();
                     let error = value - tone(k as f64 - 1.0 + s);
                     assert!(error.abs() < tolerance, "{x} {k} {s}: {error}");
@@ -187,21 +189,21 @@ mod tests {
 
     #[test]
     fn a_parabola_keeps_ends_and_mean() {
-        let course = InputCourse([1.0, 2.0, -3.0, 0.5, 1.0, -1.0]);
-        let [start, middle, end] = course.parabola([0.25, 0.75]);
-        assert_eq!((start, end), (course.at(0.25), course.at(0.75)));
+        let input = InputPolynomial([1.0, 2.0, -3.0, 0.5, 1.0, -1.0]);
+        let [start, middle, end] = input.parabola([0.25, 0.75]);
+        assert_eq!((start, end), (input.at(0.25), input.at(0.75)));
         let parts = 1000;
-        let sum: f64 = (0..parts).map(|i| course.at(0.25 + (f64::from(i) + 0.5) / 2000.0)).sum();
+        let sum: f64 = (0..parts).map(|i| input.at(0.25 + (f64::from(i) + 0.5) / 2000.0)).sum();
         assert!(((start + 4.0 * middle + end) / 6.0 - sum / 1000.0).abs() < 1e-6);
-        let line = InputCourse(LINEAR[1]);
+        let line = InputPolynomial(LINEAR[1]);
         assert!((line.parabola([0.5, 1.0])[1] - 0.75).abs() < 1e-15);
     }
 
     #[test]
-    fn pieces_add_up_to_one_and_lines_to_the_samples() {
+    fn bases_add_up_to_one_and_lines_pass_through_the_samples() {
         for intersample in [Intersample::Linear, Intersample::BandLimited] {
             for s in [0.0_f64, 0.4, 1.0] {
-                let sum: f64 = pieces(intersample)
+                let sum: f64 = basis(intersample)
                     .iter()
                     .map(|piece| piece.iter().enumerate().map(|(j, c)| c * s.powi(j as i32)).sum::<f64>())
                     .sum();

@@ -5,9 +5,9 @@ use nalgebra::{Complex, DMatrix};
 
 type C = Complex<f64>;
 
-/// Poles closer than this, relative to the larger, make eigenvector sensitivities useless.
+/// Least distance of two poles relative to the larger one. Derivatives of eigenvectors grow with its inverse.
 const LEAST_GAP: f64 = 1e-7;
-/// Condition of the eigenvectors beyond which modal sensitivities lose half their digits.
+/// Largest condition number of the eigenvectors. Beyond it modal sensitivities lose half of their digits.
 const MOST_SKEWED: f64 = 1e9;
 
 /// One mode of each conjugate pair, and each real one.
@@ -20,20 +20,20 @@ pub(crate) struct Mode {
 }
 
 impl Mode {
-    /// Real signals that it has.
+    /// Number of real signals: real part, and imaginary part of a pair.
     pub(crate) fn signals(&self) -> usize {
         if self.real { 1 } else { 2 }
     }
 }
 
-/// Eigenvalues, eigenvectors and their inverse; `None` where they are too close to defective.
+/// Eigenvalues (1/s), eigenvectors and their inverse of a square matrix; `None` where it is close to defective.
 pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, DMatrix<C>)> {
     let n = matrix.nrows();
     let scale = balance(matrix);
     let balanced = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * scale[j] / scale[i]);
     let eigen = balanced.eigen().ok()?;
     let poles: Vec<C> = (0..n).map(|i| eigen.S()[i]).collect();
-    // Two poles at zero (two free angles) come out as rounding of the fastest.
+    // Two poles at zero (two free angles) differ by the rounding of the fastest pole.
     let rounding = 1e-13 * poles.iter().fold(0.0_f64, |most, pole| most.max(pole.norm()));
     for i in 0..n {
         for j in 0..i {
@@ -54,8 +54,8 @@ pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, 
     Some((poles, vectors, inverse))
 }
 
-/// Powers of two that bring rows and columns to like size (Parlett and Reinsch 1969): wind-ups of 1e-5 rad and
-/// speeds of 100 rad/s stand in one state.
+/// Scales of the states, powers of two, that bring rows and columns to similar norms (balancing: Parlett and Reinsch 1969). A state
+/// holds wind-ups of 1e-5 rad beside speeds of 100 rad/s.
 pub(crate) fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scale = vec![1.0; n];
@@ -78,6 +78,7 @@ pub(crate) fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
     scale
 }
 
+/// One mode of each conjugate pair, and each real one.
 pub(crate) fn representatives(poles: &[C]) -> Vec<Mode> {
     let modes = poles.iter().enumerate().filter(|(_, pole)| pole.im >= 0.0);
     modes

@@ -1,4 +1,4 @@
-//! Exact response of one mode to an input that is a polynomial between samples.
+//! Exact response of one mode to an input that is a polynomial between its samples.
 
 use nalgebra::Complex;
 
@@ -6,13 +6,13 @@ use crate::{Intersample, prediction::intersample};
 
 type C = Complex<f64>;
 
-/// One step of chi' = lambda chi + u: chi(k+1) = decay chi(k) + sum of taps times the input's coefficients about the
-/// interval, and the derivatives of all with respect to lambda.
+/// One step of chi' = lambda chi + u: chi(k+1) = decay chi(k) + sum of taps times the input's coefficients about the interval. Each
+/// factor comes with its derivative with respect to lambda.
 #[derive(Debug, Clone)]
 pub(crate) struct Hold {
     pub(crate) decay: C,
     pub(crate) decay_sensitivity: C,
-    /// Tap and its sensitivity, for the earliest coefficient first; see [`intersample::pieces`].
+    /// Tap and its derivative for each coefficient, the earliest first; see [`intersample::basis`].
     pub(crate) taps: Vec<(C, C)>,
 }
 
@@ -22,11 +22,11 @@ impl Hold {
         let x = pole * step_s;
         let decay = x.exp();
         let h = C::from(step_s);
-        let pieces = intersample::pieces(intersample);
+        let basis = intersample::basis(intersample);
         let phis = phis(x, decay);
         // Integral of exp(x (1 - s)) s^j over the step is j! phi_(j+1); phi_n' = phi_n - n phi_(n+1).
         let mut factorial = 1.0;
-        let powers: Vec<(C, C)> = (0..pieces[0].len())
+        let powers: Vec<(C, C)> = (0..basis[0].len())
             .map(|j| {
                 factorial *= j.max(1) as f64;
                 let sensitivity = phis[j] - C::from((j + 1) as f64) * phis[j + 1];
@@ -38,11 +38,12 @@ impl Hold {
                 piece.iter().zip(&powers).map(|(c, (value, sensitivity))| (value * c, sensitivity * c));
             each.fold((C::default(), C::default()), |sum, term| (sum.0 + term.0, sum.1 + term.1))
         };
-        Self { decay, decay_sensitivity: h * decay, taps: pieces.iter().map(tap).collect() }
+        Self { decay, decay_sensitivity: h * decay, taps: basis.iter().map(tap).collect() }
     }
 }
 
-/// phi_1 to phi_7: phi_1 = (e^x - 1)/x, phi_(n+1) = (phi_n - 1/n!)/x; Taylor near zero, where these cancel.
+/// phi_1 to phi_7: phi_1 = (e^x - 1)/x, phi_(n+1) = (phi_n - 1/n!)/x. Below |x| = 2 that recursion cancels digits, and the Taylor series
+/// is summed instead.
 fn phis(x: C, exp: C) -> [C; 7] {
     let mut phis = [C::default(); 7];
     if x.norm() > 2.0 {

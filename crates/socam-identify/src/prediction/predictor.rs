@@ -1,13 +1,14 @@
-//! Fast simulation of a model from recorded or invented inputs: what a fit would predict, without its sensitivities.
+//! Fast simulation of a model: the predictions of a fit, without sensitivities.
 
 use socam_model::{Equations, Model};
 
 use crate::{
     IdentifyError, Intersample,
     prediction::{
+        event::Event,
         hybrid_modes::HybridModes,
-        integrator::{DEFAULT_TOLERANCE, Event, Integrator},
-        intersample::{self, InputCourse},
+        integrator::{DEFAULT_TOLERANCE, Integrator},
+        intersample::{self, InputPolynomial},
         start_state,
     },
 };
@@ -21,37 +22,37 @@ pub enum Start<'a> {
     State(&'a [f64]),
 }
 
-/// What [`Predictor::run`] answers.
+/// The result of [`Predictor::run`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Per output, in the order of [`Model::outputs`], one value per sample, SI.
     pub outputs: Vec<Vec<f64>>,
-    /// States at the last sample, SI: where the next samples can go on from, that last one being their first.
+    /// States at the last sample, SI. A run that continues from them starts with that sample.
     pub end: Vec<f64>,
-    /// Steps that were taken; no fewer than samples passed.
+    /// Number of steps; at least one per sample after the first.
     pub steps: usize,
-    /// Of these, steps that were as short as they get and still missed the tolerance. More than a few mean that a law
-    /// is too steep for the sample time: the prediction is then good on average only.
+    /// Number of steps of the shortest length that missed the tolerance. More than a few mean that a law is too steep for the sample
+    /// time; the prediction is then right on average only.
     pub unresolved: usize,
 }
 
 /// Simulates a model at given parameter values and sample time.
 ///
 /// # Method
-/// Exponential time differencing (Cox and Matthews 2002, doi:10.1006/jcph.2002.6995): the linear part of a model, however
-/// stiff, is stepped exactly from sample to sample. A force law that bends is interpolated over a step by a parabola through
-/// its values at the step's start, middle and end, found together with the motion (exponential collocation of order four:
-/// Hochbruck and Ostermann 2005, doi:10.1016/j.apnum.2004.08.005); samples in which the law departs from that are cut into up
-/// to 1024 parts. A model without such laws is exact to rounding. A gear with play is linear on either flank and between them:
-/// there a step ends within a thousandth of a sample of where teeth meet or part, and what it went too far is taken back.
+/// Exponential time differencing (Cox and Matthews 2002, doi:10.1006/jcph.2002.6995): the step of the linear part is exact, however
+/// stiff it is. Forces are interpolated over a step by a parabola through their values at its start, middle and end, which are solved
+/// together with the motion (exponential collocation of order four: Hochbruck and Ostermann 2005,
+/// doi:10.1016/j.apnum.2004.08.005). A sample in which a force departs from the parabola is divided into up to 1024 steps. A model
+/// without nonlinear laws is exact to rounding. A gear with play is linear on either flank and between them: a step ends within a
+/// thousandth of a sample of the time at which teeth meet or part, and the state is corrected for the rest.
 ///
 /// # Assumes
-/// Inputs move between samples as [`Intersample`] says, as they do in a fit, and samples follow each other without a gap.
+/// Inputs follow [`Intersample`] between their samples, as in a fit, and the samples have no gap.
 ///
 /// # Breaks when
-/// A law bends and straightens again within an eighth of a sample (a speed that touches zero between samples may go
-/// unnoticed), or jumps within a thousandth of one ([`Prediction::unresolved`] counts). The reference for such cases is the
-/// error-controlled plant of the simulator, which shares nothing with this but the equations.
+/// A force law is curved only within an eighth of a sample (a speed that touches zero between samples may go unnoticed), or jumps
+/// within a thousandth of a sample ([`Prediction::unresolved`] counts such steps). The reference for such cases is the
+/// error-controlled plant of the simulator, which shares only the equations with this predictor.
 pub struct Predictor {
     values: Vec<f64>,
     name: String,
@@ -63,7 +64,7 @@ impl Predictor {
     /// `values` are all parameters of the model, SI; `sample_time_s` is in s.
     ///
     /// # Errors
-    /// When the equations cannot be formed at these values, or their motion overflows within a sample.
+    /// When the equations cannot be formed at these values, the sample time is not positive, or the motion overflows within a sample.
     pub fn new(model: &Model, values: &[f64], sample_time_s: f64) -> Result<Self, IdentifyError> {
         let equations = model.equations(values)?;
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
@@ -75,9 +76,9 @@ impl Predictor {
         Ok(Self { values, name, hybrid_modes, tolerance: DEFAULT_TOLERANCE })
     }
 
-    /// Allowed error of a step in the speed that a law sees, relative to the largest such speed so far. Errors of steps
-    /// add up until the drivetrain's damping has forgotten them: outputs end up about ten times further off, relative
-    /// to their range. A factor of 32 costs twice the steps, where a law bends.
+    /// Sets the tolerance of a step's error in the input of a law, relative to the largest such input so far. Errors of steps add up
+    /// until they are damped: outputs have about ten times this error relative to their range. A tolerance 32 times smaller doubles the
+    /// number of steps where a law is curved.
     #[must_use]
     pub fn with_tolerance(mut self, relative: f64) -> Self {
         self.tolerance = relative.max(0.0);
@@ -93,12 +94,12 @@ impl Predictor {
         self.equations().state.nrows()
     }
 
-    /// Predicts the outputs for `inputs`, one slice per input in the order of [`Model::inputs`], SI, of equal lengths, that move
-    /// between their samples as `intersample` says of each.
+    /// Predicts the outputs. `inputs` holds one slice per input in the order of [`Model::inputs`], SI, all of the same length;
+    /// `intersample` has one entry per input.
     ///
     /// # Errors
-    /// When their number or lengths, or those of the start state, do not fit; when the model has no state of rest, but is
-    /// to start in it; when the prediction overflows.
+    /// When the numbers or lengths of inputs or start state do not fit, when [`Start::Equilibrium`] is asked of a model without
+    /// equilibrium, or when the prediction overflows.
     pub fn run(
         &self,
         inputs: &[&[f64]],
@@ -111,16 +112,16 @@ impl Predictor {
             .iter()
             .zip(intersample)
             .map(|(input, kind)| {
-                (intersample::pieces(*kind), intersample::coefficients(input, 0..rows, *kind))
+                (intersample::basis(*kind), intersample::coefficients(input, 0..rows, *kind))
             })
             .collect();
-        let along = |k: usize, course: &mut Vec<InputCourse>| {
-            course.clear();
-            course.extend(held.iter().map(|(pieces, held)| InputCourse::new(pieces, &held[k..])));
+        let along = |k: usize, polynomials: &mut Vec<InputPolynomial>| {
+            polynomials.clear();
+            polynomials.extend(held.iter().map(|(bases, held)| InputPolynomial::new(bases, &held[k..])));
         };
-        let (mut course, mut raw) = (Vec::new(), Vec::new());
-        along(0, &mut course);
-        let first: Vec<f64> = course.iter().map(|course| course.at(1.0)).collect();
+        let (mut polynomials, mut raw) = (Vec::new(), Vec::new());
+        along(0, &mut polynomials);
+        let first: Vec<f64> = polynomials.iter().map(|polynomial| polynomial.at(1.0)).collect();
         let state = self.start(start, &first)?;
         let mut integrator = Integrator::new(&self.hybrid_modes, self.tolerance, &state, &first);
         let mut steps = 0;
@@ -128,8 +129,9 @@ impl Predictor {
         let mut outputs: Vec<Vec<f64>> = values.iter().map(|_| Vec::with_capacity(rows)).collect();
         for k in 0..rows {
             if k > 0 {
-                along(k, &mut course);
-                integrator.sample(&course, |event| steps += usize::from(matches!(event, Event::Step(_))));
+                along(k, &mut polynomials);
+                integrator
+                    .sample(&polynomials, |event| steps += usize::from(matches!(event, Event::Step(_))));
             }
             raw.clear();
             raw.extend(inputs.iter().map(|input| input[k]));

@@ -1,7 +1,7 @@
-//! The response of modes to an input, as many samples at a time as the processor has lanes.
+//! The response of modes to an input, computed for as many samples at a time as the processor has SIMD lanes.
 //!
-//! Step by step, a recursion waits for its own last result and leaves the processor idle. Four steps are one step of a
-//! larger recursion whose four results depend on the last one and on five inputs only; they are made side by side.
+//! A scalar recursion waits for its last result at each step. Four steps are one step of a larger recursion, whose four results depend
+//! only on the last result and on the inputs' coefficients about the four steps. They are computed side by side.
 
 use nalgebra::Complex;
 use pulp::{Simd, WithSimd};
@@ -10,7 +10,7 @@ use crate::prediction::phi::Hold;
 
 type C = Complex<f64>;
 
-/// What is smaller is taken as zero: numbers near the end of the range are slow.
+/// Magnitude below which states are set to zero: arithmetic with subnormal numbers is slow.
 const NOTHING: f64 = 1e-200;
 
 /// Response chi of one mode to one input, and its derivative psi with respect to the mode's pole.
@@ -18,7 +18,7 @@ const NOTHING: f64 = 1e-200;
 pub(crate) struct Recursion {
     hold: Hold,
     real: bool,
-    /// Steps made at once.
+    /// Steps computed at once.
     steps: usize,
     /// What each of the inputs' coefficients about these steps leaves in chi and psi, one to `steps` samples on; then what the
     /// last chi leaves. What psi leaves in psi is what chi leaves in chi. Lanes are steps; real and imaginary parts stand one after the
@@ -53,12 +53,12 @@ impl Recursion {
         Self { hold, real, steps, weights, chi: C::default(), psi: C::default() }
     }
 
-    /// The same, left at 1 instead of rest.
+    /// The same recursion started at chi = 1.
     pub(crate) fn left_at_one(&self) -> Self {
         Self { chi: C::from(1.0), psi: C::default(), ..self.clone() }
     }
 
-    /// How large chi is.
+    /// Magnitude of chi.
     pub(crate) fn size(&self) -> f64 {
         self.chi.norm()
     }
@@ -85,7 +85,7 @@ fn step(hold: &Hold, (chi, psi): (C, C), inputs: &[f64]) -> (C, C) {
         .fold(start, |sum, ((tap, sensitivity), u)| (sum.0 + tap * u, sum.1 + sensitivity * u))
 }
 
-/// How many numbers a vector holds.
+/// Number of lanes of a SIMD vector.
 struct Lanes;
 
 impl WithSimd for Lanes {
@@ -115,7 +115,7 @@ pub(crate) fn advance(recursions: &mut [Recursion], inputs: &[f64], signals: &mu
     });
 }
 
-/// Where they stand, into the first sample of each signal.
+/// Writes the present states into the first sample of each signal.
 pub(crate) fn now(recursions: &mut [Recursion], signals: &mut [&mut [f64]]) {
     each(recursions, signals, |recursion, chi, psi| recursion.write(0, chi, psi));
 }
@@ -135,7 +135,7 @@ fn each<'s>(
     }
 }
 
-/// The whole vectors of one mode's samples.
+/// Computes the whole SIMD vectors of one mode's samples.
 struct Advance<'a, 's> {
     recursion: &'a mut Recursion,
     inputs: &'a [f64],
@@ -178,7 +178,7 @@ impl Advance<'_, '_> {
                 sums[0] = simd.mul_add_e_f64s(weights[0], input, sums[0]);
                 sums[1] = simd.mul_add_e_f64s(weights[1], input, sums[1]);
             }
-            // What is known last comes last.
+            // The last results are added last, so that the sums over the inputs need not wait for them.
             let (last_chi, last_psi) = (simd.splat_f64s(chi), simd.splat_f64s(psi));
             *c = simd.mul_add_e_f64s(decay, last_chi, sums[0]);
             *p = simd.mul_add_e_f64s(decay, last_psi, simd.mul_add_e_f64s(sensitivity, last_chi, sums[1]));
@@ -229,7 +229,7 @@ impl Advance<'_, '_> {
     }
 }
 
-/// The last lane.
+/// The last lane of a vector.
 #[inline(always)]
 fn last<S: Simd>(vector: &S::f64s) -> f64 {
     pulp::bytemuck::cast_slice::<S::f64s, f64>(std::slice::from_ref(vector))[S::F64_LANES - 1]

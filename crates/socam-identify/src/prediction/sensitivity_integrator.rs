@@ -1,18 +1,20 @@
-//! Prediction of a model whose force laws bend it, with exact sensitivities of exactly the steps that are taken.
+//! Prediction of a model with nonlinear force laws, with the exact sensitivities of the accepted steps.
 //!
-//! A [`Integrator`] finds the steps; only those that it takes are differentiated ([`Sensitivity`]), so that steps which turn out
-//! too long cost little.
+//! An [`Integrator`] finds the steps; only accepted steps are differentiated ([`Sensitivity`]), so that rejected ones cost little.
 
 use faer::MatMut;
 use socam_model::Equations;
 
 use crate::{
     IdentifyError,
-    evaluation::{Point, ResidualAccumulator, Weights},
+    evaluation::{
+        accumulator::ResidualAccumulator,
+        weights::{Point, Weights},
+    },
     prediction::{
         hybrid_modes::HybridModes,
         integrator::{DEFAULT_TOLERANCE, Integrator},
-        intersample::{self, InputCourse},
+        intersample::{self, InputPolynomial},
         modal::offset_channels,
         sensitivity::Sensitivity,
         start_state,
@@ -21,10 +23,10 @@ use crate::{
     problem::{Problem, StartState},
 };
 
-/// Start terms whose effect has shrunk to this are over.
+/// Share of their largest magnitude below which the sensitivities with respect to the start state are taken to have decayed.
 const DECAYED: f64 = 1e-13;
 
-/// A model at one parameter vector and sample time, ready for any segment.
+/// A model at one parameter vector and sample time.
 pub(crate) struct SensitivityIntegrator<'a> {
     equations: &'a Equations,
     sensitivities: &'a [Equations],
@@ -58,7 +60,8 @@ impl<'a> SensitivityIntegrator<'a> {
         })
     }
 
-    /// Runs one segment into `rows`; false where the prediction overflowed.
+    /// Predicts one segment and adds its residuals and sensitivities to `rows`; returns false where the prediction overflows or needs
+    /// more than `Options::most_steps`.
     pub(crate) fn predict(
         &self,
         problem: &Problem<'_>,
@@ -68,10 +71,10 @@ impl<'a> SensitivityIntegrator<'a> {
     ) -> Result<bool, IdentifyError> {
         let segment = &problem.segments[index];
         let offsets = offset_channels(problem);
-        let mut run: Option<Run<'_>> = None;
-        let pieces: Vec<_> = problem.intersample.iter().map(|kind| intersample::pieces(*kind)).collect();
+        let mut run: Option<SegmentIntegration<'_>> = None;
+        let bases: Vec<_> = problem.intersample.iter().map(|kind| intersample::basis(*kind)).collect();
         let mut raw = vec![0.0; self.equations.input.ncols()];
-        let (mut course, mut now) = (Vec::new(), Vec::new());
+        let (mut polynomials, mut now) = (Vec::new(), Vec::new());
         let mut finite = true;
         let most_steps = problem.options.most_steps.map(|most| most * segment.rows as usize);
         segments::read(
@@ -88,14 +91,15 @@ impl<'a> SensitivityIntegrator<'a> {
                     }
                     for k in from..from + count {
                         raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
-                        course.clear();
-                        let along = chunk.held.iter().zip(&pieces);
-                        course.extend(along.map(|(held, pieces)| InputCourse::new(pieces, &held[k..])));
+                        polynomials.clear();
+                        let along = chunk.held.iter().zip(&bases);
+                        polynomials
+                            .extend(along.map(|(held, bases)| InputPolynomial::new(bases, &held[k..])));
                         now.clear();
-                        now.extend(course.iter().map(|course| course.at(1.0)));
+                        now.extend(polynomials.iter().map(|polynomial| polynomial.at(1.0)));
                         match &mut run {
                             None => run = Some(self.start(problem, index, point, &offsets, &now)),
-                            Some(run) => run.sample(&course),
+                            Some(run) => run.sample(&polynomials),
                         }
                         run.iter_mut().for_each(|run| run.observe(&raw, &now));
                     }
@@ -119,7 +123,7 @@ impl<'a> SensitivityIntegrator<'a> {
         point: &'s Point,
         offsets: &'s [usize],
         inputs: &[f64],
-    ) -> Run<'s> {
+    ) -> SegmentIntegration<'s> {
         let nuisance = &point.nuisance[index];
         let (equations, sensitivities) = (self.equations, self.sensitivities);
         let states = equations.state.nrows();
@@ -143,7 +147,7 @@ impl<'a> SensitivityIntegrator<'a> {
         let integrator = Integrator::new(&self.hybrid_modes, DEFAULT_TOLERANCE, &state, inputs);
         let sensitivity = Sensitivity::new(&self.hybrid_modes, &integrator.instant(inputs), moved.as_deref());
         let outputs = equations.output.nrows();
-        Run {
+        SegmentIntegration {
             integrator,
             sensitivity,
             weights: self.weights,
@@ -159,17 +163,17 @@ impl<'a> SensitivityIntegrator<'a> {
     }
 }
 
-/// One segment.
-struct Run<'s> {
+/// The integration of one segment.
+struct SegmentIntegration<'s> {
     integrator: Integrator<'s>,
     sensitivity: Sensitivity<'s>,
     weights: &'s Weights,
     free: usize,
     nuisance: &'s [f64],
     offsets: &'s [usize],
-    /// Outputs now.
+    /// Present outputs.
     values: Vec<f64>,
-    /// Per output, those of the block's samples so far, and their sensitivities.
+    /// Per output, the predictions of the block's samples so far, and their sensitivities.
     predictions: Vec<Vec<f64>>,
     jacobian: Vec<Vec<f64>>,
     /// Largest sensitivity with respect to the start state so far.
@@ -178,17 +182,17 @@ struct Run<'s> {
     unresolved: u64,
 }
 
-impl Run<'_> {
-    fn sample(&mut self, course: &[InputCourse]) {
+impl SegmentIntegration<'_> {
+    fn sample(&mut self, polynomials: &[InputPolynomial]) {
         let Self { integrator, sensitivity, .. } = self;
         let before = integrator.unresolved;
-        integrator.sample(course, |event| sensitivity.follow(event));
+        integrator.sample(polynomials, |event| sensitivity.apply(event));
         self.unresolved += u64::from(integrator.unresolved > before);
     }
 
-    /// `inputs` as measured, and as `held`.
+    /// Records outputs and sensitivities of a sample; `inputs` as measured, `held` as reconstructed.
     fn observe(&mut self, inputs: &[f64], held: &[f64]) {
-        self.sensitivity.read(&self.integrator, held);
+        self.sensitivity.evaluate_output_only(&self.integrator, held);
         self.integrator.outputs(inputs, &mut self.values);
         for (output, value) in self.values.iter().enumerate() {
             self.predictions[output].push(*value);
@@ -196,29 +200,29 @@ impl Run<'_> {
         }
     }
 
-    /// Folds a block of samples that have been observed.
+    /// Adds a block of observed samples to `rows` and clears it.
     fn hand_over(&mut self, count: usize, measured: &[&[f64]], rows: &mut ResidualAccumulator<'_>) -> bool {
-        let starting = self.sensitivity.starting();
-        let alive = starting || !self.offsets.is_empty();
-        let finite = rows.take(count, alive, &self.weights.noise_std, measured, |output, target| {
-            self.write(output, alive, target);
+        let starting = self.sensitivity.has_start();
+        let any_nuisance = starting || !self.offsets.is_empty();
+        let finite = rows.take(count, any_nuisance, &self.weights.noise_std, measured, |output, target| {
+            self.write(output, any_nuisance, target);
         });
         if starting {
-            self.forget_start();
+            self.drop_decayed_start();
         }
         self.predictions.iter_mut().chain(&mut self.jacobian).for_each(Vec::clear);
         finite
     }
 
-    /// One output's rows: [start | offsets | free | prediction], the first two only where something is alive there.
-    fn write(&self, output: usize, alive: bool, target: MatMut<'_, f64>) {
+    /// One output's rows: [start | offsets | free | prediction], the first two only where something is any_nuisance there.
+    fn write(&self, output: usize, any_nuisance: bool, target: MatMut<'_, f64>) {
         let unit = 1.0 / self.weights.noise_std[output];
         let starts = self.nuisance.len() - self.offsets.len();
-        let nuisance = if alive { self.nuisance.len() } else { 0 };
+        let nuisance = if any_nuisance { self.nuisance.len() } else { 0 };
         let own =
             self.offsets.iter().position(|channel| *channel == output).map(|position| starts + position);
         let offset = own.map_or(0.0, |own| self.nuisance[own]);
-        let stride = self.sensitivity.observed();
+        let stride = self.sensitivity.row_length();
         for (j, column) in target.col_iter_mut().enumerate() {
             let sensitivities =
                 |place: usize| self.jacobian[output].iter().skip(place).step_by(stride.max(1));
@@ -227,10 +231,10 @@ impl Run<'_> {
                 column.zip(&self.predictions[output]).for_each(|(t, value)| *t = (value + offset) * unit);
             } else if j >= nuisance {
                 let factor = unit * self.weights.scales[j - nuisance];
-                let own = sensitivities(self.sensitivity.place(j - nuisance));
+                let own = sensitivities(self.sensitivity.column_of(j - nuisance));
                 column.zip(own).for_each(|(t, sensitivity)| *t = sensitivity * factor);
-            } else if j < starts && self.sensitivity.starting() {
-                let own = sensitivities(self.sensitivity.start_places().start + j);
+            } else if j < starts && self.sensitivity.has_start() {
+                let own = sensitivities(self.sensitivity.start_columns().start + j);
                 column.zip(own).for_each(|(t, sensitivity)| *t = sensitivity * unit);
             } else {
                 let value = if own == Some(j) { unit } else { 0.0 };
@@ -240,8 +244,8 @@ impl Run<'_> {
     }
 
     /// Drops the sensitivities with respect to the start state once they have decayed.
-    fn forget_start(&mut self) {
-        let (stride, places) = (self.sensitivity.observed(), self.sensitivity.start_places());
+    fn drop_decayed_start(&mut self) {
+        let (stride, places) = (self.sensitivity.row_length(), self.sensitivity.start_columns());
         let units = &self.weights.noise_std;
         let blocks = self.jacobian.iter().zip(units).flat_map(|(rows, unit)| {
             let places = places.clone();

@@ -1,9 +1,9 @@
-//! Where a simulation starts: at equilibrium, or from a guess out of the first samples.
+//! Start states of a simulation: the equilibrium, or a guess from the first samples.
 
 use nalgebra::{DMatrix, DVector};
 use socam_model::Equations;
 
-/// What laws answer to what their ports see: torque, derivative with respect to each port's own law_input.
+/// Force of each port, and its derivative with respect to the port's own input, at the port inputs `seen`.
 pub(crate) fn laws(
     equations: &Equations,
     values: &[f64],
@@ -21,8 +21,8 @@ pub(crate) fn laws(
     (torque, derivative)
 }
 
-/// State in which nothing accelerates while the inputs stay at `inputs`; `None` where there is none (a free
-/// position). Newton on A x + B u + H f(V x + W u) = 0; laws on massless nodes are taken at zero feedthrough.
+/// Equilibrium state at constant `inputs`, by Newton's method on A x + B u + H f(V x + W u) = 0; `None` where there is none, as for a
+/// free position. The direct effect of forces on port inputs (laws on massless nodes) is neglected.
 pub(crate) fn equilibrium(equations: &Equations, values: &[f64], inputs: &[f64]) -> Option<DVector<f64>> {
     let u = DVector::from_column_slice(inputs);
     let mut x = DVector::zeros(equations.state.nrows());
@@ -85,8 +85,8 @@ pub(crate) fn law_sensitivities(
     })
 }
 
-/// A start state near equilibrium that also explains the first measured outputs, by least squares with each
-/// equation scaled to one.
+/// A start state close to the equilibrium that also fits the first measured outputs: least squares of both, each equation scaled to a
+/// largest coefficient of one. Missing outputs are NaN.
 pub(crate) fn guess(equations: &Equations, values: &[f64], inputs: &[f64], outputs: &[f64]) -> Vec<f64> {
     let u = DVector::from_column_slice(inputs);
     let states = equations.state.nrows();

@@ -1,4 +1,4 @@
-//! Zero-phase Butterworth low-pass, for methods that differentiate.
+//! Zero-phase low-pass filters and differences, for methods that differentiate measured signals.
 
 use nalgebra::Complex;
 
@@ -18,8 +18,8 @@ enum Prototype {
     Chebyshev(f64),
 }
 
-/// Low-pass of even `order`, `cutoff` as a fraction of the Nyquist frequency, unit gain at zero frequency, by the
-/// bilinear transform with prewarping.
+/// Second-order sections of a low-pass of even `order` with unit gain at zero frequency, by the bilinear transform with prewarping.
+/// `cutoff` is a fraction of the Nyquist frequency.
 fn sections(prototype: Prototype, order: usize, cutoff: f64) -> Vec<Section> {
     let warped = (std::f64::consts::FRAC_PI_2 * cutoff).tan();
     let (real, imaginary) = match prototype {
@@ -43,10 +43,10 @@ fn sections(prototype: Prototype, order: usize, cutoff: f64) -> Vec<Section> {
 }
 
 impl Section {
-    /// Filters in place, starting as if the first value had always been there.
+    /// Filters in place. The initial state is that of a constant input equal to the first value.
     fn run(&self, signal: &mut [f64]) {
         let Some(first) = signal.first().copied() else { return };
-        // Direct form II transposed at rest with unit gain.
+        // Steady state of the transposed direct form II at unit gain.
         let mut z2 = (self.b[2] - self.a[1]) * first;
         let mut z1 = (self.b[1] - self.a[0]) * first + z2;
         for value in signal {
@@ -59,13 +59,13 @@ impl Section {
     }
 }
 
-/// Butterworth low-pass forwards and backwards: no phase, twice the order, -6 dB at `cutoff` (a fraction of the
-/// Nyquist frequency).
+/// Butterworth low-pass run forwards and backwards: zero phase, twice the order, -6 dB at `cutoff` (a fraction of the Nyquist
+/// frequency).
 pub(crate) fn low_pass(signal: &[f64], order: usize, cutoff: f64) -> Vec<f64> {
     both_ways(signal, &sections(Prototype::Butterworth, order, cutoff), order, cutoff)
 }
 
-/// Filters forwards and backwards. Ends are extended by point reflection.
+/// Runs the sections forwards and backwards. The signal is extended at its ends by point reflection.
 fn both_ways(signal: &[f64], sections: &[Section], order: usize, cutoff: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (signal.first(), signal.last()) else { return Vec::new() };
     let pad = (3 * (order + 1)).max((6.0 / cutoff) as usize).min(signal.len() - 1);
@@ -79,7 +79,7 @@ fn both_ways(signal: &[f64], sections: &[Section], order: usize, cutoff: f64) ->
     extended[pad..pad + signal.len()].to_vec()
 }
 
-/// Central differences, one-sided at the ends.
+/// Derivative per second by central differences, one-sided at the ends.
 pub(crate) fn derivative(signal: &[f64], step_s: f64) -> Vec<f64> {
     let last = signal.len().saturating_sub(1);
     (0..signal.len())
@@ -90,8 +90,8 @@ pub(crate) fn derivative(signal: &[f64], step_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Every `factor`-th sample after a low-pass at 0.8 of the new Nyquist frequency (Chebyshev of order 8 with 0.05 dB
-/// of ripple, both ways), as is customary since MATLAB's `decimate`.
+/// Every `factor`-th sample after a zero-phase low-pass at 0.8 of the new Nyquist frequency: Chebyshev of order 8 with 0.05 dB of
+/// ripple, as in MATLAB's `decimate`.
 pub(crate) fn decimate(signal: &[f64], factor: usize) -> Vec<f64> {
     let cutoff = 0.8 / factor as f64;
     let filtered = both_ways(signal, &sections(Prototype::Chebyshev(0.05), 8, cutoff), 8, cutoff);

@@ -1,33 +1,24 @@
-//! What of a recording is not used as it was measured: output samples left out, input samples imputed.
+//! Samples of a recording that are not used as measured: output samples that are left out, input samples that are imputed.
 
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 
 use serde::Serialize;
-use socam_model::Channel;
-use socam_recording::{Dataset, check};
+use socam_recording::Dataset;
 
-use crate::{
-    IdentifyError,
-    preprocessing::{segments::Segment, spikes},
-};
-
-/// Rows beside a saturated segment that are left out with it: what the noise has not lifted over the limit there is too low.
-const BESIDE_SATURATION: u64 = 3;
-
-/// Why samples are not used as they were measured.
+/// Why samples are not used as measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
-    /// An output that sticks at the value that it cannot exceed: left out.
+    /// An output is at the limit of its range: left out.
     Saturated,
-    /// Single output values that neither the model nor their neighbours explain: left out.
+    /// Single output values that neither the model nor the neighbouring values explain: left out.
     Outliers,
-    /// Single input values that stand out of their neighbours: replaced by what these say.
+    /// Single input values that differ from their neighbours: replaced by interpolated values.
     #[serde(rename = "bridged")]
     Imputed,
 }
 
-/// Samples that are not used as they were measured.
+/// A report of samples that are not used as measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// Recording.
@@ -36,21 +27,21 @@ pub struct LeftOut {
     pub channel: String,
     /// Why.
     pub reason: Reason,
-    /// How many.
+    /// Number of samples.
     pub samples: u64,
-    /// How many of all of the recording, per cent.
+    /// Share of the recording's samples, %.
     pub share_percent: f64,
-    /// In how many places.
+    /// Number of separate ranges of rows.
     pub places: usize,
-    /// Time from the first to the last, s.
+    /// Times of the first and the last sample, s.
     pub time_s: [f64; 2],
-    /// Their rows in the recording, in order and apart.
+    /// Their rows in the recording: ascending ranges that do not touch.
     #[serde(skip)]
     pub rows: Vec<Range<u64>>,
 }
 
 impl LeftOut {
-    /// `rows` are in order and apart.
+    /// The report of `rows`, ascending ranges that do not touch; `None` if there are none.
     pub(crate) fn new(dataset: &Dataset, channel: &str, reason: Reason, rows: &[Range<u64>]) -> Option<Self> {
         let (first, last) = (rows.first()?, rows.last()?);
         let samples = rows.iter().map(|rows| rows.end - rows.start).sum();
@@ -66,7 +57,7 @@ impl LeftOut {
         })
     }
 
-    /// Adds it to others, to the one of its kind where there is one.
+    /// Adds the report to `all`: to the one of the same recording, channel and reason, if there is one.
     pub(crate) fn join(self, all: &mut Vec<Self>) {
         let alike = |other: &&mut Self| {
             (&other.recording, &other.channel, other.reason) == (&self.recording, &self.channel, self.reason)
@@ -84,7 +75,7 @@ impl LeftOut {
         }
     }
 
-    /// In one sentence.
+    /// The report as a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let Self { recording, channel, samples, share_percent, places, time_s: [from, to], .. } = self;
@@ -108,7 +99,7 @@ impl LeftOut {
     }
 }
 
-/// Time of a row, s, even steps within each segment being taken for granted.
+/// Time of a row, s; steps within a segment of the recording are taken to be even. The recording must not be empty.
 pub(crate) fn time_of(dataset: &Dataset, row: u64) -> f64 {
     let segments = dataset.segments();
     let index = segments.partition_point(|segment| segment.end_row() <= row).min(segments.len() - 1);
@@ -116,20 +107,20 @@ pub(crate) fn time_of(dataset: &Dataset, row: u64) -> f64 {
     segment.start_s + (row - segment.first_row) as f64 * segment.sample_time_s
 }
 
-/// Rows in order, apart.
-type Rows = Vec<Range<u64>>;
+/// Ascending ranges of rows that do not touch.
+pub(super) type Rows = Vec<Range<u64>>;
 
-/// What is not used as measured of one recording.
+/// Samples of one recording that are not used as measured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Mask {
-    /// Per output: rows that are left out, in order, apart. May be shorter than there are outputs.
+    /// Per output, the rows that are left out. May have fewer entries than there are outputs.
     pub(crate) left_out: Vec<Rows>,
-    /// Per input: rows and what stands there instead, in the recording's unit, in order. May be shorter than there are inputs.
+    /// Per input, ascending rows and their imputed values in the recording's unit. May have fewer entries than there are inputs.
     pub(crate) imputed: Vec<Vec<(u64, f64)>>,
 }
 
 impl Mask {
-    /// Changes the values of an input that stand at these rows.
+    /// Replaces the imputed values of an input; `values` are those of `rows`.
     pub(crate) fn impute(&self, input: usize, rows: Range<u64>, values: &mut [f64]) {
         let Some(imputed) = self.imputed.get(input) else { return };
         let first = imputed.partition_point(|(row, _)| *row < rows.start);
@@ -137,7 +128,7 @@ impl Mask {
         here.for_each(|(row, value)| values[(row - rows.start) as usize] = *value);
     }
 
-    /// Makes values of an output missing that are left out.
+    /// Sets the values of an output that are left out to NaN; `values` are those of `rows`.
     pub(crate) fn leave_out(&self, output: usize, rows: Range<u64>, values: &mut [f64]) {
         let Some(left_out) = self.left_out.get(output) else { return };
         let first = left_out.partition_point(|own| own.end <= rows.start);
@@ -147,7 +138,7 @@ impl Mask {
         }
     }
 
-    /// Leaves out more of an output.
+    /// Leaves out more rows of an output.
     pub(crate) fn add(&mut self, output: usize, rows: Vec<Range<u64>>) {
         if self.left_out.len() <= output {
             self.left_out.resize(output + 1, Vec::new());
@@ -158,8 +149,8 @@ impl Mask {
     }
 }
 
-/// The same rows in order, apart.
-fn joined(mut rows: Rows) -> Rows {
+/// The same rows as ascending ranges that do not touch.
+pub(super) fn joined(mut rows: Rows) -> Rows {
     rows.sort_by_key(|rows| rows.start);
     let mut joined = Rows::new();
     for rows in rows {
@@ -169,50 +160,6 @@ fn joined(mut rows: Rows) -> Rows {
         }
     }
     joined
-}
-
-/// Looks through all recordings for saturated outputs and spikes of inputs, and has the segments say so.
-pub(crate) fn find(
-    inputs: &[&Channel],
-    outputs: &[&Channel],
-    datasets: &[Dataset],
-    segments: &mut [Segment],
-) -> Result<Vec<LeftOut>, IdentifyError> {
-    let mut notes = Vec::new();
-    for (recording, dataset) in datasets.iter().enumerate() {
-        let mut mask = Mask::default();
-        for (output, rows) in saturated(outputs, dataset)? {
-            notes.extend(LeftOut::new(dataset, &outputs[output].name, Reason::Saturated, &rows));
-            mask.add(output, rows);
-        }
-        let own = || segments.iter().filter(|segment| segment.recording == recording);
-        mask.imputed = spikes::find(inputs, dataset, &own().collect::<Vec<_>>())?;
-        for (imputed, channel) in mask.imputed.iter().zip(inputs) {
-            let rows = joined(imputed.iter().map(|(row, _)| *row..row + 1).collect());
-            notes.extend(LeftOut::new(dataset, &channel.name, Reason::Imputed, &rows));
-        }
-        let mask = Arc::new(mask);
-        let own = segments.iter_mut().filter(|segment| segment.recording == recording);
-        own.for_each(|segment| segment.mask = Arc::clone(&mask));
-    }
-    Ok(notes)
-}
-
-/// Rows at which outputs are saturated.
-fn saturated(outputs: &[&Channel], dataset: &Dataset) -> Result<Vec<(usize, Rows)>, IdentifyError> {
-    let columns = outputs.iter().map(|channel| dataset.channel_index(&channel.column));
-    let columns = columns.collect::<Result<Vec<_>, _>>()?;
-    let mut all = Vec::new();
-    for found in check::saturations(dataset, &columns)? {
-        let wider = found.rows.iter().map(|rows| {
-            rows.start.saturating_sub(BESIDE_SATURATION)..(rows.end + BESIDE_SATURATION).min(dataset.rows())
-        });
-        let reading = columns.iter().enumerate().filter(|(_, column)| **column == found.channel);
-        for (output, _) in reading {
-            all.push((output, joined(wider.clone().collect())));
-        }
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! Spikes of an input: a value or two that stand out of what lies about them and leave no trace in it.
+//! Spikes of an input: one or two values that differ from their neighbours, which show no trace of them.
 //!
-//! Each value is compared with the polynomial of fifth degree through three to either side. What is left is noise, motion near
-//! half the sampling rate, or something sudden. A spike is what is gone once its few rows are imputed by such a polynomial;
-//! a step, a corner or a burst stays and is left as it is.
+//! The deviation of a value is its distance from the polynomial of fifth degree through three values on either side. It consists of
+//! noise, of motion near half the sampling rate, and of sudden changes. A sudden change is a spike if no large deviation remains once
+//! one or two rows are imputed by such a polynomial. A step, a corner or a burst leaves deviations, and is not changed.
 
 use std::ops::Range;
 
@@ -12,26 +12,26 @@ use socam_recording::Dataset;
 
 use crate::{IdentifyError, preprocessing::segments::Segment};
 
-/// Rows over which the ordinary size of deviations is taken.
+/// Rows of a block. The standard deviation of the deviations is estimated block by block.
 const BLOCK: usize = 1024;
-/// A spike deviates by so many of their standard deviations.
-const LEAST: f64 = 10.0;
-/// Bridging it leaves at most this fraction of its deviation.
-const LEFT: f64 = 0.15;
-/// It is so many times larger than the motion from row to row about it.
+/// Least deviation of a spike, in standard deviations of its block.
+const THRESHOLD: f64 = 10.0;
+/// Largest deviation that may remain after the imputation, as a share of the spike's size.
+const MOST_LEFT: f64 = 0.15;
+/// Least size of a spike, in units of the largest change from row to row about it.
 const ABOVE_MOTION: f64 = 1.5;
-/// Most rows that are imputed within [`NEAR`] of a deviation.
+/// Most rows that are imputed within [`NEAR`] rows of a deviation.
 const MOST_ROWS: usize = 2;
-/// Rows about a deviation that it is judged by.
+/// Rows on either side of a deviation that its test looks at.
 const NEAR: usize = 8;
-/// Largest share of an input's rows that can be spikes. More are what the input does.
+/// Largest share of an input's rows that can be spikes. If there are more, they are part of the input's motion and none is imputed.
 const MOST_SHARE: f64 = 0.005;
-/// Most deviations in a block: where there are more, they are what the input does.
+/// Most large deviations in a block. If there are more, they are part of the input's motion and none is imputed.
 const MOST_SUDDEN: usize = 100;
-/// Rows to either side that a polynomial goes through.
+/// Rows on either side that the polynomial passes through.
 pub(crate) const REACH: usize = 3;
 
-/// Rows of each input that are spikes, and what their neighbours say instead, in the recording's unit. A servo's reference is known as it is.
+/// Spikes of each input: rows and imputed values in the recording's unit. A servo's reference is known exactly and is not searched.
 pub(crate) fn find(
     inputs: &[&Channel],
     dataset: &Dataset,
@@ -44,7 +44,7 @@ pub(crate) fn find(
             continue;
         }
         let column = dataset.channel_index(&channel.column)?;
-        let each = segments.par_iter().map(|segment| in_stretch(column, dataset, segment));
+        let each = segments.par_iter().map(|segment| in_segment(column, dataset, segment));
         let each: Result<Vec<Vec<(u64, f64)>>, IdentifyError> = each.collect();
         let found: Vec<(u64, f64)> = each?.into_iter().flatten().collect();
         let rows: u64 = segments.iter().map(|segment| segment.rows).sum();
@@ -54,21 +54,21 @@ pub(crate) fn find(
     Ok(all)
 }
 
-/// Spikes of one segment, its neighbours in the run being looked at too.
-fn in_stretch(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec<(u64, f64)>, IdentifyError> {
+/// Spikes of one segment; the uninterrupted rows on either side of it are taken into account.
+fn in_segment(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec<(u64, f64)>, IdentifyError> {
     let (near, end) = (2 * NEAR as u64, segment.first_row + segment.rows);
-    let first = segment.first_row.saturating_sub(near).max(segment.run.start);
-    let last = (end + near).min(segment.run.end);
+    let first = segment.first_row.saturating_sub(near).max(segment.uninterrupted.start);
+    let last = (end + near).min(segment.uninterrupted.end);
     let mut values = Vec::with_capacity((last - first) as usize);
     for block in dataset.blocks_in(first..last, &[column])? {
         values.extend_from_slice(block?.columns[0].values());
     }
-    let found = bridges(&values).into_iter().map(|(k, value)| (first + k as u64, value));
+    let found = spikes_in(&values).into_iter().map(|(k, value)| (first + k as u64, value));
     Ok(found.filter(|(row, _)| (segment.first_row..end).contains(row)).collect())
 }
 
-/// Positions of spikes, and what stands there instead.
-fn bridges(values: &[f64]) -> Vec<(usize, f64)> {
+/// Positions of spikes, ascending, and their imputed values.
+fn spikes_in(values: &[f64]) -> Vec<(usize, f64)> {
     let mut values = values.to_vec();
     let mut found = Vec::new();
     let deviations: Vec<f64> = (0..values.len()).map(|k| deviation(&values, k)).collect();
@@ -76,12 +76,12 @@ fn bridges(values: &[f64]) -> Vec<(usize, f64)> {
     for from in (0..values.len()).step_by(BLOCK) {
         let block = &deviations[from..values.len().min(from + BLOCK)];
         let least =
-            (LEAST * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
+            (THRESHOLD * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
         if block.iter().filter(|own| **own > least).count() > MOST_SUDDEN * block.len() / BLOCK {
             continue;
         }
         for (k, own) in block.iter().enumerate() {
-            // Not if an earlier impute has taken it along.
+            // An earlier imputation may have removed the deviation.
             if *own > least && deviation(&values, from + k) > least {
                 found.extend(impute(&mut values, from + k, least));
             }
@@ -91,7 +91,8 @@ fn bridges(values: &[f64]) -> Vec<(usize, f64)> {
     found
 }
 
-/// Bridges a spike of which the first deviation lies at `at`; nothing if it is none.
+/// Imputes the spike whose first large deviation is at `at`. Returns the imputed rows; none, with `values` unchanged, if there is no
+/// spike.
 fn impute(values: &mut [f64], at: usize, least: f64) -> Vec<(usize, f64)> {
     let larger = |a: &usize, b: &usize| deviation(values, *a).total_cmp(&deviation(values, *b));
     let at = (at..values.len().min(at + REACH + 1)).max_by(larger).unwrap_or(at);
@@ -105,8 +106,9 @@ fn impute(values: &mut [f64], at: usize, least: f64) -> Vec<(usize, f64)> {
         rows += gap.len();
         gaps.push((gap, sudden));
         if rest < least {
-            let are_spikes =
-                gaps.iter().all(|(gap, sudden)| rest < LEFT * sudden && stands_out(values, gap, *sudden));
+            let are_spikes = gaps
+                .iter()
+                .all(|(gap, sudden)| rest < MOST_LEFT * sudden && stands_out(values, gap, *sudden));
             if are_spikes {
                 return gaps.into_iter().flat_map(|(gap, _)| gap).map(|k| (k, values[k])).collect();
             }
@@ -117,7 +119,8 @@ fn impute(values: &mut [f64], at: usize, least: f64) -> Vec<(usize, f64)> {
     Vec::new()
 }
 
-/// The gap whose impute leaves least, how large a deviation it leaves, and how far the rows that it takes are off the impute.
+/// The gap whose imputation leaves the least sum of squared deviations, the largest deviation that it leaves, and the least distance of
+/// the gap's values from the imputed ones.
 fn best_gap(values: &mut [f64], near: Range<usize>, longest: usize) -> Option<(Range<usize>, f64, f64)> {
     let mut best: Option<(f64, Range<usize>, f64, f64)> = None;
     for length in 1..=longest {
@@ -131,7 +134,7 @@ fn best_gap(values: &mut [f64], near: Range<usize>, longest: usize) -> Option<(R
             let off = own.iter().zip(&values[gap.clone()]).map(|(own, impute)| (own - impute).abs());
             let sudden = off.fold(f64::INFINITY, f64::min);
             values[gap.clone()].copy_from_slice(&own);
-            // A longer gap must be worth it.
+            // A longer gap must reduce the sum by a factor of four.
             let worth = if length == 1 { 1.0 } else { 0.25 };
             if best.as_ref().is_none_or(|(least, ..)| squares < worth * least) {
                 best = Some((squares, gap, largest, sudden));
@@ -141,7 +144,7 @@ fn best_gap(values: &mut [f64], near: Range<usize>, longest: usize) -> Option<(R
     best.map(|(_, gap, largest, sudden)| (gap, largest, sudden))
 }
 
-/// Whether what a gap held stands out of the motion about it, and is not a step between its sides.
+/// Whether the values of a gap differ by more than the motion about it, and are not a step between its sides.
 fn stands_out(values: &[f64], gap: &Range<usize>, sudden: f64) -> bool {
     let across = gap.len() + 1;
     let changes = |distance: usize| {
@@ -153,7 +156,8 @@ fn stands_out(values: &[f64], gap: &Range<usize>, sudden: f64) -> bool {
     sudden > ABOVE_MOTION * changes(1) && step <= 2.0 * changes(across) + 0.5 * sudden
 }
 
-/// How far the furthest value of a gap is off the imputed values.
+/// Largest distance of a gap's values from the imputed ones, NaN if one is missing. Fills the gap. `values` must have [`REACH`] rows on
+/// either side of it.
 pub(crate) fn off_imputed(values: &mut [f64], gap: Range<usize>) -> f64 {
     let own = values[gap.clone()].to_vec();
     fill(values, gap.clone());
@@ -162,7 +166,7 @@ pub(crate) fn off_imputed(values: &mut [f64], gap: Range<usize>) -> f64 {
     off.fold(0.0, |most, off| if off > most || off.is_nan() { off } else { most })
 }
 
-/// Puts the polynomial through [`REACH`] values to either side into a gap.
+/// Fills a gap by the polynomial through [`REACH`] values on either side (Lagrange's formula).
 fn fill(values: &mut [f64], gap: Range<usize>) {
     let nodes: Vec<usize> = (gap.start - REACH..gap.start).chain(gap.end..gap.end + REACH).collect();
     for k in gap {
@@ -175,7 +179,7 @@ fn fill(values: &mut [f64], gap: Range<usize>) {
     }
 }
 
-/// How far a value is off the polynomial through its neighbours; nothing at the ends.
+/// Distance of a value from the polynomial through its neighbours; zero within [`REACH`] rows of the ends.
 fn deviation(values: &[f64], k: usize) -> f64 {
     if k < REACH || k + REACH >= values.len() {
         return 0.0;
@@ -184,7 +188,7 @@ fn deviation(values: &[f64], k: usize) -> f64 {
     (values[k] - (15.0 * pair(1) - 6.0 * pair(2) + pair(3)) / 20.0).abs()
 }
 
-/// Standard deviation of the bulk.
+/// Standard deviation of the bulk: the median of the magnitudes over that of a standard normal variable. There must be at least one.
 fn spread(deviations: &[f64], workspace: &mut Vec<f64>) -> f64 {
     workspace.clear();
     workspace.extend_from_slice(deviations);
@@ -192,6 +196,7 @@ fn spread(deviations: &[f64], workspace: &mut Vec<f64>) -> f64 {
     *workspace.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745
 }
 
+/// Largest magnitude.
 fn size(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
@@ -216,17 +221,17 @@ mod tests {
     }
 
     #[test]
-    fn spikes_are_bridged_and_nothing_else() {
+    fn spikes_are_imputed_and_nothing_else() {
         let rows = 6000;
         for level in [0.0, 0.02, 0.2] {
             let clean: Vec<f64> = (0..rows).map(|k| moving(k) + level * noise(k)).collect();
-            assert_eq!(bridges(&clean), [], "{level}");
+            assert_eq!(spikes_in(&clean), [], "{level}");
             let mut spiked = clean.clone();
             let at = [50, 777, 783, 1500, 1501, 2047, 4000, 5990];
             for (i, k) in at.into_iter().enumerate() {
                 spiked[k] += if i % 3 == 0 { -20.0 } else { 8.0 + i as f64 };
             }
-            let found = bridges(&spiked);
+            let found = spikes_in(&spiked);
             assert!(found.iter().map(|(k, _)| *k).eq(at), "{level}: {found:?}");
             let error = found.iter().map(|(k, value)| (value - clean[*k]).abs()).fold(0.0, f64::max);
             assert!(error < 0.05 + 8.0 * level, "{level}: {error}");
@@ -245,7 +250,7 @@ mod tests {
         for (i, shape) in shapes.into_iter().enumerate() {
             for level in [0.0, 1e-3, 0.02, 0.1] {
                 let values: Vec<f64> = (0..8000).map(|k| shape(k) + level * noise(k)).collect();
-                let found = bridges(&values);
+                let found = spikes_in(&values);
                 assert_eq!(found, [], "shape {i}, noise {level}");
             }
         }

@@ -39,28 +39,39 @@ pub const CATALOGUE: &[&Effect] = &[
     &sensor_ripple::EFFECT,
 ];
 
-/// Laws that stand for an effect of the catalogue where a parameter is given that it has not, or at a place where it cannot act.
+/// Refined laws. Each takes the place of the effect of the catalogue with the same id where a parameter is given that only the refined law
+/// has, or at a place where only the refined law can act.
 pub const REFINED: &[&Effect] =
     &[&presliding::COULOMB, &presliding::STRIBECK, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
 
-/// All laws that are looked for from the beginning.
+/// All effects that a diagnosis tests from its beginning.
 pub fn screened() -> impl Iterator<Item = &'static Effect> {
     let refined = [&presliding::COULOMB, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
     CATALOGUE.iter().copied().chain(refined)
 }
 
-/// Looks an effect up by its id.
+/// The effect of the catalogue with this id; `None` if there is none.
+///
+/// ```
+/// use socam_model::effects;
+///
+/// let friction = effects::find("coulomb_friction").expect("an effect of the catalogue");
+/// let law = friction.laws()[0];
+/// // 0.3 N m of friction, far above the transition speed of 0.05 rad/s.
+/// let response = (law.evaluate)(&[2.0], &[0.3, 0.05]);
+/// assert!((response.torque + 0.3).abs() < 1e-12);
+/// ```
 pub fn find(id: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.id == id)
 }
 
-/// Looks an effect up by its id and parameters that are given for it: its refined law, where only that knows them all.
+/// The effect with this id that has all the given parameters: the refined law where only that has them.
 pub fn find_with<'n>(id: &str, given: impl Iterator<Item = &'n str> + Clone) -> Option<&'static Effect> {
     let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
     laws_of(id).find(knows).or_else(|| find(id))
 }
 
-/// The same, of those laws that may act at a place.
+/// The same, among the laws that may act at a place.
 pub(crate) fn find_at<'n>(
     id: &str,
     given: impl Iterator<Item = &'n str> + Clone,

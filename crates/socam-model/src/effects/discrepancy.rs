@@ -1,5 +1,6 @@
-//! How nearly a law is obeyed. No machine obeys a law exactly: what a law leaves out moves its parameters alike in all recordings, so
-//! that neither noise nor differences between recordings show it. Each level is a lower bound of an interval's half width.
+//! Model discrepancy of laws. No machine follows a law exactly. The error of a law shifts its parameters by the same amount in all
+//! recordings, so that neither noise nor differences between recordings reveal it. Each level is a lower bound on the half width of an
+//! interval.
 
 /// Model discrepancy of one parameter of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]

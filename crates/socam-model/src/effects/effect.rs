@@ -1,4 +1,4 @@
-//! One effect: all that is known of it.
+//! The definition of one effect.
 
 use super::{
     amplitude::{Amplitude, Linearisation, Steady},
@@ -18,49 +18,49 @@ use super::{
 pub struct Effect {
     /// Stable id, as in reports and model files.
     pub id: &'static str,
-    /// What it is called within a sentence.
+    /// Name within a sentence.
     pub name: &'static str,
-    /// Where it may sit.
+    /// Kind of place at which it acts.
     pub acts_at: ActsAt,
     /// At which of these places a diagnosis looks for it.
     pub places: Places,
     /// Its parameters.
     pub parameters: &'static [EffectParameter],
-    /// Of its place; laws see it after their own parameters.
+    /// Parameters of its place that its laws use after their own.
     pub borrows: Option<Borrowed>,
-    /// How it acts.
+    /// How it enters the equations.
     pub form: Form,
-    /// How strong it is.
+    /// Parameters that measure its strength.
     pub amplitude: Amplitude,
-    /// How far sensitivities predict what it does.
+    /// How far a linearisation predicts its effect.
     pub linearisation: Linearisation,
-    /// Points from which to look at a place: amplitude at its null value unless [`Linearisation::NonNull`], the other parameters that a
-    /// file must give on a grid of what the rig could show.
+    /// Points at which a score test linearises: amplitudes at their null value unless [`Linearisation::NonNull`], the other parameters that
+    /// a file must give on a grid of values that the rig could show.
     pub starts: fn(&Rig, &str) -> Vec<Values>,
-    /// Points from which a fit is begun, from the one with a little of the predicted amplitude and the one with all of it.
+    /// Start points of a fit, made from two points: one with a small part of the predicted amplitude, and one with all of it.
     pub fit_starts: fn(&Rig, &str, &Values, &Values) -> Vec<Values>,
     /// Priors of the parameters that a file must give.
     pub priors: fn(&Rig, &str) -> Vec<(&'static str, Prior)>,
-    /// How nearly its law is obeyed.
+    /// Model discrepancy of its parameters.
     pub discrepancy: &'static [Discrepancy],
-    /// Simpler laws that it may take the place of.
+    /// Simpler laws that it may replace.
     pub replaces: &'static [Replaces],
-    /// What it is mistaken for.
+    /// Effects that recordings may not tell from it.
     pub equivalents: &'static [Equivalent],
-    /// What of it steady states show.
+    /// What steady states show of it.
     pub steady: Steady,
-    /// The law, for people.
+    /// The law as text.
     pub equation: &'static str,
     /// One sentence for a mechanic that is true of the fitted values.
     pub sentence: fn(&FittedValues<'_>) -> &'static str,
-    /// Where in a recording it shows.
+    /// Where in a recording it is visible.
     pub shows: &'static str,
-    /// What to record so that it shows.
+    /// What to record so that it becomes visible.
     pub experiment: Experiment,
 }
 
 impl Effect {
-    /// A law that stands in no catalogue: nothing is known of it but what it does.
+    /// An effect outside the catalogue: a law without amplitude, starts, priors or texts.
     #[must_use]
     pub const fn bare(
         id: &'static str,
@@ -107,7 +107,7 @@ impl Effect {
         self.parameters.iter().filter(|own| own.default.is_none())
     }
 
-    /// Whether it is a wave of unknown phase: its amplitude is that of two waves, a quarter of a period apart.
+    /// Whether it is a wave of unknown phase, which is the sum of two waves a quarter of a period apart.
     #[must_use]
     pub fn is_wave(&self) -> bool {
         self.parameters.iter().any(|own| own.kind == Kind::Phase)
@@ -125,14 +125,14 @@ impl Effect {
         self.sees(LawInput::State)
     }
 
-    /// Whether it changes the network itself, so that it is tried in a model without others of its kind.
+    /// Whether it changes the network itself. A diagnosis tests such an effect in a model without others of its kind.
     #[must_use]
     pub fn is_structural(&self) -> bool {
         !matches!(self.form, Form::Laws(_)) || self.acts_at == ActsAt::Gear
     }
 
-    /// Starts with large amplitudes, for a base model that is far off: each of [`Self::starts`] with every amplitude at the given
-    /// share of its prior (0.5: the median), if that is known.
+    /// Starts with large amplitudes, for a base model with a large error: each of [`Self::starts`] with every amplitude at the given
+    /// quantile of its prior (0.5: the median), where that exists.
     #[must_use]
     pub fn large_starts(&self, rig: &Rig, place: &str, share: f64) -> Vec<Values> {
         let priors = (self.priors)(rig, place);
@@ -156,7 +156,7 @@ impl Effect {
             .collect()
     }
 
-    /// Logarithm of the prior density of fitted values at a place: minus infinity where one of them cannot be.
+    /// Logarithm of the prior density of fitted values at a place; minus infinity where one is outside its support.
     #[must_use]
     pub fn log_prior(&self, rig: &Rig, place: &str, values: &[(&str, f64)]) -> f64 {
         let sizes = FittedValues(values);
@@ -180,7 +180,7 @@ impl Effect {
         own.map_or(1.0, |own| own.upper_factor)
     }
 
-    /// Whether some law sees this.
+    /// Whether one of its laws has this input.
     pub(crate) fn sees(&self, law_input: LawInput) -> bool {
         self.laws().iter().any(|law| law.law_inputs.contains(&law_input))
     }

@@ -1,69 +1,70 @@
-//! Force laws: what they see, what they answer, and how an effect enters the equations of motion.
+//! Force laws: their inputs, their responses, and how an effect enters the equations of motion.
 
-/// Most parameters that a law has.
+/// Largest number of parameters of a law, borrowed ones included.
 pub const MAX_PARAMETERS: usize = 6;
-/// Most quantities that one sees.
+/// Largest number of inputs of a law.
 pub const MAX_LAW_INPUTS: usize = 3;
 
-/// What a law sees of the motion.
+/// An input of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LawInput {
     /// Speed of its node, rad/s; of a gear: of its slow side.
     Speed,
-    /// Twist of its spring, rad: from less to.
+    /// Twist of its spring, rad: angle of the `from` end less that of the `to` end.
     Twist,
-    /// Rate of that, rad/s.
+    /// Rate of the twist, rad/s.
     TwistRate,
-    /// Torque through its spring, its damper included, N m.
+    /// Torque through its spring including the damper, N m.
     Torque,
     /// Angle through which its node has turned since the recording began, rad; of a gear: its fast side.
     Angle,
     /// Time since the recording began, s.
     Time,
-    /// What its channel would read were its sensor true; of an input, what it reads.
+    /// Reading of an ideal sensor at its channel; for an input channel, the actual reading.
     Reading,
-    /// Rate at which an input's reading changes, by the recording.
+    /// Rate of change of an input's reading, computed from the recording, per s.
     Change,
-    /// The state of its own: see [`Acts::State`].
+    /// The effect's own state, see [`Acts::State`].
     State,
 }
 
-/// What a law's answer does.
+/// Action of a law's response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acts {
-    /// A torque on its node, or, at a spring or in a gear's mesh, one that pulls its ends together.
+    /// A torque on its node; at a spring or in a gear's mesh, a torque through it that is added to that of the spring.
     Torque,
     /// A torque on the slow side of its gear.
     Drag,
-    /// The rate at which a state of its own changes.
+    /// The rate of the effect's own state.
     State,
-    /// Is added to what a sensor reads: of an input, the truth is so much less.
+    /// An addition to a sensor's reading; for an input channel, the true value is smaller by so much.
     Reading,
 }
 
-/// What a law answers, and its derivatives.
+/// The response of a law, and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Torque, N m (N), or whatever else it is that the law answers.
+    /// Torque, N m (N); the rate of a state or a reading for laws that act otherwise, see [`Acts`].
     pub torque: f64,
-    /// By each law_input.
+    /// Derivative with respect to each input.
     pub derivatives: [f64; MAX_LAW_INPUTS],
-    /// By each parameter, in the order of [`super::Effect::parameters`], borrowed ones last.
+    /// Derivative with respect to each parameter, in the order of [`super::Effect::parameters`], borrowed ones last.
     pub by_parameter: [f64; MAX_PARAMETERS],
 }
 
 /// A force law.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
-    /// What it sees.
+    /// Its inputs.
     pub law_inputs: &'static [LawInput],
-    /// What its answer does.
+    /// Action of its response.
     pub acts: Acts,
-    /// The answer to law_inputs and parameters.
+    /// The response to inputs and parameters.
     pub evaluate: fn(law_inputs: &[f64], parameters: &[f64]) -> Response,
-    /// Range of its first law_input in which it bends (0: it bends nowhere sharply). Fast predictors take shorter steps there.
+    /// Width of the range of the first input in which the law is curved; 0 if it is nowhere sharply curved. Newton steps of predictors are
+    /// limited there.
     pub transition: fn(parameters: &[f64]) -> f64,
-    /// Whether it answers nothing, whatever it sees. Fast predictors then only listen to what it would answer.
+    /// Whether the response is zero at any input. Predictors then propagate only the sensitivities with respect to its parameters.
     pub inactive: fn(parameters: &[f64]) -> bool,
 }
 
@@ -74,17 +75,17 @@ pub enum Form {
     Laws(&'static [Law]),
     /// Adds its first parameter to the inertia of its node.
     Inertia,
-    /// Puts a spring and damper of its two parameters in the place of a rigid shaft.
+    /// Replaces a rigid shaft by a spring and a damper, its two parameters.
     Compliance,
-    /// What its channel reads is its first parameter times the truth.
+    /// The reading of its channel is its first parameter times the true value.
     Gain,
-    /// What its channel reads follows the truth with a first-order lag of its first parameter.
+    /// The reading of its channel follows the true value with a first-order lag, whose time constant is its first parameter.
     Lag,
-    /// What its channel reads is the truth of its first parameter ago.
+    /// The reading of its channel is the true value delayed by its first parameter.
     Delay,
 }
 
-/// A parameter of the place that a law sees beside its own.
+/// Parameters of the place that a law has after its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Borrowed {
     /// Stiffness of its spring.

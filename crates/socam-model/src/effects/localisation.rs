@@ -51,7 +51,7 @@ impl Model {
 }
 
 impl Effect {
-    /// Places of a model at which a diagnosis looks for it.
+    /// Names of the places of a model at which a diagnosis tests the effect.
     #[must_use]
     pub fn places_in(&self, model: &Model) -> Vec<String> {
         let moves = |input: &Channel| !input.quantity.is_clock();

@@ -1,9 +1,9 @@
 //! The catalogue of physics that a plain spring-damper network leaves out, one file each.
 //!
-//! An effect changes the drivetrain's structure ([`Form::Inertia`] and the like) or is made of force laws ([`Form::Laws`]):
-//! static functions of what they see of the motion, with exact derivatives. Its file says all that is known of it: law, amplitude,
-//! places, starts, priors, how nearly it is obeyed, what it is mistaken for, and its words. Adding one is adding its file and
-//! its line in [`CATALOGUE`]; simulator, predictors, model files and diagnosis take it from there, and name no effect.
+//! An effect changes the structure of the drivetrain ([`Form::Inertia`] and others) or consists of force laws ([`Form::Laws`]): static
+//! functions of a few inputs from the motion, with exact derivatives. The file of an effect holds all that is known of it: law, amplitude,
+//! places, starts, priors, model discrepancy, equivalent effects, and texts. A new effect needs its file and a line in [`CATALOGUE`];
+//! simulator, predictors, model files and diagnosis use that list and name no effect.
 
 mod amplitude;
 mod backlash;

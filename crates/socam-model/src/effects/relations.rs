@@ -14,7 +14,7 @@ impl FittedValues<'_> {
     }
 }
 
-/// A simpler law in whose place this one may be put once that is fitted.
+/// A simpler law that this one may replace once the simpler one is fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Replaces {
     /// Id of the simpler law.
@@ -23,7 +23,7 @@ pub struct Replaces {
     pub starts: fn(&Rig, &FittedValues<'_>) -> Vec<Values>,
 }
 
-/// An effect that recordings do not tell from this one under some condition.
+/// An effect that is observationally equivalent to this one under some condition.
 #[derive(Debug, Clone, Copy)]
 pub struct Equivalent {
     /// Its id.
@@ -35,7 +35,7 @@ pub struct Equivalent {
 /// A condition for [`Equivalent`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {
-    /// At the other of two springs in a row with nothing measured between them.
+    /// At the other of two springs in series with nothing measured between them.
     InSeries,
     /// Likewise, if the stiffness of either is free and could be the other's.
     InSeriesWithFreeStiffness,

@@ -2,17 +2,17 @@
 
 use super::law::{MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 
-/// Nowhere sharply bent.
+/// The transition width of a law that is nowhere sharply curved.
 pub(super) fn no_transition(_: &[f64]) -> f64 {
     0.0
 }
 
-/// At no parameters.
+/// Of a law that is inactive at no parameters.
 pub(super) fn never(_: &[f64]) -> bool {
     false
 }
 
-/// A response from its derivatives, however many.
+/// A response; derivatives that are not given are zero.
 pub(super) fn response(torque: f64, law_inputs: &[f64], parameters: &[f64]) -> Response {
     let mut derivatives = [0.0; MAX_LAW_INPUTS];
     derivatives.iter_mut().zip(law_inputs).for_each(|(target, value)| *target = *value);
@@ -24,17 +24,17 @@ pub(super) fn response(torque: f64, law_inputs: &[f64], parameters: &[f64]) -> R
 /// tanh(x / width), and its derivatives by x and by width.
 pub(super) fn sign(x: f64, width: f64) -> (f64, f64, f64) {
     let tanh = (x / width).tanh();
-    let bend = (1.0 - tanh * tanh) / width;
-    (tanh, bend, -bend * x / width)
+    let derivative = (1.0 - tanh * tanh) / width;
+    (tanh, derivative, -derivative * x / width)
 }
 
-/// What of a value lies within -half .. half, with corners rounded over a width.
+/// A value limited to -half .. half, with corners rounded over a width, and its derivatives.
 pub(super) struct Clipped {
     pub(super) value: f64,
-    /// Derivatives by what is clipped and by half.
+    /// Derivatives with respect to the value and to half.
     pub(super) by_x: f64,
     pub(super) by_half: f64,
-    /// Derivatives of `by_x`, likewise.
+    /// Derivatives of `by_x` with respect to the same.
     pub(super) by_x_x: f64,
     pub(super) by_x_half: f64,
 }
@@ -58,7 +58,7 @@ fn ramp(x: f64, width: f64) -> [f64; 3] {
     [0.5 * (x + root), 0.5 * (1.0 + x / root), 0.5 * width * width / (root * root * root)]
 }
 
-/// size sin(rate x + phase), with derivatives by x and by size, by what the rate is `unit` times of, and by phase.
+/// size sin(rate x + phase), and its derivatives with respect to x, size, rate / unit, and phase.
 pub(super) fn wave(size: f64, rate: f64, phase: f64, x: f64, unit: f64) -> Response {
     let (sin, cos) = (rate * x + phase).sin_cos();
     response(size * sin, &[size * rate * cos], &[sin, size * unit * x * cos, size * cos])

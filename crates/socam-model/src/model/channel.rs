@@ -43,8 +43,8 @@ impl Channel {
     /// SI values of consecutive samples of its column, NaN where one is missing. Those closer than [`ChannelTransform::reach`] to an end
     /// are less exact.
     #[must_use]
-    pub fn read(&self, column: &[f64], sample_time_s: f64, from: TransformStart) -> Vec<f64> {
-        let mut values = self.transform.apply(column, sample_time_s, from);
+    pub fn read(&self, column: &[f64], sample_time_s: f64, start: TransformStart) -> Vec<f64> {
+        let mut values = self.transform.apply(column, sample_time_s, start);
         values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
         values
     }

@@ -1,7 +1,7 @@
 use nalgebra::DVector;
 use socam_model::{BUILTIN, Model};
 
-use crate::prediction::laws::Law;
+use crate::prediction::laws::PortLaw;
 use crate::prediction::predictor::*;
 
 /// A model with dry friction at one of its bearings, steep enough to bend within a sample.
@@ -25,11 +25,11 @@ fn swinging(rows: usize, step_s: f64) -> Vec<f64> {
 fn plain(model: &Model, input: &[f64], step_s: f64, parts: usize) -> Vec<Vec<f64>> {
     let values = model.values();
     let e = model.equations(&values).unwrap();
-    let laws = Law::all(&e, &values, &[]);
+    let laws = PortLaw::all(&e, &values, &[]);
     let force = |x: &DVector<f64>, u: f64| {
         let speeds = &e.port * x + &e.port_input * DVector::from_element(1, u);
         let at = |p: usize| laws[p].at(&speeds.as_slice()[p..]).torque;
-        DVector::from_fn(laws.len(), |p, _| if laws[p].leads() { at(p) } else { 0.0 })
+        DVector::from_fn(laws.len(), |p, _| if laws[p].is_first_port() { at(p) } else { 0.0 })
     };
     let rate = |x: &DVector<f64>, u: f64| &e.state * x + e.input.column(0) * u + &e.force * force(x, u);
     let mut x = DVector::zeros(e.state.nrows());
