@@ -41,7 +41,7 @@ pub(super) const EFFECT: Effect = Effect {
     },
     discrepancy: &[Discrepancy {
         upper_factor: REBOUND,
-        source: "teeth that rebound knock like some with less play: gaps came out as 45 to 62 % of those hidden (docs/diagnosis.md)",
+        source: "teeth that rebound knock like some with less play: gaps came out as 45 to 62 % of those hidden (docs/diagnosis-measured.md)",
         ..Discrepancy::amplitude("gap")
     }],
     replaces: &[],
