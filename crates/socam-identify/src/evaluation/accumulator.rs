@@ -98,7 +98,7 @@ impl<'w> ResidualAccumulator<'w> {
     /// Folds a block: `fill(output, target)` writes the weighted sensitivities and, in the last column, the weighted
     /// prediction of all `rows` samples of one output. `measured` holds NaN where nothing was measured.
     /// Without `alive`, nuisance columns are zero and left out. Answers whether the evaluation goes on.
-    pub(crate) fn take(
+    pub(crate) fn fold(
         &mut self,
         rows: usize,
         alive: bool,

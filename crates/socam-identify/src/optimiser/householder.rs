@@ -123,7 +123,7 @@ fn pass<S: Simd, const APPLY: bool>(
     }
 }
 
-/// A group of columns in a [`evaluation`].
+/// A group of columns in a [`pass`].
 struct Part<'a, V> {
     /// The first open column; `None` where it is the first of these.
     head: Option<&'a [V]>,

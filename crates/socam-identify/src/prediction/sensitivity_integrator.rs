@@ -204,7 +204,7 @@ impl SegmentIntegration<'_> {
     fn hand_over(&mut self, count: usize, measured: &[&[f64]], rows: &mut ResidualAccumulator<'_>) -> bool {
         let starting = self.sensitivity.has_start();
         let any_nuisance = starting || !self.offsets.is_empty();
-        let finite = rows.take(count, any_nuisance, &self.weights.noise_std, measured, |output, target| {
+        let finite = rows.fold(count, any_nuisance, &self.weights.noise_std, measured, |output, target| {
             self.write(output, any_nuisance, target);
         });
         if starting {

@@ -133,7 +133,7 @@ impl<'m> ModalRun<'m> {
         let measured: Vec<&[f64]> = chunk.outputs.iter().map(|output| &output[from..from + count]).collect();
         let (free, local) = (self.modal.sensitivities.len(), nuisance.len());
         let any_nuisance = self.decaying || !self.offsets.is_empty();
-        rows.take(count, any_nuisance, &weights.noise_std, &measured, |output, mut target| {
+        rows.fold(count, any_nuisance, &weights.noise_std, &measured, |output, mut target| {
             let forced = &self.modal.forced[output];
             if self.decaying {
                 self.start[output].write(&self.starts, target.rb_mut());
