@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// One piece of missing physics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// Id in the catalogue, or [`UNEXPLAINED`].
+    /// Id in the catalogue, or [`super::UNEXPLAINED`].
     pub effect: String,
     /// Place or channel at which it acts.
     pub location: String,

@@ -14,6 +14,11 @@ fn frequency() -> Axis {
     Axis::logarithmic("Frequency", "Hz")
 }
 
+/// Magnitudes, dB.
+fn decibels(values: &[Complex<f64>]) -> Vec<f64> {
+    values.iter().map(|value| decibel(value.norm())).collect()
+}
+
 /// Unwrapped phases, degrees.
 fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
     let mut turns = 0.0;
@@ -45,8 +50,6 @@ pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
         y,
         spread,
     };
-    let sizes =
-        |values: &[Complex<f64>]| values.iter().map(|value| decibel(value.norm())).collect::<Vec<f64>>();
     let band = magnitude_band(lines);
     let phase_spread: Vec<f64> = lines.iter().map(Line::phase_half_width_deg).collect();
     let estimated = unwrapped(&values);
@@ -59,8 +62,8 @@ pub(super) fn response(answer: &Answer<'_>) -> Vec<Picture> {
         y: Axis::new("Magnitude", "dB"),
         curves: vec![
             curve("95 % interval", "after", Mark::Band, band.0, band.1),
-            curve("model", "before", Mark::Line, sizes(&answer.model), Vec::new()),
-            curve("estimate", "after", Mark::Line, sizes(&values), Vec::new()),
+            curve("model", "before", Mark::Line, decibels(&answer.model), Vec::new()),
+            curve("estimate", "after", Mark::Line, decibels(&values), Vec::new()),
         ],
     };
     let phase = Drawn {
@@ -190,8 +193,6 @@ fn bode(
     let grid: Vec<f64> = (0..300).map(|i| ends.0 * (ends.1 / ends.0).powf(f64::from(i) / 299.0)).collect();
     let at: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
     let measured: Vec<Complex<f64>> = points.iter().map(|point| point.output / point.input).collect();
-    let sizes =
-        |values: &[Complex<f64>]| values.iter().map(|value| decibel(value.norm())).collect::<Vec<f64>>();
     let mut phases = unwrapped(&measured);
     if let Some((.., transfer)) = fits.first().filter(|_| near) {
         let fitted: Vec<Complex<f64>> = at.iter().map(|hz| transfer.response(*hz)).collect();
@@ -206,7 +207,7 @@ fn bode(
         y,
         spread: Vec::new(),
     };
-    let mut magnitudes = vec![data(sizes(&measured))];
+    let mut magnitudes = vec![data(decibels(&measured))];
     let mut angles = vec![data(phases.clone())];
     for (label, class, transfer) in fits {
         let fitted: Vec<Complex<f64>> = grid.iter().map(|hz| transfer.response(*hz)).collect();
@@ -225,7 +226,7 @@ fn bode(
             y,
             spread: Vec::new(),
         };
-        magnitudes.push(curve(sizes(&fitted)));
+        magnitudes.push(curve(decibels(&fitted)));
         angles.push(curve(phase));
     }
     let drawn =
