@@ -2,6 +2,8 @@
 
 mod encoder;
 mod odd_models;
+mod predictions;
+mod problems;
 mod robust;
 
 use socam_model::{BUILTIN, Model};
@@ -152,68 +154,6 @@ fn emps_data() -> Dataset {
     Dataset::from_columns("axis", channels, time, vec![force, position]).unwrap()
 }
 
-/// Worst disagreement between analytic and difference sensitivities of the cost, relative to the largest.
-fn sensitivity_error(model: &Model, dataset: Dataset, start_state: StartState) -> f64 {
-    let datasets = [dataset];
-    let problem = Problem::new(model, &datasets, Options { start_state, ..Options::default() }).unwrap();
-    let values = model.values();
-    let point = Point { nuisance: evaluation::first_nuisance(&problem, &values).unwrap(), values };
-    let size = |value: f64| if value == 0.0 { 0.1 } else { value.abs() };
-    let scales = problem.free.iter().map(|index| size(point.values[*index])).collect();
-    let weights = Weights::white(vec![0.1; problem.outputs()], scales);
-    let cost = |point: &Point| -> f64 {
-        let results = evaluation::run(&problem, point, &weights).unwrap().unwrap();
-        results.iter().flat_map(|r| &r.channels).map(|c| c.residual_squares / 0.01).sum()
-    };
-    let results = evaluation::run(&problem, &point, &weights).unwrap().unwrap();
-    let r = &results[0].factor;
-    let last = r.ncols() - 1;
-    let analytic = |column: usize| 2.0 * (0..=last).map(|i| r[(i, column)] * r[(i, last)]).sum::<f64>();
-    let nuisance = point.nuisance[0].len();
-    let mut pairs = Vec::new();
-    for (j, index) in problem.free.iter().enumerate() {
-        let eps = 1e-5;
-        let moved = |sign: f64| {
-            let mut moved = point.clone();
-            moved.values[*index] += sign * eps * weights.scales[j];
-            cost(&moved)
-        };
-        pairs.push((analytic(nuisance + j), (moved(1.0) - moved(-1.0)) / (2.0 * eps)));
-    }
-    for i in 0..nuisance {
-        let eps = 1e-5 * point.nuisance[0][i].abs().max(1e-3);
-        let moved = |sign: f64| {
-            let mut moved = point.clone();
-            moved.nuisance[0][i] += sign * eps;
-            cost(&moved)
-        };
-        let size = point.nuisance[0][i].abs().max(1e-3);
-        pairs.push((analytic(i) * size, (moved(1.0) - moved(-1.0)) / (2.0 * eps) * size));
-    }
-    let largest = pairs.iter().map(|(a, _)| a.abs()).fold(0.0, f64::max);
-    pairs.iter().map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
-}
-
-#[test]
-fn sensitivities_agree_with_differences() {
-    let linear = model(|text| text);
-    let bent = model(with_friction);
-    let axis = Model::builtin("emps").unwrap();
-    for start in [StartState::Free, StartState::Equilibrium] {
-        let data = || bench(TRUTH, 0.5, 1.0, 3);
-        let error = sensitivity_error(&linear, data(), start);
-        assert!(error < 1e-6, "linear, {start:?}: {error:e}");
-        let error = sensitivity_error(&bent, data(), start);
-        assert!(error < 1e-5, "with friction, {start:?}: {error:e}");
-    }
-    // Teeth that knock: what each unknown does to the times at which they meet counts too.
-    let loose = linear.with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
-    let error = sensitivity_error(&loose, bench(TRUTH, 0.2, 1.0, 3), StartState::Equilibrium);
-    assert!(error < 2e-4, "with play: {error:e}");
-    let error = sensitivity_error(&axis, emps_data(), StartState::Free);
-    assert!(error < 1e-4, "axis: {error:e}");
-}
-
 /// Inverse dynamics reads channels as they were recorded.
 #[test]
 fn an_effect_at_a_channel_is_no_regression_of_the_force() {
@@ -223,68 +163,6 @@ fn an_effect_at_a_channel_is_no_regression_of_the_force() {
         .unwrap();
     let error = crate::inverse_dynamics(&axis, &[emps_data()]).unwrap_err().to_string();
     assert!(error.contains("direction_gain at force") && error.contains("output-error"), "{error}");
-}
-
-/// What laws of no strength would answer, on a bench that moves in one way and in three.
-#[test]
-fn sensitivities_of_silent_laws_agree_with_differences() {
-    let inactive = |mut model: Model| {
-        for (effect, place, values) in [
-            ("coulomb_friction", "cam_bearing", &[("torque", 0.0)][..]),
-            ("stiffness_hardening", "coupling_1", &[("cubic", 0.0)]),
-            ("gravity_unbalance", "load", &[("torque", 0.0), ("phase", 0.3)]),
-            ("sensor_hum", "torque_out", &[("amplitude", 0.0), ("frequency", 50.0), ("phase", 0.2)]),
-            ("mesh_loss", "mesh", &[("fraction", 0.0)]),
-            ("sensor_ripple", "output_speed", &[("amplitude", 0.0), ("order", 2.0), ("phase", 0.2)]),
-        ] {
-            model = model.with_effect(effect, place, values).unwrap();
-        }
-        model
-    };
-    let data = || bench(TRUTH, 0.3, 1.0, 3);
-    for start in [StartState::Free, StartState::Equilibrium] {
-        let error = sensitivity_error(&inactive(model(with_friction)), data(), start);
-        assert!(error < 1e-5, "{start:?}: {error:e}");
-    }
-    let loose = model(|text| text).with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
-    let error = sensitivity_error(&inactive(loose), data(), StartState::Equilibrium);
-    assert!(error < 2e-4, "with play: {error:e}");
-}
-
-#[test]
-fn modes_and_dense_steps_predict_the_same() {
-    // A friction of nothing sends the same linear drivetrain down the nonlinear path.
-    let data = [bench(TRUTH, 1.0, 0.0, 1)];
-    let linear = model(|text| text);
-    let mut bent = model(with_friction);
-    fix(&mut bent, &[("Tc", 0.0)]);
-    // Steps of the nonlinear path take a spline for a parabola.
-    for (intersample, tolerance) in
-        [(Intersample::Hold, 1e-6), (Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)]
-    {
-        let options = Options { intersample: Some(intersample), ..Options::default() };
-        let fit = |model: &Model| {
-            evaluate(&Problem::new(model, &data, options.clone()).unwrap(), &model.values()).unwrap()
-        };
-        for ((name, a), (_, b)) in fit(&linear).channels.iter().zip(&fit(&bent).channels) {
-            assert!((a.rms / b.rms - 1.0).abs() < tolerance, "{name}: {} against {}", a.rms, b.rms);
-        }
-    }
-}
-
-#[test]
-fn an_exact_bench_is_predicted_to_a_thousandth_of_its_noise() {
-    for tc in [0.0, 0.6] {
-        let truth = Truth::from([71.0, 54.4, 52485.0, 110.0, 0.02, 0.02, 0.08, 0.05, tc]);
-        let data = [bench(truth, 2.0, 0.0, 1)];
-        let mut model = model(with_friction);
-        set_truth(&mut model, truth);
-        let fit =
-            evaluate(&Problem::new(&model, &data, Options::default()).unwrap(), &model.values()).unwrap();
-        for ((name, fit), noise) in fit.channels.iter().zip([0.02, 0.01, 0.05]) {
-            assert!(fit.rms < 0.05 * noise, "{name} at Tc = {tc}: {}", fit.rms);
-        }
-    }
 }
 
 #[test]
@@ -366,123 +244,4 @@ fn friction_comes_back_with_the_rest() {
         }
     }
     assert!(result.converged);
-}
-
-#[test]
-fn a_linear_hold_biases_damping_and_a_band_limited_one_does_not() {
-    let data = [bench(TRUTH, 4.0, 0.02, 2)];
-    let mut model = model(|text| text);
-    fix(&mut model, &[("k2", 54.4), ("k3", 52485.0), ("c3", 0.02)]);
-    let error = |intersample| {
-        let options = Options { intersample: Some(intersample), starts: 1, ..Options::default() };
-        let result = output_error(&Problem::new(&model, &data, options).unwrap()).unwrap();
-        (result.point[model.parameter("c2").unwrap()] / 0.02 - 1.0).abs()
-    };
-    let (linear, sharp) = (error(Intersample::Linear), error(Intersample::BandLimited));
-    assert!(linear > 0.01 && sharp < 0.3 * linear, "linear {linear}, band-limited {sharp}");
-}
-
-#[test]
-fn bounds_constraints_and_priors_hold() {
-    let data = [bench(TRUTH, 3.0, 1.0, 4)];
-    let mut tight = model(|text| {
-        text.replace(
-            "k4 = { value = 1.92, unit = \"N m/deg\", bounds = [0.01, 100]",
-            "k4 = { value = 1.5, unit = \"N m/deg\", bounds = [1, 1.6]",
-        )
-    });
-    fix(&mut tight, &[("k2", 54.4), ("k3", 52485.0), ("c3", 0.02)]);
-    let result =
-        output_error(&Problem::new(&tight, &data, Options { starts: 1, ..Options::default() }).unwrap())
-            .unwrap();
-    let k4 = tight.parameter("k4").unwrap();
-    assert!((result.point[k4] / tight.parameters[k4].bounds.1 - 1.0).abs() < 1e-6, "{}", result.point[k4]);
-    assert!(!result.parameters[k4].identifiable && result.parameters[k4].note.contains("bound"));
-
-    let free = model(|text| text);
-    let index = |name: &str| free.parameter(name).unwrap();
-    let equal = Constraint { terms: vec![(index("k1"), 1.0), (index("k2"), -1.0)], lower: 0.0, upper: 0.0 };
-    let mut start = free.clone();
-    start.parameters[index("k2")].value = start.parameters[index("k1")].value;
-    let options = Options { starts: 1, constraints: vec![equal], ..Options::default() };
-    let result = output_error(&Problem::new(&start, &data, options).unwrap()).unwrap();
-    let (k1, k2) = (result.point[index("k1")], result.point[index("k2")]);
-    assert!((k1 / k2 - 1.0).abs() < 1e-6, "{k1} {k2}");
-    let series = 71.0 * 54.4 / (71.0 + 54.4);
-    assert!((0.5 * k1 / series - 1.0).abs() < 1e-2, "{k1}");
-
-    let prior =
-        model(|text| text.replace("source = \"identified, table 4.6\"", "prior = { value = 916, std = 20 }"));
-    let result =
-        output_error(&Problem::new(&prior, &data, Options { starts: 1, ..Options::default() }).unwrap())
-            .unwrap();
-    let k3 = &result.parameters[index("k3")];
-    assert!(k3.identifiable && k3.source == crate::Source::Prior, "{k3:?}");
-}
-
-#[test]
-fn gaps_and_missing_values_are_survived() {
-    let whole = bench(TRUTH, 4.0, 1.0, 9);
-    let loaded = whole.load(&["motor_speed", "output_speed", "torque_in", "torque_out"]).unwrap();
-    let keep: Vec<usize> = (0..loaded.time_s.len()).filter(|k| !(1500..1600).contains(k)).collect();
-    let time = keep.iter().map(|k| loaded.time_s[*k]).collect();
-    let mut columns: Vec<Vec<f64>> =
-        loaded.columns.iter().map(|c| keep.iter().map(|k| c.values()[*k]).collect()).collect();
-    columns[2][200..900].fill(f64::NAN);
-    columns[0][3000] = f64::NAN;
-    let holed = [Dataset::from_columns("holed", whole.channels().to_vec(), time, columns).unwrap()];
-    let mut model = model(|text| text);
-    fix(&mut model, &[("k2", 54.4), ("k3", 52485.0), ("c3", 0.02)]);
-    let problem = Problem::new(&model, &holed, Options { starts: 1, ..Options::default() }).unwrap();
-    assert_eq!(problem.segments.len(), 3);
-    let result = output_error(&problem).unwrap();
-    let k4 = &result.parameters[model.parameter("k4").unwrap()];
-    assert!((k4.value.unwrap() / 110.0 - 1.0).abs() < 0.01, "{k4:?}");
-    assert!(result.warnings.iter().any(|w| w.contains("2 gaps")), "{:?}", result.warnings);
-}
-
-#[test]
-fn the_same_digits_whatever_the_number_of_threads() {
-    let data = [bench(TRUTH, 2.0, 1.0, 1), bench(TRUTH, 3.0, 1.0, 2), bench(TRUTH, 0.7, 1.0, 3)];
-    let model =
-        model(|text| text.replace("at = \"coupling_1\"", "at = \"coupling_1\"\nestimate_offset = true"));
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let options = Options { starts: 2, ..Options::default() };
-            let mut problem = Problem::new(&model, &data, options).unwrap();
-            problem.segments = segments::segments(&model, &data, 450, &mut Vec::new()).unwrap();
-            assert!(problem.segments.len() > 10);
-            let mut result = output_error(&problem).unwrap();
-            result.cpu_s = 0.0;
-            let point: Vec<u64> = result.point.iter().map(|value| value.to_bits()).collect();
-            (serde_json::to_string(&result).unwrap(), point)
-        })
-    };
-    let alone = run(1);
-    assert_eq!(alone, run(2));
-    assert_eq!(alone, run(3));
-}
-
-#[test]
-fn input_that_cannot_be_used_is_named() {
-    let model = model(|text| text);
-    let refused =
-        |datasets: &[Dataset]| Problem::new(&model, datasets, Options::default()).unwrap_err().to_string();
-    assert!(refused(&[]).contains("no recording"));
-    assert!(refused(&[bench(TRUTH, 0.01, 0.0, 1)]).contains("10 samples"));
-    assert!(
-        refused(&[emps_data()]).contains("motor_speed_rad_s")
-            || refused(&[emps_data()]).contains("output_speed_rad_s")
-    );
-    let mut fixed = model.clone();
-    fixed.parameters.iter_mut().for_each(|parameter| parameter.fixed = true);
-    let data = [bench(TRUTH, 0.1, 0.0, 1)];
-    assert!(Problem::new(&fixed, &data, Options::default()).unwrap_err().to_string().contains("fixed"));
-    let known = Options {
-        noise: Noise::Given(NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.0] }),
-        starts: 1,
-        ..Options::default()
-    };
-    assert!(output_error(&Problem::new(&model, &data, known).unwrap()).is_ok());
 }

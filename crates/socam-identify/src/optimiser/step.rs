@@ -206,38 +206,8 @@ fn quadratic_programme(
     let q: Vec<f64> = gradient.iter().map(|g| g / size).collect();
     let upper: Vec<Vec<f64>> =
         (0..free).map(|i| (0..free).map(|j| if i <= j { hessian(i, j) } else { 0.0 }).collect()).collect();
-    // a z <= b in these units; equalities come first, in the zero cone.
-    let mut equalities: Vec<(Vec<f64>, f64)> = Vec::new();
-    let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
-    for (j, (low, high)) in limits.iter().enumerate() {
-        for (sign, limit) in [(1.0, *high), (-1.0, -*low)] {
-            if limit.is_finite() {
-                let mut row = vec![0.0; free];
-                row[j] = sign;
-                rows.push((row, limit * norms[j] / size));
-            }
-        }
-    }
-    for constraint in &problem.options.constraints {
-        let now: f64 = constraint.terms.iter().map(|(index, c)| c * point.values[*index]).sum();
-        for (sign, limit) in [(1.0, constraint.upper - now), (-1.0, now - constraint.lower)] {
-            let mut row = vec![0.0; free];
-            for (index, c) in &constraint.terms {
-                if let Some(j) = problem.free.iter().position(|free| free == index) {
-                    row[j] += sign * c * weights.scales[j] / norms[j];
-                }
-            }
-            let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
-            if limit.is_finite() && length > 0.0 {
-                let row = (row.iter().map(|r| r / length).collect(), limit / (length * size));
-                match (constraint.lower == constraint.upper, sign > 0.0) {
-                    (true, true) => equalities.push(row),
-                    (true, false) => {}
-                    (false, _) => rows.push(row),
-                }
-            }
-        }
-    }
+    let Inequalities { equalities, rows } = Inequalities::of(problem, point, weights, norms, limits, size);
+    // Equalities come first, in the zero cone.
     let cones = [ZeroConeT(equalities.len()), NonnegativeConeT(rows.len())];
     let (dense, right): (Vec<Vec<f64>>, Vec<f64>) = equalities.into_iter().chain(rows).unzip();
     let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
@@ -249,4 +219,56 @@ fn quadratic_programme(
         let steps = solver.solution.x.iter().zip(norms).zip(limits);
         steps.map(|((z, norm), (low, high))| (z * size / norm).clamp(*low, *high)).collect()
     })
+}
+
+/// Rows a z <= b of a quadratic programme, and equalities a z = b, in unknowns z = norm * step / size.
+struct Inequalities {
+    equalities: Vec<(Vec<f64>, f64)>,
+    rows: Vec<(Vec<f64>, f64)>,
+}
+
+impl Inequalities {
+    /// From the limits of each step and the problem's constraints.
+    fn of(
+        problem: &Problem<'_>,
+        point: &Point,
+        weights: &Weights,
+        norms: &[f64],
+        limits: &[(f64, f64)],
+        size: f64,
+    ) -> Self {
+        let free = norms.len();
+        let mut equalities: Vec<(Vec<f64>, f64)> = Vec::new();
+        let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
+        for (j, (low, high)) in limits.iter().enumerate() {
+            for (sign, limit) in [(1.0, *high), (-1.0, -*low)] {
+                if limit.is_finite() {
+                    let mut row = vec![0.0; free];
+                    row[j] = sign;
+                    rows.push((row, limit * norms[j] / size));
+                }
+            }
+        }
+        for constraint in &problem.options.constraints {
+            let now: f64 = constraint.terms.iter().map(|(index, c)| c * point.values[*index]).sum();
+            for (sign, limit) in [(1.0, constraint.upper - now), (-1.0, now - constraint.lower)] {
+                let mut row = vec![0.0; free];
+                for (index, c) in &constraint.terms {
+                    if let Some(j) = problem.free.iter().position(|free| free == index) {
+                        row[j] += sign * c * weights.scales[j] / norms[j];
+                    }
+                }
+                let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
+                if limit.is_finite() && length > 0.0 {
+                    let row = (row.iter().map(|r| r / length).collect(), limit / (length * size));
+                    match (constraint.lower == constraint.upper, sign > 0.0) {
+                        (true, true) => equalities.push(row),
+                        (true, false) => {}
+                        (false, _) => rows.push(row),
+                    }
+                }
+            }
+        }
+        Self { equalities, rows }
+    }
 }

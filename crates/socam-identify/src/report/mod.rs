@@ -81,12 +81,7 @@ pub(crate) fn identification(
     if problem.options.try_other_intersamples && end != End::Interrupted {
         warnings.extend(intersample_check::warnings(problem, &descent, &parameters)?);
     }
-    if end == End::Interrupted {
-        warnings.push("the search was interrupted: values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is".into());
-    }
-    if end == End::Stalled || end == End::IterationLimit {
-        warnings.push("the fit did not converge; its intervals mean little: give better start values, fix what is known, or look at the residuals".into());
-    }
+    warnings.extend(end_warning(end));
     Ok(Identification {
         schema: SCHEMA,
         method: "output-error",
@@ -107,6 +102,20 @@ pub(crate) fn identification(
         point: descent.point.values,
         cost,
     })
+}
+
+/// Warning about a fit that did not end at a minimum.
+fn end_warning(end: End) -> Option<String> {
+    let warning = match end {
+        End::Interrupted => {
+            "the search was interrupted: values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is"
+        }
+        End::Stalled | End::IterationLimit => {
+            "the fit did not converge; its intervals mean little: give better start values, fix what is known, or look at the residuals"
+        }
+        End::Converged | End::AtBound => return None,
+    };
+    Some(warning.into())
 }
 
 /// Noise levels of the inputs by channel name; zero where none was estimated.
