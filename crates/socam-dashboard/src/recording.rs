@@ -1,6 +1,6 @@
 //! An opened recording: its description and its samples.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use socam_recording::Dataset;
@@ -118,7 +118,11 @@ impl Recording {
 /// # Errors
 /// When the disk is full, the recording cannot be read, or it was cancelled; one sentence.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn indexed(data: &Dataset, target: &Path, handle: &Handle) -> Result<(About, Samples), String> {
+pub fn indexed(
+    data: &Dataset,
+    target: &std::path::Path,
+    handle: &Handle,
+) -> Result<(About, Samples), String> {
     use crate::samples::index::Writer;
 
     let about = about(data);
