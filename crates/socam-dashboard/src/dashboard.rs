@@ -56,6 +56,8 @@ pub struct Dashboard {
     pub(crate) notices: Vec<Notice>,
     pub(crate) dialog: Option<Dialog>,
     pub(crate) help: bool,
+    /// Where the emergency stop was drawn in the last frame, points.
+    stop_button: egui::Rect,
     /// The charts of the last pass, for exports.
     pub(crate) seen: Vec<Seen>,
     /// Held-out recordings of a diagnosis that begins once all files are open.
@@ -102,6 +104,7 @@ impl Dashboard {
             notices: Vec::new(),
             dialog: None,
             help: false,
+            stop_button: egui::Rect::NOTHING,
             seen: Vec::new(),
             exporting: None,
             diagnose: None,
@@ -286,8 +289,12 @@ impl Dashboard {
     }
 
     fn keys(&mut self, ctx: &egui::Context) {
-        // First of all, so that no other control consumes the key.
-        if self.live.is_connected() && ctx.input(|input| input.key_pressed(Key::Escape)) {
+        // First of all, so that no other control consumes the key, and no dialog covers the button.
+        let stop = |input: &egui::InputState| {
+            let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
+            input.key_pressed(Key::Escape) || (input.pointer.primary_pressed() && on_button())
+        };
+        if self.live.is_connected() && ctx.input(stop) {
             self.live.emergency_stop();
         }
         self.shortcuts(ctx);

@@ -25,6 +25,7 @@ impl Dashboard {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);
                 let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
+                self.stop_button = stop.rect;
                 if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
                     self.live.emergency_stop();
                 }

@@ -128,6 +128,24 @@ fn the_emergency_stop_cuts_the_command_from_any_view_by_its_key() {
 }
 
 #[test]
+fn a_press_on_the_emergency_stop_acts_while_a_dialog_is_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = connected("sim", folder.path(), 1000.0);
+    running(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+    window.run_steps(2);
+    window.get_by_label("Cancel");
+    let pos = window.get_by_label("EMERGENCY STOP").rect().center();
+    let button = egui::PointerButton::Primary;
+    let press = egui::Event::PointerButton { pos, button, pressed: true, modifiers: egui::Modifiers::NONE };
+    window.event(egui::Event::PointerMoved(pos));
+    window.event(press);
+    window.run_steps(1);
+    until(&mut window, "the end", |window| window.state().live.ended().is_some());
+    until(&mut window, "the fault", |window| state(window) == Some(State::Fault));
+}
+
+#[test]
 fn a_rehearsal_moves_the_virtual_bench_only_and_is_recorded_and_drawn() {
     #[derive(clap::Parser)]
     struct Words {
