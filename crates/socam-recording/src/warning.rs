@@ -53,6 +53,16 @@ pub enum Warning {
         /// How many.
         samples: u64,
     },
+    /// A log with fewer samples than its summary says.
+    #[error(
+        "the log says that {written} samples were written, and only {read} can be read: the file is damaged; copy it again from its source"
+    )]
+    MissingSamples {
+        /// Number that was written, by the summary.
+        written: u64,
+        /// Number that can be read.
+        read: u64,
+    },
     /// Any other note of a reader.
     #[error("{0}")]
     Note(String),

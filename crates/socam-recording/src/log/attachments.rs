@@ -25,9 +25,14 @@ pub struct Attachment {
 pub fn read_attachments(path: &Path) -> Result<Vec<Attachment>> {
     let mut records = Records::open(path)?;
     let mut attachments = Vec::new();
-    while let Next::Record { opcode, body, .. } = records.next(|opcode| opcode == op::ATTACHMENT)? {
+    loop {
+        let (opcode, body) = match records.next(|opcode| opcode == op::ATTACHMENT)? {
+            Next::Record { opcode, body, .. } => (opcode, body),
+            Next::Damaged(..) => continue,
+            Next::End | Next::Cut(_) => break,
+        };
         if opcode == op::ATTACHMENT
-            && let Ok(Record::Attachment { header, data, .. }) = mcap::parse_record(opcode, body)
+            && let Some(Record::Attachment { header, data, .. }) = super::parse::record(opcode, body)
         {
             attachments.push(Attachment {
                 name: header.name,

@@ -138,6 +138,8 @@ pub(crate) struct Decoder {
     event_channel: Option<u16>,
     pub(crate) contents: LogContents,
     pub(crate) warnings: Vec<Warning>,
+    /// Samples written and lost, by the log's own summary; `None` before it.
+    pub(crate) counts: Option<[u64; 2]>,
 }
 
 impl Decoder {
@@ -146,7 +148,7 @@ impl Decoder {
         if opcode == op::MESSAGE {
             return self.message(body);
         }
-        match mcap::parse_record(opcode, body).ok()? {
+        match super::parse::record(opcode, body)? {
             Record::Header(header) => self.contents.library = header.library,
             Record::Schema { header, data } => {
                 self.schemas.insert(header.id, (header.name, data.into_owned()));
@@ -161,7 +163,10 @@ impl Decoder {
             }
             Record::Metadata(metadata) => {
                 let prefix = metadata.name;
-                if prefix != SUMMARY_NAME {
+                if prefix == SUMMARY_NAME {
+                    let number = |name| metadata.metadata.get(name)?.parse().ok();
+                    self.counts = number("samples_written").zip(number("samples_lost")).map(<[u64; 2]>::from);
+                } else {
                     let entries = metadata.metadata.into_iter();
                     self.contents
                         .metadata

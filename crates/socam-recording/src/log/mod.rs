@@ -7,6 +7,7 @@ pub(crate) mod decode;
 mod inflate;
 pub(crate) mod names;
 mod order;
+mod parse;
 mod queue;
 pub(crate) mod record;
 mod records;

@@ -28,12 +28,18 @@ pub(crate) struct Records {
     body: Vec<u8>,
 }
 
+/// Length of a footer and of an end of data, which no other record may pass for: a flipped bit in an opcode would end the log there.
+const FOOTER_BYTES: u64 = 20;
+const DATA_END_BYTES: u64 = 4;
+
 pub(crate) enum Next<'a> {
     Record {
         opcode: u8,
         byte: u64,
         body: &'a mut Vec<u8>,
     },
+    /// A record with the opcode of an end and the length of another record: first byte and length.
+    Damaged(u64, u64),
     /// The regular end.
     End,
     /// The file is cut off or invalid from this byte on.
@@ -80,6 +86,12 @@ impl Records {
             u64::from_le_bytes([head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8]]);
         if opcode == 0 || length > left - RECORD_HEAD {
             return Ok(Next::Cut(byte));
+        }
+        if opcode == op::FOOTER && length != FOOTER_BYTES
+            || opcode == op::DATA_END && length != DATA_END_BYTES
+        {
+            self.seek(byte + RECORD_HEAD + length)?;
+            return Ok(Next::Damaged(byte, RECORD_HEAD + length));
         }
         if opcode == op::FOOTER {
             let end = byte + RECORD_HEAD + length + mcap::MAGIC.len() as u64;

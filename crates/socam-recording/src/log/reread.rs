@@ -29,7 +29,11 @@ impl LogSamples {
         let enough = table.rows() + rows;
         while table.rows() < enough {
             let wanted = |opcode| matches!(opcode, op::CHUNK | op::MESSAGE | op::DATA_END);
-            let Next::Record { opcode, byte, body } = self.records.next(wanted)? else { return Ok(false) };
+            let (opcode, byte, body) = match self.records.next(wanted)? {
+                Next::Record { opcode, byte, body } => (opcode, byte, body),
+                Next::Damaged(..) => continue,
+                Next::End | Next::Cut(_) => return Ok(false),
+            };
             let samples = &mut self.samples;
             let mut take = |opcode, body: &[u8]| match opcode {
                 op::MESSAGE => samples.message(body).map(drop),

@@ -28,6 +28,8 @@ pub(crate) struct LogScan {
     decoder: Decoder,
     /// Order of all samples so far.
     order: SampleOrder,
+    /// Number of samples so far.
+    rows: u64,
     /// Tables unpacked and not returned yet.
     ready: Vec<Part>,
     /// Buffers to reuse.
@@ -45,6 +47,7 @@ impl LogScan {
             records: Records::open(path)?,
             decoder: Decoder::default(),
             order: SampleOrder::default(),
+            rows: 0,
             ready: Vec::new(),
             spare: Vec::new(),
             ended: false,
@@ -148,6 +151,7 @@ impl LogScan {
             byte: group.byte,
             problem,
         })?;
+        self.rows += group.table.rows() as u64;
         if group.table.rows() > 0 {
             let place = Place { byte: group.byte, line: 0 };
             self.ready.push(Part { place, end_byte: group.end_byte, table: group.table });
@@ -179,6 +183,7 @@ impl LogScan {
                     return Ok(Some(Raw { opcode, byte, body }));
                 }
                 Next::Record { .. } => {}
+                Next::Damaged(byte, bytes) => self.damaged.push((byte, bytes)),
                 Next::End => self.ended = true,
                 Next::Cut(byte) => {
                     self.ended = true;
@@ -193,7 +198,7 @@ impl LogScan {
         self.samples_whole = true;
         loop {
             match self.records.next(|_| false)? {
-                Next::Record { .. } => {}
+                Next::Record { .. } | Next::Damaged(..) => {}
                 Next::End => break,
                 Next::Cut(byte) => {
                     self.cut = Some(byte);
@@ -225,11 +230,18 @@ impl LogScan {
 
     /// The layout, and what else is known at the end.
     pub(crate) fn finish(self) -> (LogLayout, EndOfRows) {
-        let lost_samples = self.order.lost;
         let mut warnings = self.decoder.warnings;
-        if lost_samples > 0 {
-            warnings.push(Warning::LostSamples { samples: lost_samples });
+        if self.order.lost > 0 {
+            warnings.push(Warning::LostSamples { samples: self.order.lost });
         }
+        // Sequence numbers do not show what is missing at the end.
+        let [written, lost] = self.decoder.counts.unwrap_or_default();
+        let unread = written.saturating_sub(self.rows);
+        if unread > 0 {
+            warnings.push(Warning::MissingSamples { written, read: self.rows });
+        }
+        let lost_samples =
+            if unread > 0 { self.order.lost.max(lost.saturating_add(unread)) } else { self.order.lost };
         warnings.extend(self.damaged.into_iter().map(|(byte, bytes)| Warning::Damaged { byte, bytes }));
         let contents = self.decoder.contents;
         let cut = self.cut.map(|byte| Cut {

@@ -71,6 +71,30 @@ fn a_damaged_chunk_is_left_out_and_said() {
 }
 
 #[test]
+fn a_chunk_whose_opcode_is_damaged_is_missed() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.mcap");
+    record(&path, 2000, Some(Duration::from_millis(200)));
+    let whole = std::fs::read(&path).unwrap();
+    let chunks = chunks(&whole);
+    // The first chunk has the schemas, without which no sample can be read.
+    for start in &chunks[1..] {
+        for opcode in [0x02, 0x0F, 0x07, 0x0E, 0x46] {
+            let mut bytes = whole.clone();
+            bytes[*start] = opcode;
+            std::fs::write(&path, &bytes).unwrap();
+            let data = open(&path).unwrap();
+            assert!(data.rows() < 2000 && data.cut().is_none(), "{opcode} at {start}");
+            assert_eq!(data.rows() + data.lost_samples(), 2000, "{opcode} at {start}");
+            let missing = Warning::MissingSamples { written: 2000, read: data.rows() };
+            assert!(data.warnings().contains(&missing), "{opcode} at {start}: {:?}", data.warnings());
+            let values = data.load(&["motor_speed"]).unwrap();
+            assert_eq!(values.columns[0].values().len() as u64, data.rows());
+        }
+    }
+}
+
+#[test]
 fn a_full_disk_and_a_missing_right_are_said() {
     let mut header = header();
     header.replace = true;
