@@ -1,7 +1,7 @@
 //! A virtual board in this process, behind the same bytes as a real one.
 //!
-//! Board and host take turns: each read lets the board's clock go on a little. So a run is the same every time, no sample
-//! waits for a slow host, and simulated time passes as fast as the machine allows, or in step with the clock on the wall.
+//! Board and host alternate: each read advances the board's clock by one turn. So every run is the same, a slow host loses no
+//! sample, and simulated time passes as fast as the machine allows, or in real time.
 
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -16,9 +16,9 @@ const TURN_US: u64 = 20_000;
 /// How fast a virtual board's time passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pace {
-    /// As fast as it can.
+    /// As fast as possible.
     Fast,
-    /// As on the wall.
+    /// In real time.
     RealTime,
 }
 

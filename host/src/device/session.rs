@@ -1,4 +1,4 @@
-//! A conversation with a board: who it is, requests and answers, and everything it sends unasked.
+//! A session with a board: its identity, requests and answers, samples and statuses.
 
 use std::collections::VecDeque;
 use std::io::ErrorKind;
@@ -11,30 +11,30 @@ use socam_wire::{
     BoardStatus, Decoder, Encoder, Identity, LinkCounts, LinkError, MAX_FRAME, SampleBatch, ToBoard, ToHost,
 };
 
-use super::Stream;
+use super::stream::Stream;
 
-/// How long a board may take to say who it is. It is asked again in between: what was said while it started is lost.
+/// Longest time until a board sends its identity, and the interval at which it is asked: requests during its start are lost.
 const HELLO_WITHIN: Duration = Duration::from_secs(3);
 const HELLO_EVERY: Duration = Duration::from_millis(300);
 
-/// How long an answer may take.
+/// Longest time until an answer.
 const ANSWER_WITHIN: Duration = Duration::from_secs(2);
 
-/// Something the board said unasked.
+/// A message that the board sends by itself.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "they are short-lived, and most are samples")]
 pub(crate) enum Heard {
     /// Samples.
     Samples(SampleBatch),
-    /// How it is doing.
+    /// State and counters.
     Status(BoardStatus),
 }
 
-/// An open link to a board that has said who it is.
+/// An open link to a board whose identity is known.
 pub(crate) struct Session {
     stream: Box<dyn Stream>,
     device: String,
-    /// The other end's time passes only while we listen.
+    /// Whether the board's time passes only while the host reads.
     is_patient: bool,
     encoder: Encoder,
     decoder: Decoder<ToHost>,
@@ -47,7 +47,7 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// Asks the board who it is. `device` names it in errors; `is_patient`: its time passes only while we listen.
+    /// Asks the board's identity. `device` names it in errors; `is_patient`: its time passes only while the host reads.
     pub(crate) fn open(
         mut stream: Box<dyn Stream>,
         device: String,
@@ -88,7 +88,7 @@ impl Session {
                         return Ok(session);
                     }
                     Err(error @ LinkError::ForeignVersion { .. }) => bail!("{device}: {error}"),
-                    // What an earlier conversation left in the line.
+                    // Bytes of an earlier session in the line.
                     _ => {}
                 }
             }
@@ -104,22 +104,22 @@ impl Session {
         );
     }
 
-    /// Who the board is.
+    /// The board's identity.
     pub(crate) fn identity(&self) -> &Identity {
         &self.identity
     }
 
-    /// Whether the board's time passes only while we listen.
+    /// Whether the board's time passes only while the host reads.
     pub(crate) fn is_patient(&self) -> bool {
         self.is_patient
     }
 
-    /// What went wrong with frames from the board.
+    /// Errors of frames from the board.
     pub(crate) fn link_counts(&self) -> &LinkCounts {
         &self.counts
     }
 
-    /// Asks something of the board and waits for its answer; what it says meanwhile is kept for [`Self::next`].
+    /// Sends a request and waits for its answer; other messages meanwhile are kept for [`Self::next`].
     pub(crate) fn request(&mut self, request: Request) -> anyhow::Result<Result<(), Refusal>> {
         let number = self.post(request)?;
         let begin = Instant::now();
@@ -134,7 +134,7 @@ impl Session {
         Err(anyhow!("{} does not answer any more (waited {} s)", self.device, ANSWER_WITHIN.as_secs()))
     }
 
-    /// Asks something of the board without waiting for the answer.
+    /// Sends a request without waiting for its answer.
     pub(crate) fn post(&mut self, request: Request) -> anyhow::Result<u16> {
         self.requests = self.requests.wrapping_add(1);
         let number = self.requests;
@@ -142,12 +142,12 @@ impl Session {
         Ok(number)
     }
 
-    /// Lets go of what the board said until now.
+    /// Drops the messages received so far.
     pub(crate) fn forget(&mut self) {
         self.heard.clear();
     }
 
-    /// What the board said next, or `None` when it said nothing for a moment.
+    /// The next message, or `None` if none arrives within a read's timeout.
     pub(crate) fn next(&mut self) -> anyhow::Result<Option<Heard>> {
         if self.heard.is_empty() {
             self.listen()?;
@@ -192,7 +192,7 @@ fn send(
         .map_err(|error| anyhow!("the link to {device} broke: {error}"))
 }
 
-/// Bytes that arrived within a moment; 0 when there were none.
+/// Number of bytes received within a read's timeout.
 fn receive(stream: &mut dyn Stream, buffer: &mut [u8], device: &str) -> anyhow::Result<usize> {
     match stream.read(buffer) {
         Ok(0) => bail!("{device} closed the link"),
@@ -205,7 +205,7 @@ fn receive(stream: &mut dyn Stream, buffer: &mut [u8], device: &str) -> anyhow::
         {
             Ok(0)
         }
-        // No link broke where the virtual board itself failed.
+        // A failure of the virtual board is not one of the link.
         Err(error) if error.get_ref().is_some_and(|e| e.is::<SimError>()) => bail!("{error}"),
         Err(error) => bail!("the link to {device} broke: {error}"),
     }

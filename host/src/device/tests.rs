@@ -1,5 +1,7 @@
 use std::io::{self, Read, Write};
+use std::time::Duration;
 
+use serialport::{SerialPortInfo, SerialPortType};
 use socam_core::Request;
 use socam_model::Model;
 use socam_recording::{Calibration, Dataset, ProfileFile, Selection};

@@ -27,13 +27,13 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
-    /// The drivetrain as it really is.
+    /// The true drivetrain.
     pub(crate) fn truth(&self) -> anyhow::Result<Truth> {
         let model = model_file::load(&self.model)?;
         Truth::new(&model, &self.set, &self.hide).map_err(|error| WrongArguments(error.to_string()).into())
     }
 
-    /// The whole bench. Its sensors are those of `calibration`, or such as suit the model.
+    /// The whole bench, with the sensors of `calibration`, or by default those for the model.
     pub(crate) fn setup(&self, calibration: Option<Calibration>) -> anyhow::Result<Setup> {
         let truth = self.truth()?;
         let calibration = calibration.unwrap_or_else(|| calibration_for(&truth.model));

@@ -1,0 +1,68 @@
+//! What a run needs, and what it returns.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use socam_core::Profile;
+use socam_recording::{Attachment, Calibration, RecordingSummary};
+use socam_wire::{BoardStatus, SampleBatch};
+
+/// The settings of a run.
+pub(crate) struct Plan {
+    /// The profile to run.
+    pub(crate) profile: Profile,
+    /// The calibration of the bench.
+    pub(crate) calibration: Calibration,
+    /// Sampling period.
+    pub(crate) period_us: u32,
+    /// Path of the recording.
+    pub(crate) path: PathBuf,
+    /// Whether an existing file is replaced.
+    pub(crate) replace: bool,
+    /// Metadata of the recording, by name.
+    pub(crate) metadata: BTreeMap<String, String>,
+    /// Attachments of the recording.
+    pub(crate) attachments: Vec<Attachment>,
+    /// Time of day at the first sample, ns since 1970.
+    pub(crate) start_unix_ns: u64,
+}
+
+/// How a run ended; what was recorded is kept in any case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum End {
+    /// The profile has ended.
+    Finished,
+    /// The operator stopped it.
+    Stopped,
+    /// The board stopped it, for this reason.
+    Fault(String),
+    /// The link broke, in words.
+    Broken(String),
+}
+
+/// The result of a run.
+#[derive(Debug, Clone)]
+pub(crate) struct Report {
+    /// Counts of the recording.
+    pub(crate) summary: RecordingSummary,
+    /// How it ended.
+    pub(crate) end: End,
+    /// Time from the first to the last sample, s.
+    pub(crate) duration_s: f64,
+}
+
+/// Observes a run while it is recorded: a terminal or a window.
+pub(crate) trait Monitor {
+    /// Number of stops that the operator has requested: the first one ramps down, the second one stops at once.
+    fn stops(&self) -> u32;
+    /// The time of the run's last sample.
+    fn reached(&mut self, _device_time_ns: i64) {}
+    /// Samples received, recorded or not.
+    fn samples(&mut self, _batch: &SampleBatch) {}
+    /// State of the board; damaged frames in both directions; samples recorded and lost.
+    fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
+    /// A note of the operator for the recording.
+    fn note(&mut self) -> Option<String> {
+        None
+    }
+}
