@@ -9,7 +9,7 @@ use crate::concealed::{Concealed, Override};
 use crate::flaw::Flaw;
 
 /// Adds hidden effects to what the machine has beyond its model; returns the flaws of its sensors.
-pub(in crate::challenge) fn conceal(
+pub(crate) fn conceal(
     machine: &Machine,
     hidden: &[Hidden],
     unmodelled: &mut Unmodelled,

@@ -16,7 +16,7 @@ pub struct Hidden {
 }
 
 /// Effects of the catalogue that may be hidden.
-pub(in crate::challenge) const NAMED: [&str; 24] = [
+pub(crate) const NAMED: [&str; 24] = [
     "coulomb_friction",
     "stribeck_friction",
     "quadratic_drag",
@@ -44,5 +44,5 @@ pub(in crate::challenge) const NAMED: [&str; 24] = [
 ];
 
 /// Effects outside the catalogue.
-pub(in crate::challenge) const OUTSIDE: [&str; 7] =
+pub(crate) const OUTSIDE: [&str; 7] =
     ["eddy_current_brake", "late_pad", "angle_play", "angle_drag", "loosening", "gain_drift", "wearing_in"];

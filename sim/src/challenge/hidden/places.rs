@@ -5,7 +5,7 @@ use crate::challenge::motion::Motion;
 use crate::challenge::unmodelled::Unmodelled;
 
 /// Places of an effect at which it changes the recordings.
-pub(in crate::challenge) fn places(machine: &Machine, effect: &str) -> Vec<String> {
+pub(crate) fn places(machine: &Machine, effect: &str) -> Vec<String> {
     let free = |node: usize| machine.input.drive != Drive::Speed || node != machine.input.node;
     let bearings = machine.bearings.iter().filter(|bearing| free(bearing.node));
     let names = |list: Vec<&String>| list.into_iter().cloned().collect::<Vec<_>>();

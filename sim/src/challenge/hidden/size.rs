@@ -43,13 +43,7 @@ fn at(machine: &Machine, scales: &Scales, place: &str) -> At {
 }
 
 /// The effect at a place, with a drawn size.
-pub(in crate::challenge) fn hide(
-    effect: &str,
-    place: &str,
-    machine: &Machine,
-    scales: &Scales,
-    draw: &mut Draw,
-) -> Hidden {
+pub(crate) fn hide(effect: &str, place: &str, machine: &Machine, scales: &Scales, draw: &mut Draw) -> Hidden {
     let at = at(machine, scales, place);
     let (parameters, own) = match effect {
         "coulomb_friction"
