@@ -165,6 +165,35 @@ fn a_link_that_breaks_keeps_what_was_recorded() {
     assert!(data.unwrap().rows() > 500);
 }
 
+#[test]
+fn a_board_that_loses_power_in_a_run_has_not_finished_it() {
+    /// A board that is replaced by a new one, just switched on, after some bytes.
+    struct PowerCut(Lossy, Calibration);
+    impl Read for PowerCut {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            if self.0.passed > 20_000 {
+                self.0 = Lossy { inner: in_process(&self.1), passed: 0 };
+            }
+            self.0.read(buffer)
+        }
+    }
+    impl Write for PowerCut {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.write(bytes)
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let calibration = Calibration::default();
+    let line = PowerCut(Lossy { inner: in_process(&calibration), passed: 0 }, calibration.clone());
+    let (report, data) = run_on(Box::new(line), &calibration);
+    let End::Broken(reason) = report.unwrap().end else { panic!("it is said to have finished") };
+    assert!(reason.contains("loss of power"), "{reason}");
+    let data = data.unwrap();
+    assert!(data.rows() > 100 && data.contents().unwrap().events.iter().any(|event| event.text == reason));
+}
+
 /// The virtual board behind a pseudo-terminal.
 #[cfg(unix)]
 #[test]

@@ -21,6 +21,9 @@ const SILENT_AFTER: Duration = Duration::from_secs(3);
 /// Pause for the disk when simulated time is faster than it.
 const DISK_TURN: Duration = Duration::from_millis(5);
 
+/// How much earlier than planned a profile may end, by the last sample that arrived: the samples after it may be lost.
+const EARLY_NS: i64 = 500_000_000;
+
 /// A run that is being recorded.
 pub(super) struct Run<'s> {
     session: &'s mut Session,
@@ -29,6 +32,8 @@ pub(super) struct Run<'s> {
     columns: Columns,
     calibration: Calibration,
     period_us: u32,
+    /// Duration of the profile, ns, without its ramp.
+    planned_ns: i64,
     /// Tick of the first sample of the profile.
     first_tick: Option<u32>,
     /// Ticks from it to the last sample.
@@ -55,6 +60,7 @@ impl<'s> Run<'s> {
         columns: Columns,
         calibration: Calibration,
         period_us: u32,
+        planned_us: u64,
     ) -> Self {
         Self {
             session,
@@ -63,6 +69,7 @@ impl<'s> Run<'s> {
             columns,
             calibration,
             period_us,
+            planned_ns: i64::try_from(planned_us.saturating_mul(1000)).unwrap_or(i64::MAX),
             first_tick: None,
             last_tick: 0,
             segment: None,
@@ -131,7 +138,22 @@ impl<'s> Run<'s> {
             }
         }
         let end = self.end.take().unwrap_or(End::Finished);
-        Ok(if stops > 0 && end == End::Finished { End::Stopped } else { end })
+        Ok(match end {
+            End::Finished if stops > 0 => End::Stopped,
+            End::Finished if self.now_ns() < self.planned_ns - EARLY_NS && !self.recorder.has_failed() => {
+                End::Broken(self.early_rest())
+            }
+            end => end,
+        })
+    }
+
+    /// A board at rest before the end of its profile names no reason: it has started anew.
+    fn early_rest(&self) -> String {
+        let [ended_s, planned_s] = [self.now_ns(), self.planned_ns].map(|ns| ns as f64 * 1e-9);
+        format!(
+            "the board went to rest without a reason after {ended_s:.3} s of a profile of {planned_s:.3} s, \
+             as after a loss of power: check its supply and cable, then record again"
+        )
     }
 
     fn stop(&mut self, times: u32) -> anyhow::Result<()> {
