@@ -2,9 +2,9 @@
 
 use socam_recording::Dataset;
 
-use crate::optimiser::nuisance;
 use crate::{
     IdentifyError, Predictor, Problem, Start, StartState,
+    optimiser::nuisance,
     preprocessing::segments::{self, Chunk},
 };
 

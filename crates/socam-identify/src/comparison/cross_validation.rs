@@ -10,12 +10,11 @@
 use faer::{Mat, Side};
 use socam_model::Model;
 
-use crate::optimiser::factors;
 use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
-    optimiser::qr,
+    optimiser::{factors, qr},
     problem::Problem,
 };
 

@@ -18,11 +18,13 @@ pub use traces::{Innovations, Traces, innovations, traces};
 
 use socam_model::Model;
 
-use crate::optimiser::descent::End;
 use crate::{
     IdentifyError,
     noise::levels,
-    optimiser::{descent, nuisance},
+    optimiser::{
+        descent::{self, End},
+        nuisance,
+    },
     problem::Problem,
     progress::Stage,
 };

@@ -36,7 +36,7 @@ pub(crate) fn information_factor(
 /// Weak log priors: a standard deviation of a factor of e about the model file's value. Along sloppy directions they select the point
 /// nearest to the file's values. They move an estimate that the data determine to 10 % by a hundredth of its standard deviation, and
 /// intervals leave them out.
-pub(crate) fn weak_prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights) -> Mat<f64> {
+fn weak_prior_rows(problem: &Problem<'_>, point: &Point, weights: &Weights) -> Mat<f64> {
     let free = problem.free.len();
     let mut rows = Mat::zeros(free, free + 1);
     for (j, index) in problem.free.iter().enumerate() {

@@ -1,24 +1,25 @@
 //! Iterated generalised least squares: descents in turn with estimates of the noise levels.
 
-use crate::optimiser::descent::End;
-use crate::optimiser::factors;
 use crate::{
     IdentifyError,
     evaluation::{self, ChannelSums, Point, Weights, channel_sums},
     noise::{innovations_filter::NoiseLevels, input_noise, levels, prewhitening},
-    optimiser::descent::{COARSE_TOLERANCE, Descent, TOLERANCE, descend},
+    optimiser::{
+        descent::{COARSE_TOLERANCE, Descent, End, TOLERANCE, descend},
+        factors,
+    },
     problem::{Noise, Problem},
     progress::Stage,
 };
 
 /// Relative change of the noise levels below which they have converged.
-pub(crate) const NOISE_SETTLED: f64 = 0.01;
+const NOISE_SETTLED: f64 = 0.01;
 
 /// Relative change of the noise levels below which descents get their fine tolerance.
-pub(crate) const NOISE_NEAR: f64 = 0.1;
+const NOISE_NEAR: f64 = 0.1;
 
 /// Largest number of re-estimations of the noise levels.
-pub(crate) const MOST_ROUNDS: usize = 6;
+const MOST_ROUNDS: usize = 6;
 
 /// First noise levels: those given, or 2 % of each channel's standard deviation.
 pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weights, IdentifyError> {
@@ -46,7 +47,7 @@ pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weig
 }
 
 /// A noise level above zero, for constant channels and perfect predictions.
-pub(crate) fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
+fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
     let size = (channel.squares / channel.count.max(1.0)).sqrt();
     noise_std.max(1e-9 * size).max(1e-100)
 }
@@ -100,7 +101,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
 }
 
 /// Noise levels estimated from the residuals of a descent.
-pub(crate) fn reestimated_levels(
+fn reestimated_levels(
     problem: &Problem<'_>,
     descent: &Descent,
     most: &NoiseLevels,

@@ -1,11 +1,10 @@
 //! Fits of the nuisance parameters alone: start states and offsets at given parameters.
 
-use crate::optimiser::descent::End;
 use crate::{
     IdentifyError,
     evaluation::{self, Point, SegmentEvaluation, Weights, squares},
     optimiser::{
-        descent::{Descent, SHORTER},
+        descent::{Descent, End, SHORTER},
         noise_estimation::first_weights,
         step::moved,
     },
@@ -15,13 +14,13 @@ use crate::{
 };
 
 /// Largest number of steps.
-pub(crate) const MOST_START_STEPS: usize = 20;
+const MOST_START_STEPS: usize = 20;
 
 /// Share of the sum of squares below which the decrease by a step, or the predicted one in each segment, ends the fit.
-pub(crate) const SETTLED: f64 = 1e-9;
+const SETTLED: f64 = 1e-9;
 
 /// Smallest share of a step that is tried.
-pub(crate) const LEAST_SHARE: f64 = 1e-2;
+const LEAST_SHARE: f64 = 1e-2;
 
 /// Nuisance parameters of a segment (an uninterrupted part of a recording).
 #[derive(Debug, Clone, PartialEq)]

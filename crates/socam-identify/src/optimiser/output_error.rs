@@ -1,13 +1,12 @@
 //! Output-error identification: the entry points that fit or evaluate a model.
 
-use crate::optimiser::descent::End;
 use crate::{
     IdentifyError,
     comparison::{self, Evaluation, NoiseModel},
     evaluation::{ChannelSums, Weights},
     noise::levels,
     optimiser::{
-        descent::Descent,
+        descent::{Descent, End},
         noise_estimation::iterated_gls,
         nuisance::{with_nuisance, with_nuisance_fitted},
         starts::best_start,
@@ -18,7 +17,7 @@ use crate::{
 };
 
 /// Number of searches for outliers. Without the large ones the noise level falls, and smaller ones are found.
-pub(crate) const MOST_CLEANINGS: usize = 3;
+const MOST_CLEANINGS: usize = 3;
 
 /// Fits the free parameters of the problem's model to all its recordings by output error: the model is simulated
 /// from the measured inputs, and the weighted squares of its output errors are minimised.

@@ -6,13 +6,12 @@ use rand_chacha::{
 };
 use rayon::prelude::*;
 
-use crate::optimiser::descent::End;
 use crate::{
     IdentifyError,
     evaluation::{self, ChannelSums, Point, Weights},
     noise::input_noise,
     optimiser::{
-        descent::{COARSE_TOLERANCE, Descent, descend},
+        descent::{COARSE_TOLERANCE, Descent, End, descend},
         factors::scales,
         noise_estimation::first_weights,
     },
@@ -21,13 +20,13 @@ use crate::{
 };
 
 /// Ratio of residuals to known output noise that counts as noise: noise of the inputs adds to them.
-pub(crate) const PLAUSIBLE: f64 = 1.5;
+const PLAUSIBLE: f64 = 1.5;
 
 /// Samples of each segment to which starts are fitted.
-pub(crate) const START_ROWS: u64 = 4000;
+const START_ROWS: u64 = 4000;
 
 /// Number of segments to which starts are fitted.
-pub(crate) const START_SEGMENTS: usize = 4;
+const START_SEGMENTS: usize = 4;
 
 /// What one start reached.
 pub(crate) struct StartResult {
@@ -87,7 +86,7 @@ pub(crate) fn best_start(
 }
 
 /// Whether a descent converged to a fit whose residuals can be noise in every channel.
-pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
+fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
     let most = match &problem.options.noise {
         Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
         Noise::Estimated => {

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use crate::optimiser::descent::End;
-use crate::preprocessing::mask::LeftOut;
+use crate::{optimiser::descent::End, preprocessing::mask::LeftOut};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -86,7 +85,7 @@ pub struct Fit {
     pub channels: Vec<(String, ChannelFit)>,
 }
 
-pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
+fn as_map<T: Serialize, S: serde::Serializer>(
     channels: &[(String, T)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

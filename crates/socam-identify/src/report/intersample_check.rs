@@ -2,13 +2,13 @@
 
 use socam_model::{Channel, ChannelTransform, Intersample};
 
-use crate::optimiser::{factors, nuisance};
 use crate::{
     IdentifyError, Problem,
     evaluation::{self, Point},
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
         descent::{self, Descent},
+        factors, nuisance,
         step::{constrained_step, predicted_gain},
     },
     problem::sample_times,

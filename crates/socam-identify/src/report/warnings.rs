@@ -11,13 +11,13 @@ use crate::{
 };
 
 /// Ratio of residual to noise above which a channel is not explained, if [`UNEXPLAINED_SHARE`] is exceeded too.
-pub(crate) const UNEXPLAINED_NOISE: f64 = 10.0;
+const UNEXPLAINED_NOISE: f64 = 10.0;
 
 /// See [`UNEXPLAINED_NOISE`]: ratio of residual to standard deviation of the channel.
-pub(crate) const UNEXPLAINED_SHARE: f64 = 0.2;
+const UNEXPLAINED_SHARE: f64 = 0.2;
 
 /// Share of samples with unresolved steps above which there is a warning.
-pub(crate) const MOST_UNRESOLVED: f64 = 1e-4;
+const MOST_UNRESOLVED: f64 = 1e-4;
 
 /// Warnings about outputs without values, or with a constant one.
 pub(crate) fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {

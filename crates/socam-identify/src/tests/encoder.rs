@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use socam_recording::{Channel, Dataset, Unit};
 
-use crate::tests::{TONES, TRUTH, bench, fix, model};
-use crate::{Identification, Options, Problem, output_error};
+use crate::{
+    Identification, Options, Problem, output_error,
+    tests::{TONES, TRUTH, bench, fix, model},
+};
 
 /// A bench's recording with the motor's angle, rounded to so many counts per turn, in place of its speed.
 fn with_encoder(data: &Dataset, counts: f64) -> Dataset {

@@ -3,8 +3,11 @@
 use socam_model::Model;
 use socam_recording::Dataset;
 
-use crate::tests::{TRUTH, bench, fix, model, with_friction};
-use crate::{Identification, Options, Problem, Reason, comparison, output_error, uncertainty::jackknife};
+use crate::{
+    Identification, Options, Problem, Reason, comparison, output_error,
+    tests::{TRUTH, bench, fix, model, with_friction},
+    uncertainty::jackknife,
+};
 
 const NAMES: [&str; 4] = ["motor_speed", "output_speed", "torque_in", "torque_out"];
 
