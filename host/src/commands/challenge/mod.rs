@@ -1,5 +1,6 @@
 //! `challenge`: concealed physics, diagnosed and scored.
 
+mod background;
 mod crew;
 mod files;
 mod oracle;
@@ -138,14 +139,8 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
         return Ok(finished);
     }
     let (model, recordings) = conceal(args, number, folder)?;
-    // One thread processes a case from beginning to end.
-    let clock = cpu_time::ThreadTime::now();
-    let answer = diagnose(&model, &recordings.training, &recordings.holdout);
-    let cpu_s = clock.elapsed().as_secs_f64();
-    match &answer {
-        Ok(diagnosis) => folder.write(seed, number, File::Diagnosis, diagnosis)?,
-        Err(error) => folder.write(seed, number, File::Diagnosis, error)?,
-    }
+    let (answer, cpu_s) =
+        answered(seed, number, folder, || diagnose(&model, &recordings.training, &recordings.holdout))?;
     let case: Case = folder.read(seed, number, File::Sealed)?;
     let equivalent = |finding: &Finding, index: usize| {
         let values = finding.parameters.iter().filter_map(|own| Some((own.name.as_str(), own.value?)));
@@ -155,6 +150,28 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
     let score = Score::new(&case, (&answer, cpu_s), oracle::ask(&case, &recordings), &equivalent);
     folder.write(seed, number, File::Score, &score)?;
     Ok(score)
+}
+
+/// The answer in the folder with its processor time, s; without one, the diagnosis, which is written there.
+fn answered(
+    seed: u64,
+    number: u64,
+    folder: &Folder,
+    diagnose: impl FnOnce() -> Result<Diagnosis, String>,
+) -> anyhow::Result<(Result<Diagnosis, String>, f64)> {
+    if let Ok(known) = folder.read::<Diagnosis>(seed, number, File::Diagnosis) {
+        let cpu_s = known.cpu_s;
+        return Ok((Ok(known), cpu_s));
+    }
+    // One thread processes a case from beginning to end.
+    let clock = cpu_time::ThreadTime::now();
+    let answer = diagnose();
+    let cpu_s = clock.elapsed().as_secs_f64();
+    match &answer {
+        Ok(diagnosis) => folder.write(seed, number, File::Diagnosis, diagnosis)?,
+        Err(error) => folder.write(seed, number, File::Diagnosis, error)?,
+    }
+    Ok((answer, cpu_s))
 }
 
 /// Draws a case, seals its truth, and returns the data that a diagnosis may see.

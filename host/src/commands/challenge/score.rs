@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{Diagnosis, Finding, UNEXPLAINED};
 use socam_sim::challenge::{Case, Drive, Hidden, Kind};
 
-use super::oracle::Oracle;
+use super::{background, oracle::Oracle};
 
-pub(super) const SCHEMA: &str = "socam.challenge-case/2";
+pub(super) const SCHEMA: &str = "socam.challenge-case/3";
 
 /// Greatest ratio of held-out residuals to the noise floor for a prediction down to the noise, with all findings and curves.
 const AT_THE_FLOOR: f64 = 1.15;
@@ -92,7 +92,7 @@ impl Score {
             probability: probabilities(case, findings),
             statements: findings.iter().flat_map(|finding| statements(case, finding)).collect(),
             at_the_floor: answer.filter(|_| right).and_then(at_the_floor),
-            intervals: case.hidden.iter().flat_map(|hidden| intervals(hidden, findings)).collect(),
+            intervals: case.hidden.iter().flat_map(|hidden| intervals(case, hidden, findings)).collect(),
             cpu_s: answer.map(|_| cpu_s),
         }
     }
@@ -124,14 +124,21 @@ impl<'a> Judge<'a> {
         Self { case, findings, is: findings.iter().map(one).collect() }
     }
 
+    /// Whether the hidden effects come first, in any order. Findings of the background may come before them: which of the two is stronger
+    /// is not the diagnosis' choice.
     fn is_right(&self) -> bool {
-        let is = |finding: usize, hidden: usize| self.is[finding][hidden];
+        let is_hidden = |index: usize| self.is[index].iter().any(|is| *is);
+        let all = 0..self.findings.len();
+        let counted: Vec<usize> =
+            all.filter(|index| is_hidden(*index) || !self.is_background(&self.findings[*index])).collect();
+        let is =
+            |place: usize, hidden: usize| counted.get(place).is_some_and(|index| self.is[*index][hidden]);
         match self.case.kind {
-            Kind::Clean => self.findings.iter().all(|finding| self.is_background(finding)),
-            Kind::Single => !self.findings.is_empty() && is(0, 0),
-            // Both hidden effects come first, in any order.
-            Kind::Double => self.findings.len() >= 2 && (is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0)),
-            Kind::Outside => self.findings.first().is_some_and(|first| {
+            Kind::Clean => counted.is_empty(),
+            Kind::Single => is(0, 0),
+            Kind::Double => is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0),
+            Kind::Outside => counted.first().is_some_and(|first| {
+                let first = &self.findings[*first];
                 first.effect == UNEXPLAINED
                     || self.case.is_same_body(&first.location, &self.case.hidden[0].place)
             }),
@@ -158,9 +165,7 @@ impl<'a> Judge<'a> {
     /// Whether a finding belongs to the background of the bench.
     fn is_background(&self, finding: &Finding) -> bool {
         let named = (finding.effect.as_str(), finding.location.as_str());
-        let wrong_constant = self.case.background.input_gain.is_some()
-            && named == ("sensor_gain", self.case.machine.input.name.as_str());
-        wrong_constant || self.case.background.named().contains(&named)
+        background::is_there(self.case, named, background::stated_delay_s(finding))
     }
 }
 
@@ -172,10 +177,16 @@ fn is_it(finding: &Finding, hidden: &Hidden, index: usize, equivalent: &Equivale
 
 fn has_tying_truth(case: &Case, finding: &Finding) -> bool {
     let own = own_weight(finding);
-    finding.rivals.iter().any(|rival| {
-        let is_true = case.hidden.iter().any(|hidden| is_named((&rival.effect, &rival.location), hidden));
-        is_true && own <= TIE * rival.weight
-    })
+    let is_tied = |weight: f64| own <= TIE * weight;
+    finding
+        .rivals
+        .iter()
+        .any(|rival| is_true(case, (&rival.effect, &rival.location), None) && is_tied(rival.weight))
+}
+
+/// Whether an effect is hidden, or part of the background.
+fn is_true(case: &Case, named: (&str, &str), delay_s: Option<f64>) -> bool {
+    case.hidden.iter().any(|hidden| is_named(named, hidden)) || background::is_there(case, named, delay_s)
 }
 
 /// Benches whose model has massless points have some inertia there: such a finding is not wrong once the hidden effects are found.
@@ -206,15 +217,19 @@ fn weights(finding: &Finding) -> impl Iterator<Item = (&str, &str, f64)> {
     std::iter::once((finding.effect.as_str(), finding.location.as_str(), own_weight(finding))).chain(rivals)
 }
 
-/// Of each statement with a name, its weight and whether it is true; none where the truth has no name.
+/// Of each statement with a name, its weight and whether it is true, of what is hidden or of the background; none where the truth has no
+/// name.
 fn statements(case: &Case, finding: &Finding) -> Vec<(f64, bool)> {
     if case.kind == Kind::Outside {
         return Vec::new();
     }
     let named = weights(finding).filter(|(effect, ..)| *effect != UNEXPLAINED);
-    let is_true =
-        |effect: &str, place: &str| case.hidden.iter().any(|hidden| is_named((effect, place), hidden));
-    named.map(|(effect, place, weight)| (weight, is_true(effect, place))).collect()
+    let stated = background::stated_delay_s(finding);
+    let each = named.enumerate().map(|(rival, (effect, place, weight))| {
+        let delay_s = stated.filter(|_| rival == 0);
+        (weight, is_true(case, (effect, place), delay_s))
+    });
+    each.collect()
 }
 
 /// `None` if the answer has no residuals or noise floors.
@@ -226,7 +241,7 @@ fn at_the_floor(diagnosis: &Diagnosis) -> Option<bool> {
 }
 
 /// Parameters with an interval, and whether it contains the truth.
-fn intervals(hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
+fn intervals(case: &Case, hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
     let Some(finding) =
         findings.iter().find(|finding| is_named((&finding.effect, &finding.location), hidden))
     else {
@@ -239,7 +254,8 @@ fn intervals(hidden: &Hidden, findings: &[Finding]) -> Vec<(String, bool)> {
         }
         let [low, high] =
             [known.ci95[0].unwrap_or(f64::NEG_INFINITY), known.ci95[1].unwrap_or(f64::INFINITY)];
-        let truth = if name == "phase" { nearest_turn(*truth, low, high) } else { *truth };
+        let truth = background::expected(case, hidden, (name, *truth), &known.unit, findings)?;
+        let truth = if name == "phase" { nearest_turn(truth, low, high) } else { truth };
         Some((name.clone(), (low..=high).contains(&truth)))
     });
     each.collect()

@@ -55,7 +55,8 @@ fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(Kind, Vec<f64>)
         "quadratic_drag" => (Kind::Drag, all()),
         "damping_drift" => (Kind::WarmingUp, vec![own[0], p[0]]),
         "direction_dependence" => (Kind::Direction, all()),
-        "constant_load" => (Kind::Constant, all()),
+        // As in the catalogue: T = -torque.
+        "constant_load" => (Kind::Constant, vec![-p[0]]),
         "mesh_loss" => (Kind::Loss, all()),
         "backlash" => (Kind::Play, all()),
         "kinematic_error" => (Kind::Eccentric, all()),

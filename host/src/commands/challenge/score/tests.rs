@@ -113,6 +113,58 @@ fn the_background_is_no_false_alarm() {
     assert_eq!((named("load_bearing"), named("cam_bearing")), ((true, 1), (false, 0)));
 }
 
+/// A realistic case with one late sensor, friction at the load and a wrong torque constant.
+fn realistic(kind: Kind, hidden: &[(&str, &str)]) -> Case {
+    let mut case = case(kind, hidden);
+    case.realistic = true;
+    case.background.friction = vec![("load_bearing".into(), 0.05)];
+    case.background.delays = vec![("torque_out".into(), 1.5)];
+    case
+}
+
+#[test]
+fn the_background_may_come_before_what_is_hidden() {
+    let case = realistic(Kind::Single, &[("gravity_unbalance", "load")]);
+    let friction = finding("coulomb_friction", "load_bearing", &[]);
+    let of = |findings: &[Value]| {
+        Score::new(&case, (&diagnosis(findings, 0.1), 1.0), Oracle::default(), &same_effect)
+    };
+    let gravity = || finding("gravity_unbalance", "load", &[]);
+    let after = of(&[friction.clone(), gravity()]);
+    assert!(after.right && !after.wrong_name);
+    // Both statements are true: the bench rubs there.
+    assert_eq!(after.statements, [(1.0, true), (1.0, true)]);
+    let elsewhere = finding("coulomb_friction", "cam_bearing", &[]);
+    assert!(!of(&[elsewhere, gravity()]).right);
+}
+
+#[test]
+fn delays_are_relative() {
+    let case = realistic(Kind::Clean, &[]);
+    let of = |place: &str, delay_s: f64| {
+        let mut named = finding("sensor_delay", place, &[]);
+        named["parameters"][0] =
+            json!({"name": "delay", "value": delay_s, "unit": "s", "ci95": [null, null]});
+        Score::new(&case, (&diagnosis(&[named], 0.1), 1.0), Oracle::default(), &same_effect).right
+    };
+    let input = case.machine.input.name.as_str();
+    // A late sensor, or all other channels early.
+    assert!(of("torque_out", 1e-3) && of(input, -1e-3));
+    assert!(!of("torque_out", -1e-3) && !of(input, 1e-3));
+}
+
+#[test]
+fn friction_of_the_background_adds_to_a_hidden_one() {
+    let case = realistic(Kind::Single, &[("coulomb_friction", "load_bearing")]);
+    let of = |value: f64| {
+        let mut named = finding("coulomb_friction", "load_bearing", &[]);
+        named["parameters"][0]["ci95"] = json!([value - 0.01, value + 0.01]);
+        let score = Score::new(&case, (&diagnosis(&[named], 0.1), 1.0), Oracle::default(), &same_effect);
+        score.intervals[0].1
+    };
+    assert!(of(0.35) && !of(0.3));
+}
+
 #[test]
 fn small_masses_are_there() {
     let truth = [("constant_load", "load")];
