@@ -1,7 +1,7 @@
 //! Parameters and combinations with intervals, and which of them the data do not determine.
 
 use faer::MatRef;
-use socam_model::{Model, Parameter};
+use socam_model::{EffectUse, Model, Parameter, effects::Kind};
 
 use crate::{
     IdentifyError, evaluation,
@@ -93,7 +93,7 @@ pub(crate) fn parameter_estimates(
         any_at_bound |= at_bound;
         let [from, to] = coordinate(problem, index).interval(value, half);
         // A half width that is not finite fails this comparison.
-        let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * value.abs();
+        let narrow = (value - from).max(to - value) <= LARGEST_HALF_WIDTH * size(problem.model, index, value);
         let inside = from >= low && to <= high;
         let zero = low <= 0.0
             && high >= 0.0
@@ -150,6 +150,15 @@ fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
     let others = others.filter(|(other, (parameter, _))| *other != index && parameter.unit == own.unit);
     let largest = others.map(|(_, (_, value))| value.abs()).fold(0.0, f64::max);
     if largest > 0.0 { own.value.abs().min(largest) } else { own.value.abs() }
+}
+
+/// Size of an estimate that its half width is compared with: its magnitude, or 1 rad for a phase, whose zero is a convention.
+fn size(model: &Model, index: usize, value: f64) -> f64 {
+    let is_phase = |used: &EffectUse| {
+        let mut own = used.effect.parameters.iter().zip(&used.parameters);
+        own.any(|(parameter, own)| *own == index && parameter.kind == Kind::Phase)
+    };
+    if model.effects.iter().any(is_phase) { 1.0 } else { value.abs() }
 }
 
 /// Names of the parameters that are strongly correlated with free parameter `j`.
