@@ -4,14 +4,15 @@ use socam_identify::{
     IdentifyError, NoiseLevels,
     comparison::{self, NoiseModel},
 };
-use socam_model::{Model, effects::Rig};
+use socam_model::Model;
 
 use crate::{
     candidate::Candidate,
     candidates,
     choice::{self, Choice},
     context::{Context, FittedModel},
-    criterion, halving, nonparametric,
+    criterion, halving,
+    nonparametric::{self, term::Unexplained},
     plausibility::PriorKnowledge,
     scales::Scales,
     score_test,
@@ -28,23 +29,23 @@ pub(crate) fn run(
     values: &[f64],
     levels: &NoiseLevels,
 ) -> Result<Option<Path>, IdentifyError> {
+    let Some(begun) = begin(context, model, values, levels)? else { return Ok(None) };
+    let nearer = begun.by_short_horizons(context)?;
+    nearer.unwrap_or(begun).extended(context).map(Some)
+}
+
+/// The path at the base model, with the sizes of its motions and torques. `None` where the base model's prediction overflows.
+pub(crate) fn begin(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    levels: &NoiseLevels,
+) -> Result<Option<Path>, IdentifyError> {
     let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
-    let priors = PriorKnowledge { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
-    let mut path = Path {
-        last: base.clone(),
-        base,
-        terms: Vec::new(),
-        priors,
-        noise,
-        tests: Vec::new(),
-        unexplained: None,
-    };
-    for _ in 0..context.options.most_effects + MORE_ORDERS {
-        if !path.extend(context)? {
-            break;
-        }
-    }
-    Ok(Some(path))
+    let scales = Scales::new(&context.problem(model)?, model, &noise, &base.at)?;
+    let priors = PriorKnowledge { base: model.clone(), rig: scales.rig };
+    let (last, terms, tests) = (base.clone(), Vec::new(), Vec::new());
+    Ok(Some(Path { last, base, terms, priors, noise, tests, unexplained: None }))
 }
 
 /// The base model at its fit under its own noise model.
@@ -64,6 +65,16 @@ fn base(
 }
 
 impl Path {
+    /// Adds effects until none predicts better.
+    fn extended(mut self, context: &Context<'_>) -> Result<Self, IdentifyError> {
+        for _ in 0..context.options.most_effects + MORE_ORDERS {
+            if !self.extend(context)? {
+                break;
+            }
+        }
+        Ok(self)
+    }
+
     /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
         let scales = self.test(context)?;
@@ -85,7 +96,7 @@ impl Path {
             let late = choice::best(context, self, &overlooked, None)?;
             named = match late {
                 Some(late) if !curve.beats(context, self, &late)? => Some(late),
-                _ => None,
+                _ => self.first_of_two(context, curve)?,
             };
             if named.is_none() {
                 self.replace_by_curve(context)?;
@@ -101,13 +112,33 @@ impl Path {
         Ok(true)
     }
 
+    /// The better of two effects at a curve's place that together predict as well as the curve: a curve also follows the sum of two laws,
+    /// which a single law cannot. `None` where there are no such two.
+    fn first_of_two(
+        &self,
+        context: &Context<'_>,
+        curve: &Unexplained,
+    ) -> Result<Option<Choice>, IdentifyError> {
+        let at_the_place = |path: &Self| -> Vec<(Candidate, f64)> {
+            let own = path.tests.iter().filter(|one| one.possible && one.start.place == curve.place);
+            own.map(|one| (one.start.clone(), one.p_value)).collect()
+        };
+        let Some(first) = choice::best(context, self, &at_the_place(self), None)? else { return Ok(None) };
+        let mut with_first = self.clone();
+        with_first.terms.push(first.term.clone());
+        (with_first.last, with_first.noise) = (first.fitted.clone(), first.noise.clone());
+        with_first.test(context)?;
+        let Some(second) = choice::best(context, &with_first, &at_the_place(&with_first), None)? else {
+            return Ok(None);
+        };
+        let both = Choice { before: first.before.clone(), ..second };
+        Ok(if curve.beats(context, self, &both)? { None } else { Some(first) })
+    }
+
     /// Score test of all candidates that were not added yet. Returns the sizes of motions and torques.
-    fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
+    pub(crate) fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
         let FittedModel { model, at, .. } = &self.last;
         let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
-        if self.terms.is_empty() {
-            self.priors.rig = scales.rig.clone();
-        }
         let mut all = candidates::all(model, &scales);
         // Effects that are observationally equivalent to an added one are not tested either.
         let known: Vec<Candidate> =
@@ -150,7 +181,7 @@ impl Path {
     }
 
     /// Adds the chosen term, estimates the noise again, and tries nested laws and elimination.
-    fn add(&mut self, context: &Context<'_>, choice: Choice) -> Result<(), IdentifyError> {
+    pub(crate) fn add(&mut self, context: &Context<'_>, choice: Choice) -> Result<(), IdentifyError> {
         let was = self.noise.excess();
         self.terms.push(choice.term);
         self.noise = choice.noise;

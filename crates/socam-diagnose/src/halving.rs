@@ -128,10 +128,16 @@ fn begin(
         others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
     }
     let values = carried_over((&before.model, &before.at.values), &grown);
-    // Start states are estimated anew: those of the previous fit compensate for the missing physics.
     let iterations = if is_free { RESTART_ROUND } else { FIRST_ROUND };
     let round = (comparison::COARSE, iterations);
-    let at = comparison::descend(&context.problem(&begun)?, noise, &values, None, round)?;
+    let problem = context.problem(&begun)?;
+    // Start states are estimated anew, because those of the previous fit compensate for the missing physics. Those of many short segments
+    // do not, and take more iterations than a round has.
+    let anew = comparison::descend(&problem, noise, &values, None, round)?;
+    let at = match anew.filter(|at| at.total() < before.deviance()) {
+        Some(at) => Some(at),
+        None => comparison::descend(&problem, noise, &values, Some((&before.model, &before.at)), round)?,
+    };
     Ok(at.map(|at| (grown, at)))
 }
 

@@ -44,6 +44,7 @@ mod experiment;
 mod extension;
 mod forward;
 mod halving;
+mod horizon;
 mod intervals;
 mod materiality;
 mod nested;

@@ -1,0 +1,106 @@
+//! Short horizons: a way in where the base model misses by far more than noise.
+//!
+//! A free run from one start state integrates what the model lacks over the whole recording. Its deviance then has minima in which base
+//! parameters imitate the missing physics. Cut into short parts with start states of their own, the same recording follows the measured
+//! motion, and the model predicts only what moves it next (multiple shooting, H. G. Bock 1983, without continuity of the parts). The first
+//! effect that is found so, with all values, begins the selection on whole recordings.
+
+use socam_identify::{IdentifyError, Options as FitOptions, StartState};
+use socam_recording::{Channel, Dataset, RecordingError};
+
+use crate::{
+    choice,
+    context::{Context, FAR_BEYOND_NOISE},
+    extension::carried_over,
+    forward,
+    selection::Path,
+};
+
+/// Samples of a part: the longer ones where the shorter ones show nothing.
+const SAMPLES: [usize; 2] = [40, 160];
+/// Fewest parts of a recording.
+const LEAST_PARTS: usize = 4;
+
+impl Path {
+    /// The first effect that short parts of the recordings show, fitted to whole recordings; `None` where the base model is near the data,
+    /// or where that effect does not bring it near.
+    pub(crate) fn by_short_horizons(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
+        if self.noise.excess() < FAR_BEYOND_NOISE {
+            return Ok(None);
+        }
+        let longest = context.training.iter().map(|dataset| dataset.rows() as usize / LEAST_PARTS).max();
+        for samples in SAMPLES.into_iter().filter(|samples| Some(*samples) <= longest) {
+            let Some(found) = self.on_parts(context, samples)? else { continue };
+            if let Some(path) = self.carried_over(context, found)? {
+                return Ok(Some(path));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The selection on parts of this many samples; `None` where no effect was added.
+    fn on_parts(&self, context: &Context<'_>, samples: usize) -> Result<Option<Self>, IdentifyError> {
+        let parts: Result<Vec<Dataset>, RecordingError> =
+            context.training.iter().map(|dataset| in_parts(dataset, samples)).collect();
+        let parts = parts?;
+        let fit = FitOptions { start_state: StartState::Free, ..context.fit.clone() };
+        let model = &self.base.model;
+        let short = Context::new(model, &parts, fit, context.options)?;
+        let begun = forward::begin(&short, model, &model.values(), self.noise.levels())?;
+        let Some(mut path) = begun else { return Ok(None) };
+        path.test(&short)?;
+        let mut tried = path.worth_trying(context.options.false_alarm_rate);
+        tried.retain(|(candidate, _)| !candidate.begins_large);
+        let Some(choice) = choice::best(&short, &path, &tried, None)? else { return Ok(None) };
+        path.add(&short, choice)?;
+        Ok(Some(path).filter(|path| !path.terms.is_empty()))
+    }
+
+    /// The effects of another path, fitted to whole recordings from its values; `None` where they do not come near the data.
+    fn carried_over(&self, context: &Context<'_>, found: Self) -> Result<Option<Self>, IdentifyError> {
+        let candidates = found.terms.iter().map(|term| &term.candidate);
+        let Some(model) = self.base.extended_by(candidates) else { return Ok(None) };
+        let values = carried_over((&found.last.model, &found.last.at.values), &model);
+        let last = context.fitted(&model, &values, None, &self.noise)?;
+        let Some(last) = last.filter(|last| last.deviance() < self.last.deviance()) else { return Ok(None) };
+        let mut path = Self { last, terms: found.terms, tests: Vec::new(), ..self.clone() };
+        // Nested laws are tried again on whole recordings.
+        path.terms.iter_mut().for_each(|term| term.excess_at_upgrade = f64::INFINITY);
+        path.renew_noise(context)?;
+        path.eliminate(context, path.terms.len())?;
+        Ok(Some(path).filter(|path| path.noise.excess() < FAR_BEYOND_NOISE))
+    }
+}
+
+/// The recording without the last sample of each part: a gap starts a new segment, which has a start state of its own. Time and angles are
+/// those of the whole recording.
+fn in_parts(dataset: &Dataset, samples: usize) -> Result<Dataset, RecordingError> {
+    let names: Vec<String> = dataset.channels().iter().map(Channel::column_name).collect();
+    let loaded = dataset.load(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let kept = |values: &[f64]| -> Vec<f64> {
+        let rows = values.iter().enumerate().filter(|(row, _)| row % samples != samples - 1);
+        rows.map(|(_, value)| *value).collect()
+    };
+    let columns = loaded.columns.iter().map(|column| kept(column.values())).collect();
+    Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), kept(&loaded.time_s), columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use socam_recording::Unit;
+
+    use super::*;
+
+    #[test]
+    fn parts_are_segments_at_their_own_times() {
+        let time_s: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+        let angle = time_s.iter().map(|t| 3.0 * t).collect();
+        let channels = vec![Channel::new("angle", Unit::Rad)];
+        let whole = Dataset::from_columns("run", channels, time_s, vec![angle]).unwrap();
+        let parts = in_parts(&whole, 40).unwrap();
+        assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), [39, 39, 20]);
+        let loaded = parts.load(&["angle_rad"]).unwrap();
+        let (time_s, angle) = (&loaded.time_s, loaded.columns[0].values());
+        assert!(time_s.iter().zip(angle).all(|(t, angle)| (angle - 3.0 * t).abs() < 1e-12));
+    }
+}
