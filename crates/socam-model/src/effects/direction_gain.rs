@@ -1,4 +1,4 @@
-//! A gain that is another one way than the other.
+//! A gain that differs between positive and negative values.
 
 use super::{
     definition::{
@@ -8,8 +8,8 @@ use super::{
     experiment, shape,
 };
 
-/// reading = truth + difference |truth| / 2: the difference is that of the gains for positive and negative values; their mean is left to
-/// the channel's gain.
+/// reading = truth + difference |truth| / 2: `difference` is the gain for positive values minus that for negative
+/// values. Their mean belongs to the gain of the channel.
 pub(super) const EFFECT: Effect = Effect {
     id: "direction_gain",
     name: "direction-dependent gain",

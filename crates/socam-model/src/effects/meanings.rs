@@ -1,11 +1,11 @@
-//! What the parameters of the catalogue's effects mean, for people who write model files.
+//! Meanings of the effects' parameters, for people who write model files.
 
 use super::{
     catalogue::{CATALOGUE, REFINED},
     definition::{Effect, EffectParameter},
 };
 
-/// Of any effect that has a parameter of this name.
+/// Parameters that mean the same in every effect: name, meaning.
 const COMMON: &[(&str, &str)] = &[
     ("transition_speed", "speed within which the sign of a speed is smoothed"),
     ("transition_torque", "torque within which the sign of a torque is smoothed"),
@@ -13,7 +13,7 @@ const COMMON: &[(&str, &str)] = &[
     ("phase", "phase of the wave at angle 0 (at the start, where it is one over time)"),
 ];
 
-/// Of one effect.
+/// Parameters of one effect: effect id, name, meaning.
 const MEANINGS: &[(&str, &str, &str)] = &[
     ("coulomb_friction", "torque", "friction torque, the same at any speed"),
     ("coulomb_friction", "deflection", "elastic deflection before it slips"),
@@ -62,7 +62,14 @@ const MEANINGS: &[(&str, &str, &str)] = &[
     ("sensor_ripple", "order", "cycles per turn of the channel's shaft"),
 ];
 
-/// What a parameter of an effect means; empty where nobody has said it.
+/// Meaning of a parameter of an effect, without a final dot; empty for an unknown one.
+///
+/// ```
+/// use socam_model::effects::meanings::meaning;
+///
+/// assert_eq!(meaning("sensor_gain", "gain"), "reading over truth");
+/// assert_eq!(meaning("sensor_gain", "colour"), "");
+/// ```
 #[must_use]
 pub fn meaning(effect: &str, parameter: &str) -> &'static str {
     let own = MEANINGS.iter().find(|(id, name, _)| *id == effect && *name == parameter);
@@ -70,7 +77,15 @@ pub fn meaning(effect: &str, parameter: &str) -> &'static str {
     own.map(|(.., text)| *text).or_else(common).unwrap_or_default()
 }
 
-/// All parameters that a model file may give for an effect, those of its refined law last, and whether each has to be given.
+/// All parameters that a model file may give for an effect, each with whether it must be given. Parameters of refined laws come last.
+///
+/// ```
+/// use socam_model::effects::{self, meanings};
+///
+/// let friction = effects::find("coulomb_friction").expect("an effect of the catalogue");
+/// let required = meanings::parameters_of(friction).into_iter().map(|(own, required)| (own.name, required));
+/// assert_eq!(required.collect::<Vec<_>>(), [("torque", true), ("transition_speed", false), ("deflection", false)]);
+/// ```
 #[must_use]
 pub fn parameters_of(effect: &Effect) -> Vec<(&'static EffectParameter, bool)> {
     let mut all: Vec<(&EffectParameter, bool)> = Vec::new();

@@ -30,9 +30,9 @@ pub(super) const EFFECT: Effect = Effect {
     priors: |rig, place| {
         let (bearing, node) = rig.bearing(place);
         let most = node.torque / (node.speed * node.speed);
-        // A bearing never drives: less drag than its damping at the largest speed would.
+        // The total drag at the largest speed is not negative.
         let least = -bearing.damping / node.speed;
-        let source = "windage takes less than the torque that moves the axis at its largest speed, and drag never drives";
+        let source = "windage takes less than the torque that moves the axis at its largest speed, and drag is not negative";
         vec![("coefficient", Prior::normal([0.0, 0.2 * most], (least, most), source))]
     },
     discrepancy: &[Discrepancy::amplitude("coefficient")],

@@ -69,7 +69,7 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[Equivalent {
         effect: "coulomb_friction",
         holds: Condition::Stated(
-            "unless the shaft creeps, which alone shows a rise of friction near standstill",
+            "unless the recording has slow motion, in which alone friction rises towards standstill",
         ),
     }],
     steady: Steady::Unseen,
