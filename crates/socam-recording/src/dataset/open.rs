@@ -79,11 +79,8 @@ impl Dataset {
         if channels.len() != columns.len() {
             return problem(format!("{} columns for {} channels", columns.len(), channels.len()));
         }
-        if let Some(row) = (1..time_s.len()).find(|&row| time_s[row] <= time_s[row - 1]) {
-            return problem(format!("time does not increase at row {row}"));
-        }
-        if time_s.is_empty() || !time_s.iter().all(|t| t.is_finite()) {
-            return problem("it needs finite times, at least one".into());
+        if time_s.is_empty() {
+            return problem("it has no row; give at least one".into());
         }
         for (channel, column) in channels.iter().zip(&columns) {
             if column.len() != time_s.len() {
@@ -103,12 +100,16 @@ impl Dataset {
     }
 
     /// A dataset of the selected part of a table in memory.
-    fn from_table(
+    ///
+    /// # Errors
+    /// [`RecordingError::Table`] when a time is not finite or does not increase; [`RecordingError::NoSamples`] when no row is selected.
+    pub(super) fn from_table(
         name: String,
         channels: Vec<Channel>,
         mut table: Table,
         selection: &Selection,
     ) -> Result<Self> {
+        check_times(&name, &table.time_s)?;
         table.retain_span(selection.span);
         let mut tally = Tally::new(channels.len());
         tally.append(&table);
@@ -131,5 +132,22 @@ impl Dataset {
             warnings: Vec::new(),
             source: Source::Memory(Arc::new(Memory::existing(table))),
         })
+    }
+}
+
+/// Refuses times that are not finite or do not increase from row to row. Rows count from 0.
+fn check_times(name: &str, time_s: &[f64]) -> Result<()> {
+    let problem = |problem: String| Err(RecordingError::Table { name: name.to_owned(), problem });
+    if let Some(row) = time_s.iter().position(|time| !time.is_finite()) {
+        return problem(format!("the time of row {row} is {} s; times must be finite", time_s[row]));
+    }
+    match time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(row) => problem(format!(
+            "time goes from {} s to {} s at row {}; it must increase from row to row",
+            time_s[row],
+            time_s[row + 1],
+            row + 1
+        )),
+        None => Ok(()),
     }
 }
