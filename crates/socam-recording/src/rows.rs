@@ -23,7 +23,7 @@ impl Scan {
         match format {
             Format::Csv => Ok(Self::Csv(Box::new(CsvRows::open(path)?))),
             Format::Mcap => Ok(Self::Log(Box::new(LogScan::open(path)?))),
-            _ => Err(RecordingError::Foreign {
+            Format::LegacyM | Format::SteadyStates | Format::Memory => Err(RecordingError::Foreign {
                 path: PathBuf::from(path),
                 found: format!("is {format}, which this version does not read"),
             }),

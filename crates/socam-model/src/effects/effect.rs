@@ -140,7 +140,7 @@ impl Effect {
     pub fn laws(&self) -> &'static [Law] {
         match self.form {
             Form::Laws(laws) => laws,
-            _ => &[],
+            Form::Inertia | Form::Compliance | Form::Gain | Form::Lag | Form::Delay => &[],
         }
     }
 

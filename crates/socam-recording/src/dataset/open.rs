@@ -60,7 +60,9 @@ impl Dataset {
                 dataset.format = Format::LegacyM;
                 Ok(dataset)
             }
-            format => Self::scan(selection, format, Keeping::with_columns),
+            format @ (Format::Csv | Format::Mcap | Format::Memory) => {
+                Self::scan(selection, format, Keeping::with_columns)
+            }
         }
     }
 
