@@ -22,7 +22,7 @@ mod reader;
 mod tests;
 mod wiring;
 
-pub use channel::column_unit;
+pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
 
 const SCHEMA: &str = "socam.model/1";

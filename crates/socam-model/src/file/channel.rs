@@ -12,8 +12,8 @@ use crate::{
     units::{self, Dimension},
 };
 
-/// Suffixes of a recording's columns and their units, longest first.
-pub(super) const COLUMN_UNITS: [(&str, &str); 12] = [
+/// Suffixes of a recording's columns and their SI units, longest first: those of `socam_recording::Unit::ALL`, in its order.
+pub const COLUMN_UNITS: [(&str, &str); 12] = [
     ("_rad_s2", "rad/s2"),
     ("_rad_s", "rad/s"),
     ("_rad", "rad"),
