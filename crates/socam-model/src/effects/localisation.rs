@@ -58,7 +58,9 @@ impl Model {
                     Places::Inputs => {
                         channel.role == Role::Input && channel.transform == ChannelTransform::Value
                     }
-                    _ => channel.role == Role::Output || !of_outputs,
+                    Places::Every | Places::Load | Places::Driven | Places::Free => {
+                        channel.role == Role::Output || !of_outputs
+                    }
                 };
                 self.channels.iter().filter(fits).map(|channel| &*channel.name).collect()
             }

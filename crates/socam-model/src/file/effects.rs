@@ -82,7 +82,8 @@ impl Reader<'_> {
                     indices.push(model.springs[contact].stiffness);
                     indices.extend(model.springs[contact].damping);
                 }
-                _ => {
+                (Borrowed::Stiffness | Borrowed::Contact, _) => {}
+                (Borrowed::Damping, _) => {
                     let bearing = model.bearings.iter().find(|bearing| bearing.name == place);
                     indices.extend(bearing.and_then(|bearing| bearing.damping));
                 }

@@ -45,7 +45,7 @@ impl MotionMaps<'_, '_> {
                 Site::Channel(channel) => self.true_reading(&self.a.model.channels[channel])?,
                 _ => self.nothing(),
             },
-            _ => self.nothing(),
+            (LawInput::Speed | LawInput::Angle | LawInput::Twist | LawInput::TwistRate, ..) => self.nothing(),
         })
     }
 

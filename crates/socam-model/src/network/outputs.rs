@@ -132,7 +132,7 @@ impl MotionMaps<'_, '_> {
                         reading.add_at(0, later, &constant(-2.0 * p / q));
                     }
                 }
-                _ => {}
+                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Gain => {}
             }
         }
         reading

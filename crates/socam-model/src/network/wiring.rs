@@ -194,9 +194,11 @@ impl Assembly<'_> {
                     channel.at
                 )),
                 (Role::Output, Quantity::Speed | Quantity::Angle | Quantity::Acceleration) => found.push(format!(
-                    "channel {name} says nothing of the drivetrain: it measures what channel {by} prescribes; leave it out, or measure elsewhere"
+                    "channel {name} contains no information on the drivetrain: it measures what channel {by} prescribes; leave it out, or measure elsewhere"
                 )),
-                _ => {}
+                (Role::Input, Quantity::Speed | Quantity::Angle | Quantity::Acceleration)
+                | (Role::Output, Quantity::Torque)
+                | (_, Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change) => {}
             }
         }
         found
