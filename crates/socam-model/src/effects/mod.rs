@@ -25,7 +25,8 @@ mod kinds;
 mod kinematic_error;
 mod law;
 mod localisation;
-pub mod meanings;
+#[cfg(test)]
+pub(crate) mod meanings;
 mod mesh_loss;
 mod missing_compliance;
 mod missing_inertia;
