@@ -49,7 +49,7 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "no torque while |play| < gap/2",
-    sentence: |_| "The mesh has play: when the torque changes sign, the output is let go for a moment and then knocks.",
+    sentence: |_| "The mesh has play: when the torque changes sign, the teeth separate for a moment and then strike.",
     shows: "where the transmitted torque changes its sign",
     experiment: experiment::THROUGH_STANDSTILL,
 };

@@ -55,7 +55,7 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InSeries }],
     steady: Steady::Slips,
     equation: "|T| <= T_slip",
-    sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",
+    sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and does not slip back.",
     shows: "large torques",
     experiment: experiment::LARGE_TORQUE,
 };

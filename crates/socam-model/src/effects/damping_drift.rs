@@ -49,7 +49,7 @@ pub(super) const EFFECT: Effect = Effect {
             "The drag changes while the bench runs: grease that warms up, or a brake that fades."
         }
     },
-    shows: "late in a recording, against its beginning",
+    shows: "late in a recording, compared with its beginning",
     experiment: experiment::LARGE_TORQUE,
 };
 

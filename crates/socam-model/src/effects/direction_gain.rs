@@ -39,14 +39,14 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "y = y_true (1 + dg sign(y_true)/2)",
     sentence: |fitted| {
         if fitted.get("difference") > 0.0 {
-            "A sensor or drive reads or gives more of what is positive than of what is negative: its two directions are not calibrated alike."
+            "A sensor or drive has a larger gain for positive values than for negative ones: its two directions are not calibrated alike."
         } else if fitted.get("difference") < 0.0 {
-            "A sensor or drive reads or gives less of what is positive than of what is negative: its two directions are not calibrated alike."
+            "A sensor or drive has a smaller gain for positive values than for negative ones: its two directions are not calibrated alike."
         } else {
-            "A sensor or drive has another gain one way than the other."
+            "A sensor or drive has different gains for positive and negative values."
         }
     },
-    shows: "in one direction against the other",
+    shows: "in one direction compared with the other",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 

@@ -34,8 +34,8 @@ pub(super) const TWO_LOADS: Experiment = Experiment {
 pub(super) const DRIVEN_BY_LOAD: Experiment = Experiment {
     steady: Some(SteadyExperiment {
         profile: "reversals",
-        sentences: "Record `reversals`: whenever the bench slows down its load drives it, and then a loss takes from the other side \
-                    while a wrong gain stays as it is. Or hang a known weight from a lever at either torque sensor while nothing \
+        sentences: "Record `reversals`: while the bench slows down its load drives it, and a loss then reduces the torque on the \
+                    other side, whereas a wrong gain stays the same. Or hang a known weight from a lever at either torque sensor while nothing \
                     turns: a wrong gain shows there, a loss does not.",
     }),
     ..TWO_LOADS
@@ -52,7 +52,7 @@ pub(super) const THROUGH_STANDSTILL: Experiment = Experiment {
 /// Fast motion.
 pub(super) const FAST_MOTION: Experiment = Experiment {
     profile: "chirp",
-    how: "up to the highest frequency that the drive can follow: they part where motion is fast",
+    how: "up to the highest frequency that the drive can follow: they differ in fast motion",
     precedence: 1,
     steady: None,
 };
@@ -60,7 +60,7 @@ pub(super) const FAST_MOTION: Experiment = Experiment {
 /// Large torques.
 pub const LARGE_TORQUE: Experiment = Experiment {
     profile: "prbs",
-    how: "with as much torque as the bench allows: they part where torque is large",
+    how: "with as much torque as the bench allows: they differ at large torque",
     precedence: 0,
     steady: None,
 };

@@ -77,7 +77,7 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,
     equation: "T = T_y z/d_y, z' = v - |v| z/d_y",
-    sentence: |_| "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",
+    sentence: |_| "A coupling has internal friction: its torque over its twist is a loop whose width hardly grows with speed.",
     shows: "where torque is transmitted, in proportion to it",
     experiment: experiment::THROUGH_STANDSTILL,
 };

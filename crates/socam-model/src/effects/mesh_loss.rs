@@ -47,8 +47,8 @@ pub(super) const EFFECT: Effect = Effect {
         ),
     }],
     steady: Steady::Linear,
-    equation: "|T_leaving| = (1 - f) |T_entering|, on either side's terms",
-    sentence: |_| "The mesh eats a fixed share of the torque that enters it, whichever side drives: sliding between cam and rollers, or between teeth.",
+    equation: "|T_out| = (1 - f) |T_in|, both referred to one side",
+    sentence: |_| "The mesh loses a fixed share of the torque that enters it, whichever side drives: sliding between cam and rollers, or between teeth.",
     shows: "where torque is transmitted, in proportion to it",
     experiment: experiment::DRIVEN_BY_LOAD,
 };

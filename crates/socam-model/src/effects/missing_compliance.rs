@@ -52,7 +52,7 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "T = k d + c d'",
-    sentence: |_| "A shaft that was taken to be rigid twists: a thin section, a key, a clamp that gives.",
+    sentence: |_| "A shaft that was taken to be rigid twists: a thin section, a key, a soft clamp.",
     shows: "fast motion",
     experiment: experiment::FAST_MOTION,
 };

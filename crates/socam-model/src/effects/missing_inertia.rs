@@ -46,9 +46,9 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "J = J_0 + dJ",
     sentence: |fitted| {
         if fitted.get("inertia") < 0.0 {
-            "Less turns along than was counted: the drawing's inertia is too large."
+            "The model contains too much inertia: the drawing's inertia is too large."
         } else {
-            "Something turns along that was not counted: a hub, a coupling half, a fixture."
+            "Something turns along that the model does not contain: a hub, a coupling half, a fixture."
         }
     },
     shows: "fast motion",

@@ -14,7 +14,7 @@ use super::{
 /// `deflection` the angle after which 63 % of the torque is reached. A sticking contact is a spring of stiffness torque / deflection.
 pub(super) const COULOMB: Effect = Effect {
     id: coulomb_friction::EFFECT.id,
-    name: "Coulomb friction that gives before it slips",
+    name: "Coulomb friction with presliding",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
@@ -82,7 +82,7 @@ pub(super) const COULOMB: Effect = Effect {
 /// steady motion: torque + (static_torque - torque) exp(-(w / stribeck_speed)²).
 pub(super) const STRIBECK: Effect = Effect {
     id: stribeck_friction::EFFECT.id,
-    name: "Stribeck friction that gives before it slips",
+    name: "Stribeck friction with presliding",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[

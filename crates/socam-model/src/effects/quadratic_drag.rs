@@ -42,7 +42,7 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "T = -b w |w|",
     sentence: |fitted| {
         if fitted.get("coefficient") < 0.0 {
-            "The drag grows less than with speed: grease that shears thin, or a seal that lifts."
+            "The drag grows less than in proportion to speed: grease that shears thin, or a seal that lifts."
         } else {
             "Something churns air or oil: a fan, a disc in a bath, a windage loss."
         }

@@ -89,9 +89,9 @@ pub(super) const AT_INPUT: Effect = Effect {
     equation: "u_true(t) = u(t + d)",
     sentence: |fitted| {
         if fitted.get("delay") < 0.0 {
-            "The drive's column is early: what moves the bench comes later than it is recorded."
+            "The input is recorded too early: it acts on the bench after its time stamp."
         } else {
-            "The drive's column is late: what moves the bench is recorded after it acts."
+            "The input is recorded too late: it acts on the bench before its time stamp."
         }
     },
     shows: "fast motion",

@@ -58,7 +58,7 @@ pub(super) const EFFECT: Effect = Effect {
     }],
     steady: Steady::Unseen,
     equation: "y = y_true + A sin(n theta + phi)",
-    sentence: |_| "A sensor swings as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
+    sentence: |_| "A sensor's error repeats as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
     shows: "a fixed number of times per turn",
     experiment: experiment::LARGE_TORQUE,
 };

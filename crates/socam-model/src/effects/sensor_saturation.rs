@@ -43,7 +43,7 @@ pub(super) const EFFECT: Effect = Effect {
 };
 
 /// An input whose recorded values are limited: while its magnitude is at the limit, the true input exceeds the recorded one by `excess`,
-/// the mean of what was cut off. The true course within a limited interval is not modelled.
+/// the mean of what was cut off. The true input within a limited interval is not modelled.
 pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,
@@ -85,7 +85,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "|u| = u_max: |u_true| = u_max + e",
-    sentence: |_| "What drives the bench goes further than it is recorded: the input's range, or its amplifier's, is too small.",
+    sentence: |_| "The input exceeds the largest value that is recorded: the range of its sensor, or its amplifier's, is too small.",
     shows: "at the limit of the input's readings",
     experiment: experiment::LARGE_TORQUE,
 };

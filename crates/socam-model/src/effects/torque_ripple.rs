@@ -61,7 +61,7 @@ pub(super) const EFFECT: Effect = Effect {
     }],
     steady: Steady::Unseen,
     equation: "T = T_r sin(n theta + phi)",
-    sentence: |_| "The machine's torque swings as it turns: cogging, or commutation.",
+    sentence: |_| "The drive's torque goes up and down as it turns: cogging, or commutation.",
     shows: "a fixed number of times per turn",
     experiment: experiment::LARGE_TORQUE,
 };

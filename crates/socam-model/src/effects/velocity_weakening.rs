@@ -62,7 +62,7 @@ pub(super) const EFFECT: Effect = Effect {
             "The drag falls as the machine turns faster, on a machine that turns one way: a bit, a brake or a dry bearing that chatters."
         }
     },
-    shows: "slow motion, against fast motion in the same direction",
+    shows: "slow motion, compared with fast motion in the same direction",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 

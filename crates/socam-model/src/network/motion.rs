@@ -160,7 +160,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         let names =
             self.a.model.nodes.iter().enumerate().filter(|(node, _)| groups.contains(&self.a.group[*node]));
         let names: Vec<_> = names.map(|(_, node)| node.name.as_str()).collect();
-        format!("nothing decides how {} moves; {advice}", names.join(", "))
+        format!("nothing determines how {} moves; {advice}", names.join(", "))
     }
 
     /// Sets the velocities that inputs prescribe. The lever between the input's node and its group is divided out.

@@ -158,7 +158,7 @@ impl Assembly<'_> {
                 (Some(a), Some(b)) if (a - b).abs() > ROUNDING * a.abs().max(b.abs()) => {
                     let [from, to] = [spring.from, to].map(|node| &model.nodes[node].name);
                     found.push(format!(
-                        "nothing can turn: the spring {} asks {from} and {to} to turn alike, but by the other way {from} turns {} times as fast; one spring of this loop is tied to the wrong side of a gear",
+                        "nothing can turn: the spring {} makes {from} and {to} turn at one speed, but through the rest of its loop {from} turns {} times as fast; one spring of this loop is tied to the wrong side of a gear",
                         spring.name,
                         (1e4 * a / b).round() / 1e4
                     ));
