@@ -42,7 +42,7 @@ impl Model {
         write_priors(&self.text, &self.parameters, priors, source)
     }
 
-    /// Sets how an input moves between its samples, also in the file's text; `None` removes the key, so that [`Intersample::of`] applies.
+    /// Sets the intersample behaviour of an input, also in the file's text; `None` removes the key, so that [`Intersample::of`] applies.
     ///
     /// ```
     /// use socam_model::{Intersample, Model};

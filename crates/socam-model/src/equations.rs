@@ -8,7 +8,7 @@ use crate::{
     jet::Jet,
 };
 
-/// One input of a nonlinear law. A law has one port for each of its inputs, or one port if it has none; the ports of a law are consecutive.
+/// One input of a nonlinear law. A law without inputs has one port, any other law one for each input; the ports of a law are consecutive.
 /// The response of the law is the force of its first port, and the forces of its other ports are zero. All ports of a law act on the same
 /// place.
 ///

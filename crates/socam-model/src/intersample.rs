@@ -1,10 +1,10 @@
-//! The course of an input between its samples.
+//! Intersample behaviour: the values of an input between its samples.
 
 use std::str::FromStr;
 
 use crate::{ChannelTransform, Quantity};
 
-/// The course of an input between its samples.
+/// Intersample behaviour: the values of an input between its samples.
 ///
 /// ```
 /// use socam_model::{ChannelTransform, Intersample, Quantity};

@@ -27,14 +27,14 @@ pub struct Channel {
     pub noise_std: Option<f64>,
     /// Whether its offset is to be estimated for each recording.
     pub estimate_offset: bool,
-    /// Course between its samples, where the file gives one; inputs only.
+    /// Intersample behaviour, where the file gives one; inputs only.
     pub between: Option<Intersample>,
     /// SI unit.
     pub unit: &'static str,
 }
 
 impl Channel {
-    /// Course between its samples: `between`, or [`Intersample::of`] its quantity and transform.
+    /// Intersample behaviour: `between`, or [`Intersample::of`] its quantity and transform.
     #[must_use]
     pub fn intersample(&self) -> Intersample {
         self.between.unwrap_or(Intersample::of(self.quantity, self.transform))
