@@ -1,4 +1,4 @@
-//! Any part of a recording, from memory or from its file, is the same.
+//! Any part of a recording is the same from memory and from its file.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -220,7 +220,7 @@ fn what_outgrows_memory_goes_on_in_a_temporary_file() {
             assert!(values.iter().copied().eq(rows.map(|row| sign * row as f64)));
         }
     }
-    // There is no room for this many.
+    // More values than the limit.
     let mut keeping = Keeping::with_columns(1);
     keeping.leave_memory(u64::MAX / 100);
     assert!(matches!(keeping.finish(), Kept::Nothing));
