@@ -116,7 +116,7 @@ fn both_numerics_agree_on_every_effect() {
         // The motor's speed is prescribed here: no torque moves it. See below.
         assert!(
             effect.id == "torque_ripple" || cases.iter().any(|(id, ..)| *id == effect.id),
-            "{}",
+            "{} has no case in `both_numerics_agree_on_every_effect`; add one in tests/tests/catalogue.rs",
             effect.id
         );
     }

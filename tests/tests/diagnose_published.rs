@@ -113,7 +113,7 @@ fn a_servo_axis_is_found_to_rub_and_to_be_pulled_one_way() {
     let [before, after] = ["holdout_rms_before", "holdout_rms_after"].map(|when| fit[when].as_f64().unwrap());
     assert!(after < 0.2 * before, "{before} {after}");
     // Share of the force that inverse dynamics leaves, in training and held out: as begun, and with Coulomb friction and the force's offset
-    // (published 4.08 and 5.98 %). The corrected model's friction gives before it slips and its force has an offset, which no regression of the force on the motion holds.
+    // (published 4.08 and 5.98 %). The corrected model's friction has presliding and its force has an offset, which no regression of the force on the motion holds.
     let published = [(&*model, 17.9, 17.8), ("emps", 4.0, 6.0)];
     for (model, in_training, held_out) in published {
         let mut arguments = vec!["identify", &train, "--validate", &test, "--model", model];

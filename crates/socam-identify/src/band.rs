@@ -9,6 +9,15 @@ use crate::{
 };
 
 /// A band of frequencies, including both ends.
+///
+/// ```
+/// use socam_identify::Band;
+///
+/// let band = Band::new(1.0, 40.0)?;
+/// assert_eq!((band.low_hz(), band.high_hz()), (1.0, 40.0));
+/// assert!(Band::new(40.0, 1.0).is_err());
+/// # Ok::<(), socam_identify::IdentifyError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     low_hz: f64,
@@ -52,6 +61,16 @@ impl Band {
 
     /// Checks that half the sampling rate of every part of a recording is at least the upper end.
     ///
+    /// ```
+    /// use socam_identify::Band;
+    ///
+    /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+    /// // The recording is sampled at 500 Hz.
+    /// assert!(Band::new(0.0, 250.0)?.check(&recordings[0]).is_ok());
+    /// assert!(Band::new(0.0, 300.0)?.check(&recordings[0]).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`IdentifyError::Option`] when it is not.
     pub fn check(self, dataset: &Dataset) -> Result<(), IdentifyError> {
@@ -71,6 +90,17 @@ impl Band {
 /// Quality of the simulation of recordings within a band, by a model with the parameter `values` (SI, all of them). As in
 /// [`evaluate`](crate::evaluate), only start states and offsets are fitted to a recording. The result has one entry per output: its name,
 /// and `None` where nothing was measured within the band.
+///
+/// ```
+/// use socam_identify::{Band, Options, Problem, evaluate_band};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::of_known(&model, &recordings, Options::default())?;
+/// let channels = evaluate_band(&problem, &model.values(), Band::new(0.0, 50.0)?)?;
+/// assert_eq!(channels[0].0, "motor_speed");
+/// assert!(channels[0].1.as_ref().expect("a measured channel").rms < 0.07);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Method
 /// The mean is removed from residual and measured channel, both are Fourier transformed over each uninterrupted segment, and the squared

@@ -22,6 +22,17 @@ mod report;
 
 /// Regresses the torque (force) input of `model` on its measured angle (position), all recordings together.
 ///
+/// ```
+/// use socam_identify::inverse_dynamics;
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
+/// let found = inverse_dynamics(&model, &recordings)?;
+/// let mass = model.parameter("mass").unwrap();
+/// let estimate = found.parameters[mass].value.expect("determined");
+/// assert!((estimate / model.values()[mass] - 1.0).abs() < 0.02, "{estimate} kg");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Assumes
 /// The model has one coordinate and is driven by a measured torque at the node whose angle is measured. The torque is linear in the
 /// free parameters. The position noise is so small that the filtered second difference is still the acceleration.
@@ -77,6 +88,15 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
 }
 
 /// 100 norm(force error) / norm(force) of an inverse-dynamics model on a recording, %, as its authors report it.
+///
+/// ```
+/// use socam_identify::force_error_percent;
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
+/// let at_truth = force_error_percent(&model, &model.values(), &recordings[0])?;
+/// assert!(at_truth < 5.0, "{at_truth} %");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`inverse_dynamics`].

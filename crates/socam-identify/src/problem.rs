@@ -115,6 +115,16 @@ impl<'a> Problem<'a> {
 
     /// Binds `datasets` to the channels that `model` reads. Parameters that the model marks as fixed stay so.
     ///
+    /// ```
+    /// use socam_identify::{Options, Problem};
+    ///
+    /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+    /// let problem = Problem::new(&model, &recordings, Options::default())?;
+    /// assert_eq!(problem.model().name, model.name);
+    /// assert!(Problem::new(&model, &[], Options::default()).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When a recording lacks a channel or is too short, when nothing is free, or when a file cannot be read.
     pub fn new(model: &'a Model, datasets: &'a [Dataset], options: Options) -> Result<Self, IdentifyError> {
@@ -127,6 +137,15 @@ impl<'a> Problem<'a> {
     }
 
     /// The same with all parameters fixed: for [`crate::evaluate`] and [`crate::start_states`].
+    ///
+    /// ```
+    /// use socam_identify::{Options, Problem, evaluate};
+    ///
+    /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+    /// let problem = Problem::of_known(&model, &recordings, Options::default())?;
+    /// assert!(evaluate(&problem, &model.values()).is_ok());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As those of [`Problem::new`].

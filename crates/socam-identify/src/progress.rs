@@ -43,6 +43,29 @@ pub trait Observer: Send + Sync {
 }
 
 /// An optional [`Observer`].
+///
+/// ```
+/// use std::sync::{Arc, atomic::{AtomicUsize, Ordering}};
+///
+/// use socam_identify::{Observer, Options, Problem, Progress, ProgressMonitor, output_error};
+///
+/// #[derive(Default)]
+/// struct Counter(AtomicUsize);
+/// impl Observer for Counter {
+///     fn progress(&self, _: &Progress) {
+///         self.0.fetch_add(1, Ordering::Relaxed);
+///     }
+///     fn stop(&self) -> bool {
+///         false
+///     }
+/// }
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let counter = Arc::new(Counter::default());
+/// let options = Options { starts: 1, watch: ProgressMonitor::by(counter.clone()), ..Options::default() };
+/// output_error(&Problem::new(&model, &recordings, options)?)?;
+/// assert!(counter.0.load(Ordering::Relaxed) > 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Default)]
 pub struct ProgressMonitor(Option<Arc<dyn Observer>>);
 

@@ -204,7 +204,7 @@ fn noise_that_a_model_file_gives_an_input_stays() {
     assert_eq!(result.input_noise_std, [("motor_speed".to_owned(), 0.004)]);
 }
 
-/// Where a search has ended there is nothing more to be found.
+/// Intervals at an optimum, without refitting, are those of the fit that ended there.
 #[test]
 fn at_a_minimum_intervals_are_those_of_a_search() {
     let data = [bench(TRUTH, 4.0, 1.0, 5)];

@@ -1,4 +1,4 @@
-//! Equations of a drivetrain while the teeth of a gear with play do not touch.
+//! Equations of a drivetrain while the teeth of a gear with backlash are apart.
 
 use nalgebra::DMatrix;
 
@@ -9,7 +9,8 @@ use crate::{
 };
 
 impl Port {
-    /// Whether its law is a gear's play: constant while teeth touch, and just what transforms their contact back while they do not.
+    /// Whether its law is backlash. The force of that law is constant while the teeth are in contact. While they are apart it cancels the
+    /// torque of the linear contact.
     #[must_use]
     pub fn is_play(&self) -> bool {
         self.effect.is_play()
@@ -17,12 +18,28 @@ impl Port {
 }
 
 impl Equations {
-    /// The equations while the teeth at the gear of `port` (the first port of its law) are apart: the contact's torque is cancelled in
-    /// the linear part, and the law's force is zero. `derivatives` are those of these equations with respect to the parameters `wrt` at
-    /// `values`; the result has them too.
+    /// The equations while the teeth at the gear of `port` (the first port of its law) are apart: the torque of the contact is
+    /// removed from the linear part, and the force of the law is zero. `derivatives` are the derivatives of these equations with respect to
+    /// the parameters `wrt` at `values`; the result is the equations apart and their derivatives.
     ///
-    /// The law's force is K v there, where K holds the contact's negative stiffness and damping. With f = K v + g, the port inputs are
-    /// v = (1 - U K)^-1 (V x + W u + U g), and the other matrices follow. `None` where a massless node is then connected to nothing.
+    /// The force of the law is then K v, where K contains the negative stiffness and damping of the contact. With f = K v + g, the port inputs
+    /// are v = (1 - U K)^-1 (V x + W u + U g), and the other matrices follow. `None` where 1 - U K is singular: a massless node is then
+    /// connected to nothing, or `port` does not exist.
+    ///
+    /// ```
+    /// use socam_model::Model;
+    ///
+    /// let model = Model::builtin("speed-o-cam").expect("an embedded model");
+    /// let model = model.with_effect("backlash", "mesh", &[("gap", 2e-3)])?;
+    /// let values = model.values();
+    /// let equations = model.equations(&values)?;
+    /// let first = equations.ports.iter().position(|port| port.is_play()).expect("the backlash");
+    /// let (apart, _) = equations.apart(&[], &values, &[], first).expect("inertias on both sides");
+    /// // The load is then driven by nothing: its steady response to the motor's speed is gone.
+    /// let still = |e: &socam_model::Equations| e.transfer(0, 0, nalgebra::Complex::new(1e-3, 0.0)).unwrap().norm();
+    /// assert!(still(&equations) > 0.1 && still(&apart) < 1e-3);
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     #[must_use]
     pub fn apart(
         &self,

@@ -2,7 +2,7 @@
 
 use crate::Model;
 
-/// Embedded models: name and file text. The first is the default.
+/// Embedded models: name and text of the model file. The first is the default of all commands.
 pub const BUILTIN: &[(&str, &str)] = &[
     ("speed-o-cam", include_str!("builtin/speed-o-cam.toml")),
     ("two-mass", include_str!("builtin/two-mass.toml")),
@@ -11,7 +11,15 @@ pub const BUILTIN: &[(&str, &str)] = &[
 ];
 
 impl Model {
-    /// An embedded model by name.
+    /// The embedded model of this name; `None` for an unknown name.
+    ///
+    /// ```
+    /// use socam_model::{BUILTIN, Model};
+    ///
+    /// let model = Model::builtin("speed-o-cam").expect("an embedded model");
+    /// assert_eq!(model.text, BUILTIN[0].1);
+    /// assert!(Model::builtin("perpetuum-mobile").is_none());
+    /// ```
     pub fn builtin(name: &str) -> Option<Self> {
         let (_, text) = BUILTIN.iter().find(|(candidate, _)| *candidate == name)?;
         Self::parse(text).ok()

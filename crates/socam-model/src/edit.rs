@@ -1,27 +1,61 @@
-//! A model file's text with something changed in it: comments, order and all else stay.
+//! Edits of a model file's text that keep its comments, order and formatting.
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, value};
 
 use crate::{Intersample, Model, ModelError, Parameter, Prior, Role, Update, effects};
 
 impl Model {
-    /// The file's text with some parameters' values replaced; comments, order and all else stay.
+    /// The file's text with new values, intervals and sources of some parameters, in the file's own units. Comments, order and formatting stay.
+    /// An update of a parameter that the file does not declare (a default of a law) is ignored.
+    ///
+    /// ```
+    /// use socam_model::{Model, Update};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let update = Update { name: "stiffness".into(), value: 150.0, ci95: Some([140.0, 160.0]), source: "fit".into() };
+    /// let fitted = Model::parse(&model.text_with(&[update])?)?;
+    /// assert_eq!(fitted.values()[fitted.parameter("stiffness").unwrap()], 150.0);
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ModelError::File`] where [`Model::text`] is not TOML.
     pub fn text_with(&self, updates: &[Update]) -> Result<String, ModelError> {
         write(&self.text, &self.parameters, updates)
     }
 
-    /// The file's text with priors of some parameters; they also become the values from which a search starts.
+    /// The file's text with priors of some parameters. The value of each parameter becomes its prior's value, from which a fit then starts.
+    ///
+    /// ```
+    /// use socam_model::{Model, Prior};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let text = model.text_with_priors(&[("stiffness", Prior { value: 130.0, std: 5.0 })], "catalogue")?;
+    /// let known = Model::parse(&text)?;
+    /// assert_eq!(known.parameters[known.parameter("stiffness").unwrap()].prior, Some(Prior { value: 130.0, std: 5.0 }));
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
-    /// For a parameter that the file does not have.
+    /// [`ModelError::File`] for a parameter that the file does not have.
     pub fn text_with_priors(&self, priors: &[(&str, Prior)], source: &str) -> Result<String, ModelError> {
         write_priors(&self.text, &self.parameters, priors, source)
     }
 
-    /// Says what an input does between its samples, in the file's text too; `None`: what its kind of input does.
+    /// Sets the intersample behaviour of an input, also in the file's text; `None` removes the key, so that [`Intersample::of`] applies.
+    ///
+    /// ```
+    /// use socam_model::{Intersample, Model};
+    ///
+    /// let mut model = Model::builtin("two-mass").expect("an embedded model");
+    /// model.set_intersample("motor_torque", Some(Intersample::Hold))?;
+    /// assert_eq!(model.inputs().next().unwrap().intersample(), Intersample::Hold);
+    /// assert!(model.text.contains("between = \"hold\""));
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
-    /// For an input that the file does not have.
+    /// [`ModelError::File`] for a channel that the file does not have.
     pub fn set_intersample(&mut self, input: &str, between: Option<Intersample>) -> Result<(), ModelError> {
         let text = write_intersample(&self.text, input, between)?;
         let named = self.channels.iter_mut().filter(|c| c.role == Role::Input && c.name == input);
@@ -30,13 +64,25 @@ impl Model {
         Ok(())
     }
 
-    /// The model with one effect more, as a model file; its parameters are named after place and effect.
+    /// The model with one more effect, also in the file's text, with parameter values in SI. Its parameters are named
+    /// `PLACE_EFFECT_PARAMETER`. Values of parameters that were changed after the file was read are kept.
+    ///
+    /// ```
+    /// use socam_model::Model;
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let rubbing = model.with_effect("coulomb_friction", "load_bearing", &[("torque", 0.1)])?;
+    /// assert_eq!(rubbing.effects[0].place, "load_bearing");
+    /// assert!(rubbing.parameter("load_bearing_coulomb_friction_torque").is_some());
+    /// assert!(model.with_effect("coulomb_friction", "shaft", &[("torque", 0.1)]).is_err());
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
-    /// As for a file with a wrong entry: a place or parameter that does not exist, a value that makes no sense.
+    /// As [`Model::parse`]: for a place or parameter that does not exist, and for a value outside its bounds.
     pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
         let mut grown = Self::parse(&add_effect(self, effect, place, values)?)?;
-        // What was changed since the file was read stays changed.
+        // The file's text has the values as read; later changes are in `parameters` only.
         for parameter in &mut grown.parameters {
             if let Some(known) = self.parameter(&parameter.name) {
                 *parameter = self.parameters[known].clone();
@@ -46,19 +92,19 @@ impl Model {
     }
 }
 
-/// The text with updated parameters, values in the file's own units.
+/// See [`Model::text_with`].
 fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
     for update in updates {
         let Some(parameter) = parameters.iter().find(|parameter| parameter.name == update.name) else {
             continue;
         };
-        // A law's own default stands in no file.
+        // A default of a law is a parameter of the model that the file does not declare.
         let Some(entry) = document["parameters"].get_mut(&update.name).and_then(Item::as_table_like_mut)
         else {
             continue;
         };
-        // A value at its bound must not come out beyond it by a rounding, or the file could not be read again.
+        // Division by the factor may round a value at its bound to one beyond it, and such a file is refused.
         let bound = |index: usize| {
             let bound = entry.get("bounds")?.as_array()?.get(index)?;
             bound.as_float().or(bound.as_integer().map(|integer| integer as f64))
@@ -82,7 +128,7 @@ fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<Str
     Ok(document.to_string())
 }
 
-/// The text with priors, from which searches then start too.
+/// See [`Model::text_with_priors`].
 fn write_priors(
     text: &str,
     parameters: &[Parameter],
@@ -94,7 +140,7 @@ fn write_priors(
         let parameter = parameters.iter().find(|parameter| parameter.name == *name);
         let entry = document["parameters"].get_mut(name).and_then(Item::as_table_like_mut);
         let Some((parameter, entry)) = parameter.zip(entry) else {
-            return Err(fault(format!("there is no parameter {name} to know something of")));
+            return Err(fault(format!("there is no parameter {name} for which a prior could be set")));
         };
         let mut known = InlineTable::new();
         known.insert("value", (prior.value / parameter.file_factor).into());
@@ -107,7 +153,7 @@ fn write_priors(
     Ok(document.to_string())
 }
 
-/// The text with what an input does between its samples, or without a word about it.
+/// See [`Model::set_intersample`].
 fn write_intersample(text: &str, channel: &str, between: Option<Intersample>) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
     let entry = document["channels"].get_mut(channel).and_then(Item::as_table_like_mut);
@@ -119,7 +165,7 @@ fn write_intersample(text: &str, channel: &str, between: Option<Intersample>) ->
     Ok(document.to_string())
 }
 
-/// The text with an effect and its parameters added.
+/// See [`Model::with_effect`].
 fn add_effect(
     model: &Model,
     effect: &str,
@@ -160,7 +206,7 @@ fn fault(message: String) -> ModelError {
     ModelError::File { line: 1, message }
 }
 
-/// The name, or the first with a number behind it that no parameter has.
+/// `name`, or the first of `name_2`, `name_3`, ... that no parameter has.
 fn free_name(document: &DocumentMut, name: &str) -> String {
     let taken = |name: &str| document["parameters"].get(name).is_some();
     let numbered = (2..).map(|number| format!("{name}_{number}"));

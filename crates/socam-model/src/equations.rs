@@ -8,19 +8,35 @@ use crate::{
     jet::Jet,
 };
 
-/// One input of a nonlinear law. A law has one port for each of its inputs, and one port if it has none; its ports stand next to each
-/// other. The response of the law is the force of its first port; the force of the others is zero. All ports of a law act in the same way.
+/// One input of a nonlinear law. A law without inputs has one port, any other law one for each input; the ports of a law are consecutive.
+/// The response of the law is the force of its first port, and the forces of its other ports are zero. All ports of a law act on the same
+/// place.
+///
+/// ```
+/// use socam_model::Model;
+///
+/// let model = Model::builtin("emps").expect("a model with Coulomb friction");
+/// let values = model.values();
+/// let equations = model.equations(&values)?;
+/// let friction = &equations.ports[0];
+/// assert_eq!((friction.count(), friction.is_constant(), friction.is_play()), (1, false, false));
+/// assert!(!friction.is_inactive(&values));
+/// // At 1 m/s the friction opposes the motion with its full force.
+/// let parameters = friction.values(&values);
+/// assert!((friction.evaluate(&[1.0], &parameters).torque + parameters[0]).abs() < 1e-9);
+/// # Ok::<(), socam_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Port {
-    /// The effect.
+    /// The effect of the law.
     pub effect: &'static Effect,
-    /// Its law.
+    /// The law.
     pub law: &'static Law,
-    /// Place name.
+    /// Name of the place at which the law acts.
     pub place: String,
     /// Indices of the law's parameters among those of the model.
     pub parameters: Vec<usize>,
-    /// Index of the law's input.
+    /// Index of this port's input in [`Law::law_inputs`].
     pub law_input: usize,
 }
 
@@ -37,29 +53,49 @@ impl Port {
         self.law.law_inputs.is_empty()
     }
 
-    /// The law's parameters out of all of the model's.
+    /// Values of the law's parameters, from the values `all` of the model's parameters.
     #[must_use]
     pub fn values(&self, all: &[f64]) -> Vec<f64> {
         self.parameters.iter().map(|index| all[*index]).collect()
     }
 
-    /// Whether its law has zero force at any input, at these `values` of all of the model's parameters.
+    /// Whether the force of its law is zero for all inputs, at `values` of all parameters of the model.
     #[must_use]
     pub fn is_inactive(&self, values: &[f64]) -> bool {
         (self.law.inactive)(&self.values(values))
     }
 
-    /// Response of the law. This port must be the first of its law, and `seen` must begin with the inputs of the law's ports.
+    /// Response of the law. `seen` must begin with the inputs of the law, in their order, and `parameters` are those of
+    /// [`Self::values`].
     #[must_use]
     pub fn evaluate(&self, seen: &[f64], parameters: &[f64]) -> Response {
         (self.law.evaluate)(&seen[..self.law.law_inputs.len()], parameters)
     }
 }
 
-/// x' = A x + B u + H f,  y = C x + D u + E f,  v = V x + W u + U f, with f = laws(v).
+/// The equations of motion x' = A x + B u + H f, y = C x + D u + E f, v = V x + W u + U f with f = laws(v), SI.
 ///
-/// x holds angles (relative to the driven node, or to one massive node, wherever no sensor or spring
-/// needs absolute ones: then no angle drifts) and speeds of the massive coordinates. All SI.
+/// x contains angles, the speeds of the massive coordinates, and the states of effects. Angles are relative to the driven node or to one
+/// massive node, so that they do not grow with time; they are absolute where a sensor, a servo or a spring to the ground requires it.
+///
+/// ```
+/// use nalgebra::Complex;
+/// use socam_model::Model;
+///
+/// let model = Model::builtin("two-mass").expect("an embedded model");
+/// let equations = model.equations(&model.values())?;
+/// assert_eq!(equations.state_names, ["wind-up of load", "speed of motor", "speed of load"]);
+/// assert_eq!(equations.poles().len(), 3);
+/// // The resonance is a conjugate pair, and motor torque to motor speed has a pair of zeros below it.
+/// let resonance = equations.modes()[1];
+/// assert!(resonance.damping_ratio < 0.1);
+/// assert!(equations.zeros(0, 0)[0].norm() < resonance.pole.norm());
+/// // Slowly varying torque turns both ends at the same speed.
+/// let slow = Complex::new(0.0, 1e-6);
+/// let speeds = [0, 1].map(|output| equations.transfer(output, 0, slow).expect("no pole"));
+/// assert!((speeds[0] - speeds[1]).norm() < 1e-6 * speeds[0].norm());
+/// # Ok::<(), socam_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Equations {
     /// A, states x states.
@@ -78,18 +114,27 @@ pub struct Equations {
     pub port: DMatrix<f64>,
     /// W, ports x inputs.
     pub port_input: DMatrix<f64>,
-    /// U, ports x ports (zero unless a law acts on a massless node).
+    /// U, ports x ports; zero unless a law acts on a massless node.
     pub port_force: DMatrix<f64>,
-    /// The laws, in the order of the columns of H.
+    /// The ports, in the order of the columns of H.
     pub ports: Vec<Port>,
-    /// What each state is, for reports.
+    /// Name of each state, for reports.
     pub state_names: Vec<String>,
-    /// What each input transforms of its column: how that one's noise enters.
+    /// Transform of each input from its column, which determines how the column's noise enters.
     pub transforms: Vec<ChannelTransform>,
 }
 
 impl Equations {
-    /// The same equations with these ports only; the forces of the others are taken as zero.
+    /// The equations with only the ports of the indices `kept`; the forces of the others are set to zero.
+    ///
+    /// ```
+    /// let model = socam_model::Model::builtin("emps").expect("a model with friction");
+    /// let equations = model.equations(&model.values())?;
+    /// let frictionless = equations.with_ports(&[]);
+    /// assert_eq!((frictionless.force.ncols(), frictionless.ports.len()), (0, 0));
+    /// assert_eq!(frictionless.state, equations.state);
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     #[must_use]
     pub fn with_ports(&self, kept: &[usize]) -> Self {
         Self {
@@ -104,17 +149,18 @@ impl Equations {
     }
 }
 
-/// The same as rows over [states | inputs | ports], with their derivatives.
+/// The matrices of [`Equations`] as rows over [states | inputs | ports], with their derivatives.
 pub(crate) struct SystemRows {
-    /// Of the states.
+    /// A, B and H.
     pub(crate) rates: Jet,
+    /// C, D and E.
     pub(crate) observed: Jet,
-    /// By the laws.
+    /// V, W and U.
     pub(crate) seen: Jet,
 }
 
 impl SystemRows {
-    /// The equations, without what is no matrix, and their derivatives.
+    /// The equations (`ports`, `state_names` and `transforms` are empty) and their derivatives.
     pub(crate) fn split(&self, [states, inputs, ports]: [usize; 3]) -> (Equations, Vec<Equations>) {
         let part = |derivative: Option<usize>| {
             let pick = |jet: &Jet, start: usize, count: usize| {
@@ -148,7 +194,7 @@ impl SystemRows {
     }
 }
 
-/// A mode of the free, linear drivetrain.
+/// A mode of the linear part without input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
     /// Eigenvalue, 1/s.
@@ -184,7 +230,7 @@ impl Equations {
         self.state.complex_eigenvalues().iter().copied().collect()
     }
 
-    /// Zeros of the linear transfer function from `input` to `output`, 1/s.
+    /// Zeros of the linear transfer function from `input` to `output` (indices), 1/s.
     ///
     /// A zero is a number s for which [A - s 1, B; C, D] is singular. The inverse of that matrix at a shift that is not a zero gives an
     /// ordinary eigenvalue problem, in which zeros at infinity have the eigenvalue zero. Zeros beyond a thousand times the fastest pole
@@ -212,7 +258,7 @@ impl Equations {
         let Some(solved) = shifted.full_piv_lu().solve(&identity) else { return Vec::new() };
         let inverse = solved.rows(0, states).into_owned();
         let rounded = |zero: Complex<f64>| if zero.norm() < 1e-9 * shift { Complex::ZERO } else { zero };
-        // Whether next to nothing comes through, compared with what does a little farther out.
+        // A candidate is a zero only if the gain at it is below 1e-3 of the gain at a point 10 % away.
         let size = |s| self.transfer(output, input, s).map_or(f64::INFINITY, |value| value.norm());
         let vanishes =
             |zero: &Complex<f64>| size(*zero) < 1e-3 * size(zero * 1.1 + Complex::new(0.0, 1e-3 * slowest));

@@ -1,29 +1,29 @@
-//! What can be wrong with a model.
+//! Errors of model files and models.
 
 use thiserror::Error;
 
-/// A model that cannot be used, in one sentence that says where and what to do.
+/// Why a model cannot be used: one sentence with the place and, where one is known, the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ModelError {
-    /// The file is not the TOML that was expected.
+    /// The model file is not TOML, or an entry is missing, unknown or wrong.
     #[error("line {line}: {message}")]
     File {
         /// One-based line in the model file.
         line: usize,
-        /// What was found and what was expected.
+        /// What was found, what was expected, and what to write.
         message: String,
     },
-    /// The network has no unique motion.
+    /// The network has no unique motion, or an element or channel is at a place where it cannot act.
     #[error("{0}")]
     Network(String),
-    /// A parameter value outside what physics allows.
+    /// A parameter value for which no equations exist.
     #[error("parameter {name} is {value}, but it must be {expected}")]
     Value {
         /// Parameter name.
         name: String,
         /// Offending value in SI.
         value: f64,
-        /// What was expected.
+        /// Condition that the value must meet.
         expected: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! Reading of model files: TOML in, a checked [`Model`] in SI out, each error with its line.
+//! Reads model files: TOML in, a checked [`Model`] in SI out; each error has a line.
 
 use crate::{
     Model, ModelError, Motion, Role,
@@ -22,13 +22,13 @@ mod reader;
 mod tests;
 mod wiring;
 
-pub use channel::column_unit;
+pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
 
 const SCHEMA: &str = "socam.model/1";
 
 impl Model {
-    /// Reads the text of a model file, checks it and forms its equations once.
+    /// Parses the text of a model file, checks it, and forms its equations once.
     ///
     /// ```
     /// use socam_model::Model;
@@ -66,13 +66,24 @@ impl Model {
     /// [`ModelError::File`] with the line, the key and what was expected there.
     pub fn parse(text: &str) -> Result<Self, ModelError> {
         let model = read(text)?;
-        // A network that cannot move is found here, not in the middle of a fit.
+        // A network without equations is refused here and not in a fit.
         model.equations(&model.values()).map_err(|error| placed(text, error))?;
         Ok(model)
     }
 
-    /// The model with one more effect, which need not be in the catalogue, with its own parameters fixed at `values` (SI): for simulated
-    /// benches. No file can name such an effect, so that [`Self::text`] does not change.
+    /// The model with one more effect, whose parameters are fixed at `values` (SI), for simulated benches. The effect need not be in the
+    /// catalogue. [`Self::text`] does not change, because a file can name effects of the catalogue only.
+    ///
+    /// ```
+    /// use socam_model::{Model, effects};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let drag = effects::find("quadratic_drag").expect("an effect of the catalogue");
+    /// let windy = model.with_law(drag, "load_bearing", &[1e-3])?;
+    /// assert_eq!(windy.equations(&windy.values())?.ports.len(), 1);
+    /// assert!(model.with_law(drag, "shaft", &[1e-3]).is_err());
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`ModelError::Network`] where the effect cannot act at that place; otherwise as [`Self::equations`].
@@ -101,7 +112,7 @@ fn read(text: &str) -> Result<Model, ModelError> {
     .model(raw)
 }
 
-/// The model with an effect that no file can name; `None` where it cannot act there.
+/// See [`Model::with_law`]; `None` where the effect cannot act at that place, or the number of values is wrong.
 fn put(model: &Model, effect: &'static Effect, place: &str, values: &[f64]) -> Option<Model> {
     let mut model = model.clone();
     if !model.places(effect).contains(&place) || values.len() != effect.parameters.len() {
@@ -126,7 +137,7 @@ fn put(model: &Model, effect: &'static Effect, place: &str, values: &[f64]) -> O
     fits.then_some(model)
 }
 
-/// An error of the network as one of its file: at the line that declares the first name it speaks of.
+/// An error of the network with the line of the file that declares the first name in its message; unchanged if no line does.
 fn placed(text: &str, error: ModelError) -> ModelError {
     let message = match &error {
         ModelError::File { .. } => return error,

@@ -1,20 +1,28 @@
-//! How an input moves between its samples.
+//! Intersample behaviour: the values of an input between its samples.
 
 use std::str::FromStr;
 
 use crate::{ChannelTransform, Quantity};
 
-/// How an input moves between its samples.
+/// Intersample behaviour: the values of an input between its samples.
+///
+/// ```
+/// use socam_model::{ChannelTransform, Intersample, Quantity};
+///
+/// assert_eq!(Intersample::of(Quantity::Torque, ChannelTransform::Value), Intersample::Linear);
+/// assert_eq!("band-limited".parse(), Ok(Intersample::BandLimited));
+/// assert!(Intersample::ALL.iter().all(|kind| kind.name().parse() == Ok(*kind)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Intersample {
-    /// It keeps each sample's value until the next sample (zero-order hold): what a converter or a drive with the recording's
-    /// own period puts out.
+    /// Constant from each sample to the next (zero-order hold): the output of a converter or drive that is updated at the recording's
+    /// sample rate.
     Hold,
-    /// In a straight line from sample to sample (first-order hold). On a sampled motion it acts as a low-pass that biases
-    /// dampings, by several per cent for content up to a sixth of the sampling rate.
+    /// Linear between samples (first-order hold). For a sampled motion it acts as a low-pass filter, which biases estimated dampings by
+    /// several per cent where the motion has content up to a sixth of the sampling rate.
     Linear,
-    /// As a band-limited signal: a spline through the samples whose error is of eighth order in frequency.
+    /// A band-limited signal, by a spline through the samples. Its error is of order 8 in frequency.
     BandLimited,
 }
 
@@ -22,7 +30,7 @@ impl Intersample {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Hold, Self::Linear, Self::BandLimited];
 
-    /// The word for it in model files and options.
+    /// Its name in model files and options.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -32,8 +40,8 @@ impl Intersample {
         }
     }
 
-    /// What an input of this kind does when nobody says: a motion has inertia, and a wave made of an angle moves as that does;
-    /// a torque, a force or a reference is what a drive was told, which it ramps.
+    /// Default for an input. Measured motions are band-limited, because inertia smooths them, and so are waves that are computed from an
+    /// angle. Torques, forces and references are linear: a drive ramps between commands.
     #[must_use]
     pub const fn of(quantity: Quantity, take: ChannelTransform) -> Self {
         match (quantity, take) {

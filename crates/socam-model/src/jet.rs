@@ -1,7 +1,6 @@
-//! Matrices that carry their derivatives with respect to chosen parameters.
+//! Matrices with their derivatives with respect to chosen parameters.
 //!
-//! Forward differentiation of the few matrix operations that assembly needs; exact to rounding, so
-//! that estimators need no finite differences.
+//! Forward-mode differentiation of the matrix operations that assembly needs. Derivatives are exact to rounding.
 
 use nalgebra::DMatrix;
 
@@ -12,7 +11,7 @@ pub(crate) struct Jet {
     pub(crate) derivatives: Vec<DMatrix<f64>>,
 }
 
-/// A number and its derivatives; the 1 x 1 case, kept light because assembly handles many.
+/// A number and its derivatives. It is separate from a 1 x 1 [`Jet`] because assembly creates many and these need one allocation each.
 #[derive(Debug, Clone)]
 pub(crate) struct Scalar {
     pub(crate) value: f64,

@@ -1,10 +1,21 @@
-//! The drivetrain as an iconic drawing: what stands where on a grid, and what is joined. No shapes, colours or text sizes;
-//! whoever draws it chooses those.
+//! The layout of a schematic drawing of the drivetrain: grid positions of its elements, and the pairs that are joined. Symbols, colours
+//! and sizes are chosen by the caller that draws it.
 //!
-//! The longest chain runs from the drive at the left to the load at the right, node and link by turns, one column each.
-//! Branches and links that close a loop get lanes of their own below it. Channels stand above what they watch, bearings and
-//! springs to the ground below the node that they hold. A long chain may be wrapped ([`Layout::wrapped`]): its columns go
-//! on in further rows, like lines of text.
+//! The longest chain runs from the drive at the left to the load at the right. Its nodes and links alternate, one per column.
+//! Each branch, and each link that closes a loop, has a lane of its own below. A channel is above the element that it measures;
+//! bearings and springs to the ground are below the node that they hold. A long chain may be wrapped ([`Layout::wrapped`]): its columns
+//! continue in further rows, as lines of text do.
+//!
+//! ```
+//! use socam_model::{Model, layout::{ElementKind, Layout}};
+//!
+//! let model = Model::builtin("two-mass").expect("an embedded model");
+//! let layout = Layout::of(&model);
+//! let shaft = layout.find("shaft").expect("a spring of the model");
+//! assert_eq!(layout.elements[shaft].kind, ElementKind::Spring { damped: true });
+//! assert_eq!((layout.columns, layout.rows), (3, 4));
+//! assert!(Layout::wrapped(&model, 2).columns == 2);
+//! ```
 
 mod builder;
 mod element;
@@ -19,12 +30,12 @@ use builder::Builder;
 pub use element::{Element, ElementKind, Joint, Layout};
 
 impl Layout {
-    /// The drivetrain in one piece, however long.
+    /// The layout with the whole chain in one row of elements.
     pub fn of(model: &Model) -> Self {
         Self::wrapped(model, usize::MAX)
     }
 
-    /// The drivetrain in rows of at most `columns` columns.
+    /// The layout with the chain wrapped into lines of at most `columns` columns (at least 1).
     pub fn wrapped(model: &Model, columns: usize) -> Self {
         let mut builder = Builder::default();
         builder.chain(model);

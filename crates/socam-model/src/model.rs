@@ -1,4 +1,4 @@
-//! The drivetrain as its file describes it, checked and in SI.
+//! The drivetrain of a model file, checked and in SI.
 
 mod channel;
 mod elements;
@@ -21,13 +21,24 @@ pub enum Motion {
 }
 
 /// A checked model, in SI.
+///
+/// ```
+/// use socam_model::Model;
+///
+/// let model = Model::builtin("two-mass").expect("an embedded model");
+/// let stiffness = model.parameter("stiffness").expect("a parameter of it");
+/// assert_eq!(model.values()[stiffness], model.parameters[stiffness].value);
+/// assert_eq!(model.parameters[stiffness].unit, "N m/rad");
+/// assert_eq!(model.inputs().map(|channel| channel.name.as_str()).collect::<Vec<_>>(), ["motor_torque"]);
+/// assert_eq!(model.outputs().count(), 2);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     /// The file's text.
     pub text: String,
-    /// Short name.
+    /// Name, as in reports.
     pub name: String,
-    /// One line about it.
+    /// Description, one line.
     pub description: String,
     /// Kind of coordinates.
     pub motion: Motion,
@@ -43,7 +54,7 @@ pub struct Model {
     pub shafts: Vec<Shaft>,
     /// Bearings.
     pub bearings: Vec<Bearing>,
-    /// Force laws.
+    /// Effects of the catalogue, in the order of the file.
     pub effects: Vec<EffectUse>,
     /// Servo, if the drive is closed-loop.
     pub servo: Option<Servo>,
@@ -52,12 +63,12 @@ pub struct Model {
 }
 
 impl Model {
-    /// Parameter values of the file, SI.
+    /// Values of [`Self::parameters`], SI, in their order.
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// Index of a parameter.
+    /// Index of a parameter in [`Self::parameters`].
     pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter.name == name)
     }
@@ -67,7 +78,7 @@ impl Model {
         self.channels.iter().filter(|channel| channel.role == Role::Input)
     }
 
-    /// Channels that it predicts, in the order of [`crate::Equations`]' outputs.
+    /// Channels that the model predicts, in the order of [`crate::Equations`]' outputs.
     pub fn outputs(&self) -> impl Iterator<Item = &Channel> {
         self.channels.iter().filter(|channel| channel.role == Role::Output)
     }

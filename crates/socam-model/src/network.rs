@@ -23,7 +23,7 @@ mod values;
 mod wiring;
 
 impl Model {
-    /// Equations of motion for parameter values in SI, in the order of [`Model::parameters`].
+    /// Equations of motion for parameter values (SI, in the order of [`Model::parameters`]).
     ///
     /// ```
     /// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
@@ -36,13 +36,24 @@ impl Model {
     /// # Errors
     /// [`ModelError::Value`] for a value outside what physics allows (an inertia, stiffness or transition speed that is
     /// not positive, a damping below zero, a ratio of zero); [`ModelError::Network`] where
-    /// a node has nothing that decides its motion.
+    /// the motion of a node is not determined.
     pub fn equations(&self, values: &[f64]) -> Result<Equations, ModelError> {
         self.equations_with_derivatives(values, &[]).map(|(equations, _)| equations)
     }
 
-    /// The same with the derivative of every matrix with respect to each parameter in `wrt`; the derivatives'
-    /// `ports`, `state_names` and `transforms` are empty.
+    /// [`Model::equations`] and the derivative of each matrix with respect to each parameter index in `wrt`. In the derivatives, `ports`,
+    /// `state_names` and `transforms` are empty.
+    ///
+    /// ```
+    /// # let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
+    /// # let values = model.values();
+    /// let stiffness = model.parameter("stiffness").expect("a parameter of it");
+    /// let (equations, derivatives) = model.equations_with_derivatives(&values, &[stiffness])?;
+    /// // The stiffness accelerates the motor by wind-up (state 0), linearly.
+    /// let expected = equations.state[(1, 0)] / values[stiffness];
+    /// assert!((derivatives[0].state[(1, 0)] / expected - 1.0).abs() < 1e-9);
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Model::equations`].
@@ -56,10 +67,17 @@ impl Model {
         MotionMaps::new(&assembly)?.equations()
     }
 
-    /// How many times faster the node `fast` moves than the node `slow` while no spring twists, at the file's values:
-    /// what gears, shafts and couplings fix between them on average. Negative where they turn against each other.
+    /// Speed of the node `fast` divided by that of the node `slow` while no spring twists, at the file's values: the ratio of their mean
+    /// speeds. Negative where they turn in opposite directions.
     ///
-    /// `None` where nothing fixes it: a node that does not exist, no way from one to the other, or a spring to the ground.
+    /// `None` for an unknown node, for nodes that are not connected, and where springs prevent the motion (one to the ground, or a loop).
+    ///
+    /// ```
+    /// # use socam_model::Model;
+    /// let model = Model::builtin("speed-o-cam").expect("a model with a gear of ratio 8");
+    /// assert_eq!(model.rigid_ratio("motor", "load"), Some(8.0));
+    /// assert_eq!(model.rigid_ratio("motor", "attic"), None);
+    /// ```
     pub fn rigid_ratio(&self, fast: &str, slow: &str) -> Option<f64> {
         let values = self.values();
         let node = |name: &str| self.nodes.iter().position(|node| node.name == name);

@@ -1,37 +1,48 @@
-//! The transform from a recording's column to a channel: the values as they are, their rate, or a wave of an angle.
+//! The transform from a recording's column to a channel: its values, their time derivative, their integral, or a wave of an angle.
 //!
 //! A bench with encoders records angles. The prescribed speed of its motor, or a torque that repeats with each turn of a shaft, is computed
 //! from them here, so that no recording has to be rewritten.
 
-/// Samples to either side that a rate is made of.
+/// Number of samples on either side that a rate uses.
 const REACH: usize = 8;
 
 /// The transform of a column's values (`take` in a model file).
+///
+/// ```
+/// use socam_model::ChannelTransform;
+///
+/// assert_eq!(ChannelTransform::Rate.reach(), 8);
+/// assert_eq!(ChannelTransform::Rate.noise().len(), 17);
+/// assert_eq!(ChannelTransform::Value.noise(), [1.0]);
+/// // White noise of 1e-4 rad at 1 kHz becomes noise of about 0.13 rad/s.
+/// let std_rad_s = 1e-4 * ChannelTransform::Rate.amplification(1e-3);
+/// assert!((std_rad_s - 0.13).abs() < 0.02, "{std_rad_s}");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChannelTransform {
-    /// The values.
+    /// The values themselves.
     #[default]
     #[serde(skip)]
     Value,
-    /// Their time derivative, by central differences over eight samples to either side: exact to sixteenth order, so that a
-    /// tone at a quarter of the sampling rate has lost 0.14 % and one at a seventh 5e-7. Towards the ends of an uninterrupted
-    /// run there are fewer samples, and at the very end a parabola through three.
+    /// Their time derivative per second, by central differences of order 16 over eight samples on either side. The amplitude error of a
+    /// sinusoid is 0.14 % at a quarter of the sampling rate and 5e-7 at a seventh. Near the ends of a segment the order is lower; the first
+    /// and last values are derivatives of a parabola through three samples.
     Rate,
-    /// cos(order * value): of an angle, `order` cycles per turn.
+    /// cos(order * value): a wave of `order` cycles per turn of an angle in rad.
     Cos(f64),
-    /// sin(order * value).
+    /// sin(order * value), see [`Self::Cos`].
     Sin(f64),
-    /// Time since the recording began, whatever the values.
+    /// Time since the start of the recording, s; the values are not used.
     #[serde(skip)]
     Elapsed,
-    /// Their integral since then, to fourth order.
+    /// Their integral over time since the start of the recording, to order 4.
     #[serde(skip)]
     Integral,
 }
 
 impl ChannelTransform {
-    /// Samples to either side of one that it is made of.
+    /// Number of samples on either side of a sample on which its transformed value depends.
     #[must_use]
     pub const fn reach(self) -> usize {
         match self {
@@ -41,8 +52,8 @@ impl ChannelTransform {
         }
     }
 
-    /// What white noise of the column leaves in a channel's samples, by those about each, the earliest first, of unit variance: a rate's
-    /// is blue.
+    /// The weights, earliest first and with squares that sum to 1, by which white noise of the column enters a transformed sample: `[1]`, or
+    /// for [`Self::Rate`] the 17 difference weights, which colour the noise (its spectrum rises with frequency).
     #[must_use]
     pub fn noise(self) -> Vec<f64> {
         if self != Self::Rate {
@@ -53,7 +64,7 @@ impl ChannelTransform {
         before.chain([0.0]).chain(after.iter().copied()).map(|weight| weight / size).collect()
     }
 
-    /// How many times the standard deviation of white noise in the column a channel's is; of values and rates.
+    /// Standard deviation of a transformed sample divided by that of white noise in the column: 1, or for [`Self::Rate`] a factor in 1/s.
     #[must_use]
     pub fn amplification(self, sample_time_s: f64) -> f64 {
         if self != Self::Rate {
@@ -74,16 +85,16 @@ impl ChannelTransform {
     }
 }
 
-/// Where the first of some samples stands in its recording, for what is counted from there.
+/// State of [`ChannelTransform::Elapsed`] and [`ChannelTransform::Integral`] at the first of some samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TransformStart {
-    /// Time since the recording began, s.
+    /// Time of the first sample since the start of the recording, s.
     pub time_s: f64,
-    /// What [`ChannelTransform::Integral`] has made of the samples before: the integral up to the first of these.
+    /// Integral from the start of the recording to the first sample, in the column's unit times s.
     pub integral: f64,
 }
 
-/// Integral from the first value on.
+/// Integral at each value, `start` at the first.
 fn integral(values: &[f64], sample_time_s: f64, start: f64) -> Vec<f64> {
     let step = |k: usize| match (k.checked_sub(2).and_then(|before| values.get(before)), values.get(k + 1)) {
         (Some(before), Some(after)) => (13.0 * (values[k - 1] + values[k]) - before - after) / 24.0,
@@ -96,7 +107,7 @@ fn integral(values: &[f64], sample_time_s: f64, start: f64) -> Vec<f64> {
     sums.collect()
 }
 
-/// Change per sample.
+/// Derivative per sample.
 fn rate(values: &[f64]) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     let weights: Vec<Vec<f64>> = (0..=REACH).map(weights).collect();
@@ -113,7 +124,8 @@ fn rate(values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// Of the differences between the k-th neighbours, k from 1: the polynomial's derivative through `reach` samples to either side.
+/// Weights of the differences between the k-th neighbours, k from 1: the derivative of the polynomial through `reach` samples on either
+/// side.
 fn weights(reach: usize) -> Vec<f64> {
     let m = reach as f64;
     let next =
@@ -139,12 +151,12 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_a_rate_is_what_it_makes_of_an_impulse() {
+    fn noise_weights_are_the_response_to_an_impulse() {
         let mut impulse = [0.0; 65];
         impulse[32] = 1.0;
         for take in [ChannelTransform::Value, ChannelTransform::Rate] {
             let mut found = take.apply(&impulse, 0.01, TransformStart::default());
-            // What it does to samples about it, backwards.
+            // The response to an impulse is the weights in reverse order.
             found.reverse();
             let reach = take.reach();
             let expected = take.noise();

@@ -1,16 +1,18 @@
-//! Units at the edge of a model file: `N m/deg` in, SI out.
+//! Units of a model file and their conversion to SI.
 //!
 //! A unit is written as factors with integer powers, then an optional slash and the divisors:
-//! `kg m2`, `N m s/rad`, `N mm/deg`, `rpm`, `1/rad2`. Usual spellings of the same are read too: `kg m^2`, `kg·m²`, `N*m`,
-//! `Nm/rad`, `N/(m/s)`. Angles carry no dimension, so `N m s` and `N m s/rad` agree; degrees and turns are only factors.
+//! `kg m2`, `N m s/rad`, `N mm/deg`, `rpm`, `1/rad2`. Other usual spellings are read too: `kg m^2`, `kg·m²`, `N*m`,
+//! `Nm/rad`, `N/(m/s)`. Angles have no dimension: `N m s` and `N m s/rad` have the same one, and degrees and turns differ from
+//! radians by a factor only.
 
-/// Exponents of kg, m, s, A and V (volt is kept apart: drives are calibrated in it).
+/// Exponents of kg, m, s, A and V. The volt is a base of its own, because drives are calibrated in volts and no other electrical unit is
+/// converted.
 pub type Dimension = [i8; 5];
 
-/// A unit that was understood: how many SI units it is worth, and of what dimension.
+/// A parsed unit: its factor to SI and its dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// One of this unit in SI.
+    /// Size of this unit in SI units.
     pub factor: f64,
     /// Its dimension.
     pub dimension: Dimension,
@@ -47,7 +49,8 @@ const BASES: &[(&str, f64, Dimension)] = &[
     ("%", 1e-2, [0, 0, 0, 0, 0]),
 ];
 
-/// Products that are usually written without a blank. Listed, not taken apart: `mNm` could be anything.
+/// Products that are usually written without a blank, and their factors. They are listed because a general rule is ambiguous: `mNm` can be
+/// split into factors in several ways.
 const RUN_TOGETHER: &[(&str, &str)] = &[
     ("Nm", "N m"),
     ("kNm", "kN m"),
@@ -67,10 +70,19 @@ const RUN_TOGETHER: &[(&str, &str)] = &[
     ("gmm2", "g mm2"),
 ];
 
-/// Longest text that is read as a unit, bytes.
+/// Largest length of a unit's text, bytes; bounds the recursion.
 const LONGEST: usize = 100;
 
-/// Reads a unit; `None` if a factor is unknown.
+/// Parses a unit. `None` for an unknown factor, an empty or malformed text, more than one slash, or an exponent beyond -128 .. 127.
+///
+/// ```
+/// use socam_model::units::parse;
+///
+/// let stiffness = parse("N m/deg").expect("a unit");
+/// assert!((stiffness.factor - 180.0 / std::f64::consts::PI).abs() < 1e-12);
+/// assert_eq!(stiffness.dimension, parse("Nm/rad").unwrap().dimension);
+/// assert_eq!(parse("N m/furlong"), None);
+/// ```
 pub fn parse(text: &str) -> Option<Unit> {
     if text.len() > LONGEST {
         return None;
@@ -87,13 +99,13 @@ pub fn parse(text: &str) -> Option<Unit> {
     Some(unit)
 }
 
-/// Everything that may stand in a unit: what [`BASES`] and [`RUN_TOGETHER`] name.
+/// The names of [`BASES`] and [`RUN_TOGETHER`].
 #[cfg(test)]
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     BASES.iter().map(|(name, ..)| *name).chain(RUN_TOGETHER.iter().map(|(name, _)| *name))
 }
 
-/// One unit or more, side by side.
+/// A product of one or more units, separated by blanks.
 fn product(text: &str) -> Option<Unit> {
     let mut unit = Unit { factor: 1.0, dimension: [0; 5] };
     for written in text.split_whitespace() {
@@ -111,7 +123,7 @@ fn product(text: &str) -> Option<Unit> {
 }
 
 impl Unit {
-    /// Multiplies by a power of another; `None` beyond the exponents that can be held.
+    /// Multiplies by a power of another unit; `None` where an exponent overflows.
     fn multiply(&mut self, other: Self, power: i8) -> Option<()> {
         self.factor *= other.factor.powi(power.into());
         for (total, exponent) in self.dimension.iter_mut().zip(other.dimension) {
@@ -121,7 +133,7 @@ impl Unit {
     }
 }
 
-/// `m2` and `m^2` are (`m`, 2), `s^-1` is (`s`, -1); `1` stays itself.
+/// Base and exponent of a factor: `m2` and `m^2` give (`m`, 2), `s^-1` gives (`s`, -1), `1` gives (`1`, 1).
 fn split_power(factor: &str) -> Option<(&str, i8)> {
     if let Some((base, power)) = factor.split_once('^') {
         return power.parse().ok().map(|power| (base, power));

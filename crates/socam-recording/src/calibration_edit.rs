@@ -31,6 +31,16 @@ pub struct MeasuredMotor {
 
 /// The text of a calibration with measured values in the units that it uses.
 ///
+/// ```
+/// use socam_recording::{Calibration, MeasuredMotor, MotorStd, edit_calibration};
+///
+/// let std = MotorStd { rpm_per_volt: 0.5, offset_rpm: 1.0 };
+/// let motor = MeasuredMotor { rpm_per_volt: 700.0, offset_rpm: -10.0, std };
+/// let text = edit_calibration(Calibration::default_text(), &[], Some(&motor))?;
+/// assert_eq!(Calibration::parse(&text)?.motor_std, Some(std));
+/// # Ok::<(), socam_recording::SettingsError>(())
+/// ```
+///
 /// # Errors
 /// When the text is no calibration, or has no such channel.
 pub fn edit_calibration(

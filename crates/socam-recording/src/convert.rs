@@ -21,6 +21,18 @@ const EPOCH_TIME_S: f64 = 1e8;
 /// Writes a recording as CSV, `t_s` first; numbers are the shortest text that reads back as the same value, and a missing
 /// value is an empty cell. The file is written completely or not at all.
 ///
+/// ```
+/// use socam_recording::Dataset;
+///
+/// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("run.csv");
+/// socam_recording::export_csv(&data, &path)?;
+/// let again = Dataset::open(path.to_str().unwrap())?;
+/// assert_eq!(again.load(&["torque"])?, data.load(&["torque"])?);
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
+///
 /// # Errors
 /// When the recording cannot be read again or the file cannot be written.
 pub fn export_csv(data: &Dataset, target: &Path) -> Result<()> {
@@ -30,6 +42,14 @@ pub fn export_csv(data: &Dataset, target: &Path) -> Result<()> {
 }
 
 /// Writes a recording as CSV to any stream. `target` names it in errors.
+///
+/// ```
+/// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+/// let mut text = Vec::new();
+/// socam_recording::write_csv(&data, &mut text, "memory".as_ref())?;
+/// assert!(text.starts_with(b"t_s,motor_speed_rad_s,torque_Nm\n0.0,0.0,0.0\n"));
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 ///
 /// # Errors
 /// When the recording cannot be read again or the stream cannot be written.
@@ -70,6 +90,20 @@ fn quoted(name: &str) -> String {
 
 /// Writes a recording as an MCAP log, with its origin and the given notes as metadata, and the given files as attachments. Times and values come back exactly.
 /// The file is written completely or not at all.
+///
+/// ```
+/// use socam_recording::Dataset;
+///
+/// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("run.mcap");
+/// let notes = [("operator".to_owned(), "Ada".to_owned())].into();
+/// socam_recording::import_mcap(&data, 0, notes, Vec::new(), &path)?;
+/// let log = Dataset::open(path.to_str().unwrap())?;
+/// assert_eq!(log.load(&["torque"])?, data.load(&["torque"])?);
+/// assert_eq!(log.contents().unwrap().metadata["operator"], "Ada");
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 ///
 /// # Errors
 /// When the recording is MCAP already, cannot be read again, or the file cannot be written.

@@ -55,6 +55,16 @@ const FOREIGN: [(&[u8], &str); 8] = [
 
 /// Detects the format by a file's first bytes.
 ///
+/// ```
+/// use socam_recording::{Format, detect};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("table.txt");
+/// std::fs::write(&path, "t_s,speed_rad_s\n0,1\n").unwrap();
+/// assert_eq!(detect(&path)?, Format::Csv);
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
+///
 /// # Errors
 /// When it cannot be read, is a directory, a pipe or a device, is empty, or is in no known format.
 pub fn detect(path: &Path) -> Result<Format> {

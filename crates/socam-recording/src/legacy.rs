@@ -62,6 +62,17 @@ impl From<&Calibration> for Wiring {
 impl LegacyLog {
     /// Reads a log, `data=[...]` or `data={...}`. The program never logged more than 10 000 rows, so all are kept in memory.
     ///
+    /// ```
+    /// use socam_recording::LegacyLog;
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = folder.path().join("run.m");
+    /// std::fs::write(&path, "samprate=0.01;\namplitude=1.5;\ndata=[\n0.1 0.2 0.3 0.4 1.5\n0.1 0.2 0.3 0.4 1.5\n];\n").unwrap();
+    /// let log = LegacyLog::read(&path)?;
+    /// assert_eq!((log.sample_time_s, log.amplitude_v, log.rows_v.len()), (0.01, Some(1.5), 2));
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
     /// # Errors
     /// When the file cannot be read, a setting or row is not made of numbers, or `samprate` or the data are missing.
     pub fn read(path: &Path) -> Result<Self> {

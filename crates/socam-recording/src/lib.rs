@@ -2,10 +2,28 @@
 //!
 //! * [`Dataset::open`] reads `.mcap`, `.csv` and the legacy `.m`, or a part of one (`RUN@FROM..TO`).
 //! * [`Recorder`] writes an MCAP log that survives a crash, and never makes the sampling thread wait.
+//! * [`check`](fn@check::check) says whether a recording is fit for identification.
 //! * [`Steady::open`] reads a table of steady states.
+//! * [`ProfileFile`] and [`Calibration`] are the files that a bench needs: what to command, and how volts become SI.
 //!
-//! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
-//! sentence that names the file, the place and the remedy. Nothing here prints.
+//! Values are SI and times are in seconds. A missing value is NaN in a column and `None` elsewhere, never zero. An error is one sentence
+//! that names the file, the place and the remedy.
+//!
+//! ```
+//! use socam_recording::{Channel, Dataset, Unit, check};
+//!
+//! // 2 s at 1 kHz, with one sample lost.
+//! let time_s: Vec<f64> = (0..2000).filter(|k| *k != 700).map(|k| 1e-3 * f64::from(k)).collect();
+//! let wave = |hz: f64| time_s.iter().map(|t| (std::f64::consts::TAU * hz * t).sin()).collect::<Vec<f64>>();
+//! let channels = vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("torque", Unit::Nm)];
+//! let columns = vec![wave(3.0), wave(5.0)];
+//! let recording = Dataset::from_columns("run", channels, time_s, columns)?;
+//! assert_eq!((recording.rows(), recording.segments().len()), (1999, 2));
+//!
+//! let found = check::check(&recording, &check::CheckOptions::default())?;
+//! assert!(found.findings.iter().any(|finding| matches!(finding, check::Finding::Gaps { .. })));
+//! # Ok::<(), socam_recording::RecordingError>(())
+//! ```
 
 mod calibration_edit;
 mod calibration_file;

@@ -8,6 +8,21 @@ use crate::error::{RecordingError, Result};
 
 /// A file that is written as `NAME.part` in the same folder and renamed by [`OutputFile::commit`]; dropping it before removes it.
 /// A target that is not a regular file (a pipe, a terminal) is written directly.
+///
+/// ```
+/// use std::io::Write;
+///
+/// use socam_recording::OutputFile;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("report.html");
+/// let mut file = OutputFile::create(&path)?;
+/// file.write_all(b"<p>done</p>").unwrap();
+/// assert!(!path.exists() && file.temporary().unwrap().exists());
+/// file.commit()?;
+/// assert_eq!(std::fs::read(&path).unwrap(), b"<p>done</p>");
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug)]
 pub struct OutputFile {
     target: PathBuf,

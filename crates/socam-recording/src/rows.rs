@@ -23,7 +23,7 @@ impl Scan {
         match format {
             Format::Csv => Ok(Self::Csv(Box::new(CsvRows::open(path)?))),
             Format::Mcap => Ok(Self::Log(Box::new(LogScan::open(path)?))),
-            _ => Err(RecordingError::Foreign {
+            Format::LegacyM | Format::SteadyStates | Format::Memory => Err(RecordingError::Foreign {
                 path: PathBuf::from(path),
                 found: format!("is {format}, which this version does not read"),
             }),
@@ -45,7 +45,7 @@ impl Scan {
         }
     }
 
-    /// The layout, by which rows can be read again, and what else is known at the end.
+    /// The layout, from which rows can be read again, and what else is known at the end.
     pub(crate) fn finish(self) -> (Layout, EndOfRows) {
         match self {
             Self::Csv(rows) => {
@@ -60,7 +60,7 @@ impl Scan {
     }
 }
 
-/// Where a file's channels stand in its rows, as a scan found it: by it rows are read again from any place.
+/// Positions of a file's channels in its rows, as a scan found them, from which rows are read again at any place.
 #[derive(Debug, Clone)]
 pub(crate) enum Layout {
     Csv(CsvLayout),

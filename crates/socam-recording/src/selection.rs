@@ -5,6 +5,18 @@ use std::path::{Path, PathBuf};
 use crate::{RecordingError, Result};
 
 /// A file and a span of its time.
+///
+/// ```
+/// use socam_recording::{Selection, Span};
+///
+/// let part = Selection::parse("run.csv@2..7.5")?;
+/// assert_eq!(part.span, Span { from_s: 2.0, to_s: 7.5 });
+/// assert!(part.span.contains(2.0) && !part.span.contains(7.5));
+/// assert_eq!(part.name(), "run.csv@2..7.5");
+/// assert_eq!(Selection::parse("run.csv")?, Selection::whole("run.csv"));
+/// assert!(Selection::parse("run.csv@7..2").is_err());
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// The file.

@@ -10,6 +10,18 @@ use crate::line_problem::LineProblem;
 use crate::warning::Warning;
 
 /// A table of operating points, all of it in memory.
+///
+/// ```
+/// use socam_recording::Steady;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("points.csv");
+/// std::fs::write(&path, "point_1,speed_rad_s,torque_Nm\n1,10,0.2\n2,20,\n").unwrap();
+/// let table = Steady::open(&path)?;
+/// assert_eq!(table.column("torque"), Some(vec![Some(0.2), None]));
+/// assert_eq!(table.column("force"), None);
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steady {
     /// The file's path as given.

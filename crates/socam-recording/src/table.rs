@@ -1,4 +1,4 @@
-//! A table of rows in memory, column by column: readers fill it, blocks are copied from it.
+//! A table of rows in memory, stored by column: readers fill it, and blocks are copied from it.
 
 use std::ops::Range;
 

@@ -110,6 +110,15 @@ impl std::fmt::Display for Unit {
 }
 
 /// A channel of a recording: what was measured (or commanded), and its unit.
+///
+/// ```
+/// use socam_recording::{Channel, Unit};
+///
+/// let speed = Channel::from_column_name("motor_speed_rad_s").expect("a name with a unit");
+/// assert_eq!(speed, Channel::new("motor_speed", Unit::RadPerS));
+/// assert_eq!((speed.column_name().as_str(), speed.unit.suffix(), speed.unit.symbol()), ("motor_speed_rad_s", "_rad_s", "rad/s"));
+/// assert_eq!(Channel::from_column_name("motor_speed"), None);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Channel {
     /// Name without the unit's suffix, such as `motor_speed`.

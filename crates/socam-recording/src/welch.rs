@@ -1,10 +1,23 @@
-//! Welch's method: Fourier transforms of windowed segments of a signal, whose mean square is its power density.
+//! Welch's method: the power density of a signal is the mean square of the Fourier transforms of its windowed segments (P. D. Welch, IEEE
+//! Trans. Audio Electroacoustics 15, 1967).
 
 use std::sync::Arc;
 
 use socam_fft::{Complex, RealToComplex};
 
 /// Transforms segments of one length with a Hann window. The caller chooses the overlap (usually half) and sums over segments.
+///
+/// ```
+/// use socam_recording::Welch;
+///
+/// // A sine of amplitude 2 in 8 periods per segment of 64 samples at 1 kHz has the power 2.
+/// let sine: Vec<f64> = (0..64).map(|k| 2.0 * (std::f64::consts::TAU * 8.0 * f64::from(k) / 64.0).sin()).collect();
+/// let mut welch = Welch::new(64);
+/// let power: f64 = welch.transform(sine).iter().map(|line| line.norm_sqr()).sum();
+/// let power = power * welch.density_per_sum(1e-3, 1) * welch.step_hz(1e-3);
+/// assert!((power - 2.0).abs() < 0.01, "{power}");
+/// assert_eq!((welch.length(), welch.lines()), (64, 33));
+/// ```
 pub struct Welch {
     fft: Arc<dyn RealToComplex<f64>>,
     window: Vec<f64>,
@@ -73,6 +86,10 @@ impl Welch {
 }
 
 /// Values minus their mean.
+///
+/// ```
+/// assert_eq!(socam_recording::without_mean(&[1.0, 3.0]).collect::<Vec<_>>(), [-1.0, 1.0]);
+/// ```
 pub fn without_mean(values: &[f64]) -> impl Iterator<Item = f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter().map(move |value| value - mean)

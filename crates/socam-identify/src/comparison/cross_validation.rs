@@ -42,6 +42,23 @@ impl CrossValidation {
 
 /// Each recording of `problem` left out in turn, at a fit (`at`, made with `model`); `None` where sensitivities overflow.
 ///
+/// ```
+/// use socam_identify::comparison::{NoiseModel, cross_validation::leave_one_out, measure};
+/// use socam_identify::{NoiseLevels, Options, Problem};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let recordings = [recordings[0].clone(), recordings[0].clone()];
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let losses = leave_one_out(&problem, &noise_model, &model, &at)?.expect("no overflow");
+/// assert_eq!(losses.held_out.len(), 2);
+/// assert_eq!(losses.log_score(), -0.5 * (losses.held_out[0] + losses.held_out[1]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read.
 pub fn leave_one_out(

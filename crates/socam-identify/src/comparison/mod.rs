@@ -39,6 +39,22 @@ pub const FINE: f64 = 0.05;
 /// Fits a model under a noise model, from `start` (all parameters, SI) and the nuisance parameters of `from` as far as the models share
 /// them. `None` where the model overflows at the start.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{FINE, NoiseModel, descend, measure}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at_truth = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let mut start = values.clone();
+/// start[model.parameter("stiffness").unwrap()] *= 1.2;
+/// let fitted = descend(&problem, &noise_model, &start, None, (FINE, 50))?.expect("no overflow");
+/// assert!(fitted.converged && fitted.total() < at_truth.total() + FINE);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read.
 pub fn descend(
@@ -62,6 +78,22 @@ pub fn descend(
 }
 
 /// Evaluates a model at given values (all parameters, SI). Only nuisance parameters are fitted. `None` where the model overflows.
+///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// // The mean square of the residuals is that of the noise.
+/// let reduced = at.total() / at.count.iter().sum::<f64>();
+/// assert!((reduced - 1.0).abs() < 0.1, "{reduced}");
+/// assert_eq!(at.on_one(&problem, 0).total(), at.total());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When a recording cannot be read.

@@ -17,6 +17,21 @@ use crate::{
 };
 
 /// Noise levels, whitening filters and model discrepancy, held fixed while models are compared.
+///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::new(&model, &recordings, Options::default())?;
+/// let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// let noise_model = NoiseModel::new(&[&problem], &model.values(), levels.clone())?;
+/// assert_eq!((noise_model.levels(), noise_model.with_exact_inputs().levels()), (&levels, &levels));
+/// let at = measure(&problem, &noise_model, &model.values())?.expect("no overflow");
+/// // The model is complete: there is no discrepancy beyond the noise.
+/// let discrepant = noise_model.with_discrepancy(&problem, &at)?.expect("no overflow");
+/// assert!((discrepant.excess() - 1.0).abs() < 0.2, "{}", discrepant.excess());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct NoiseModel {
     levels: NoiseLevels,
@@ -110,6 +125,20 @@ impl NoiseModel {
 
 /// Noise levels estimated from a model's residuals, each bounded by the highest frequencies of its channel, see
 /// [`crate::Noise::Estimated`]. Levels given in the model file stay.
+///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure, noise}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let estimated = noise(&problem, &at, &levels)?;
+/// assert!(estimated.outputs.iter().all(|std| (std / 0.07 - 1.0).abs() < 0.2), "{estimated:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When a recording cannot be read.

@@ -42,6 +42,23 @@ pub struct CandidateScore {
 /// For each of `groups` (indices of free parameters of one candidate) the effect of freeing it along with the `base` parameters, at
 /// `values` and the nuisance parameters of `at`, an evaluation of `model`. `None` where sensitivities overflow.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure, score_test}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let stiffness = model.parameter("stiffness").unwrap();
+/// let mut wrong = values.clone();
+/// wrong[stiffness] *= 1.1;
+/// let at = measure(&problem, &noise_model, &wrong)?.expect("no overflow");
+/// let scores = score_test(&problem, &noise_model, &wrong, (&model, &at), &[], &[vec![stiffness]])?.expect("no overflow");
+/// assert!(scores[0].gain > 0.0 && scores[0].step[0] < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read.
 pub fn score_test(

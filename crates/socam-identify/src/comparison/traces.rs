@@ -27,6 +27,20 @@ pub struct Innovations {
 
 /// Whitened residuals of a model at a fit, by segment; `None` where the prediction overflows.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, innovations, measure}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let white = innovations(&problem, &noise_model, &at)?.expect("no overflow");
+/// assert_eq!((white.len(), white[0].outputs.len(), white[0].outputs[0].len()), (1, 2, 1000));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read.
 pub fn innovations(
@@ -62,6 +76,20 @@ pub struct Traces {
 
 /// Inputs, measurements and predictions by segment. `observer` is the problem's model with other outputs, which are then predicted
 /// instead.
+///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure, traces}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let signals = traces(&problem, &at, None)?;
+/// assert!((signals[0].measured[0][500] - signals[0].predicted[0][500]).abs() < 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.

@@ -37,6 +37,16 @@ pub struct Local {
 
 /// The start states and offsets that [`evaluate`](fn@crate::evaluate) fits.
 ///
+/// ```
+/// use socam_identify::{Options, Problem, start_states};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::of_known(&model, &recordings, Options::default())?;
+/// let found = start_states(&problem, &model.values())?;
+/// assert_eq!((found.len(), found[0].first_row, found[0].states.len()), (1, 0, 3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As for [`evaluate`](fn@crate::evaluate).
 pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>, IdentifyError> {

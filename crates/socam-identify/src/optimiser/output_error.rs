@@ -22,6 +22,17 @@ const MOST_CLEANINGS: usize = 3;
 /// Fits the free parameters of the problem's model to all its recordings by output error: the model is simulated
 /// from the measured inputs, and the weighted squares of its output errors are minimised.
 ///
+/// ```
+/// use socam_identify::{Options, Problem, output_error};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::new(&model, &recordings, Options { starts: 1, ..Options::default() })?;
+/// let found = output_error(&problem)?;
+/// let stiffness = model.parameter("stiffness").unwrap();
+/// assert!(found.parameters[stiffness].ci95[0].is_some(), "determined");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Assumes
 /// The residuals of a complete model are sensor noise, and the input does not depend on that noise. Noise of the inputs is estimated
 /// with it. Intervals allow for coloured residuals (they come from sums of scores over blocks of 0.5 s), not for bias.
@@ -55,6 +66,20 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
 /// Estimates and intervals at an existing optimum (`at`, of the problem's model) under a given noise model, without refitting. Only
 /// nuisance parameters are fitted.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, at_minimum, comparison::{FINE, NoiseModel, descend}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let fitted = descend(&problem, &noise_model, &values, None, (FINE, 50))?.expect("no overflow");
+/// let found = at_minimum(&problem, &noise_model, &fitted)?;
+/// assert!(found.parameters[model.parameter("stiffness").unwrap()].ci95[0].is_some(), "determined");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.
 pub fn at_minimum(
@@ -77,6 +102,16 @@ pub fn at_minimum(
 
 /// Fit of a model at given parameter values (SI, one per parameter of the model), simulated from the measured inputs. Only start states and
 /// offsets are fitted.
+///
+/// ```
+/// use socam_identify::{Options, Problem, evaluate};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::of_known(&model, &recordings, Options::default())?;
+/// let fit = evaluate(&problem, &model.values())?;
+/// assert_eq!(fit.channels.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When a recording cannot be read, or the prediction overflows.

@@ -38,6 +38,19 @@ pub struct Prediction {
 
 /// Simulates a model at given parameter values and sample time.
 ///
+/// ```
+/// use socam_identify::{Intersample, Predictor, Start};
+///
+/// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
+/// let predictor = Predictor::new(&model, &model.values(), 1e-3)?.with_tolerance(1e-4);
+/// let (torque, still) = ([1.0; 100], vec![0.0; predictor.states()]);
+/// let found = predictor.run(&[&torque], &[Intersample::Hold], Start::State(&still))?;
+/// // Both speeds rise from zero.
+/// assert!(found.outputs.iter().all(|speed| speed[0] == 0.0 && speed[99] > 0.0));
+/// assert_eq!((found.end.len(), found.unresolved), (3, 0));
+/// # Ok::<(), socam_identify::IdentifyError>(())
+/// ```
+///
 /// # Method
 /// Exponential time differencing (Cox and Matthews 2002, doi:10.1006/jcph.2002.6995): the step of the linear part is exact, however
 /// stiff it is. Forces are interpolated over a step by a parabola through their values at its start, middle and end, which are solved

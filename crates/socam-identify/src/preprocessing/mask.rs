@@ -19,6 +19,22 @@ pub enum Reason {
 }
 
 /// A report of samples that are not used as measured.
+///
+/// ```
+/// use socam_identify::{LeftOut, Reason};
+///
+/// let report = LeftOut {
+///     recording: "run.csv".into(),
+///     channel: "torque".into(),
+///     reason: Reason::Outliers,
+///     samples: 1,
+///     share_percent: 0.1,
+///     places: 1,
+///     time_s: [2.0, 2.0],
+///     rows: vec![2000..2001],
+/// };
+/// assert!(report.sentence().starts_with("run.csv: torque has outliers in 1 place"));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// Recording.

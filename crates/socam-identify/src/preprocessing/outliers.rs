@@ -28,6 +28,16 @@ const MOST_PASSES: usize = 3;
 /// Outliers of a problem's recordings, for a model with parameter `values` (SI) and noise `levels`. Only nuisance parameters (start
 /// states and offsets) are fitted, so that recordings that no fit has seen can be searched too.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, outliers};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::of_known(&model, &recordings, Options::default())?;
+/// let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// assert!(outliers(&problem, &model.values(), &levels)?.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read or the equations cannot be formed at `values`.
 pub fn outliers(

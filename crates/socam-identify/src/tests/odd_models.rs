@@ -1,4 +1,4 @@
-//! Models and recordings off the beaten track.
+//! Unusual models and recordings.
 
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};

@@ -56,7 +56,7 @@ fn sensitivities_agree_with_differences() {
         let error = sensitivity_error(&bent, data(), start);
         assert!(error < 1e-5, "with friction, {start:?}: {error:e}");
     }
-    // Teeth that knock: what each unknown does to the times at which they meet counts too.
+    // Sensitivities include the changes of the times at which teeth meet and part.
     let loose = linear.with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
     let error = sensitivity_error(&loose, bench(TRUTH, 0.2, 1.0, 3), StartState::Equilibrium);
     assert!(error < 2e-4, "with play: {error:e}");
@@ -64,7 +64,7 @@ fn sensitivities_agree_with_differences() {
     assert!(error < 1e-4, "axis: {error:e}");
 }
 
-/// What laws of no strength would answer, on a bench that moves in one way and in three.
+/// Zero-amplitude laws, on a bench with one mode and on one with three (play).
 #[test]
 fn sensitivities_of_inactive_laws_agree_with_differences() {
     let inactive = |mut model: Model| {
@@ -92,12 +92,12 @@ fn sensitivities_of_inactive_laws_agree_with_differences() {
 
 #[test]
 fn modes_and_dense_steps_predict_the_same() {
-    // A friction of nothing sends the same linear drivetrain down the nonlinear path.
+    // With a friction torque of zero the same linear drivetrain is integrated instead of diagonalised.
     let data = [bench(TRUTH, 1.0, 0.0, 1)];
     let linear = model(|text| text);
     let mut bent = model(with_friction);
     fix(&mut bent, &[("Tc", 0.0)]);
-    // Steps of the nonlinear path take a spline for a parabola.
+    // The integrator approximates the spline of a band-limited input by parabolas.
     for (intersample, tolerance) in
         [(Intersample::Hold, 1e-6), (Intersample::Linear, 1e-6), (Intersample::BandLimited, 1e-2)]
     {

@@ -118,7 +118,7 @@ fn a_law_too_steep_for_any_step_is_said() {
         text.replace("{ torque = \"Tc\" }", "{ torque = \"Tc\", transition_speed = \"Tv\" }")
             .replace("Tc = {", "Tv = { value = 1e-7, unit = \"rad/s\", fixed = true }\nTc = {")
     };
-    // Back and forth, so that friction turns round.
+    // The speed changes its sign, and so does the friction.
     let data = [changed(
         &bench(TRUTH, 2.0, 1.0, 25),
         |_| true,

@@ -17,6 +17,14 @@ pub(crate) struct Combination {
 }
 
 /// Names and SI values of a model's combinations at parameter values in its order.
+///
+/// ```
+/// use socam_identify::combination_values;
+///
+/// let model = socam_model::Model::builtin("speed-o-cam").expect("an embedded model");
+/// let found = combination_values(&model, &model.values());
+/// assert!(!found.is_empty() && found.iter().all(|(_, value)| *value > 0.0));
+/// ```
 pub fn combination_values(model: &Model, values: &[f64]) -> Vec<(String, f64)> {
     all(model, values).into_iter().map(|combination| (combination.name, combination.value)).collect()
 }
@@ -27,6 +35,14 @@ pub(crate) fn all(model: &Model, values: &[f64]) -> Vec<Combination> {
 }
 
 /// Pairs of springs that act as one: a massless node between them, and no force law in either.
+///
+/// ```
+/// use socam_identify::springs_in_series;
+///
+/// let model = socam_model::Model::builtin("speed-o-cam").expect("an embedded model");
+/// let (first, second) = springs_in_series(&model).next().expect("two couplings beside a torque sensor");
+/// assert_eq!((first.name.as_str(), second.name.as_str()), ("coupling_1", "coupling_2"));
+/// ```
 pub fn pairs(model: &Model) -> impl Iterator<Item = (&Spring, &Spring)> {
     (0..model.nodes.len()).filter_map(|node| pair(model, node))
 }

@@ -13,6 +13,25 @@ use crate::{
 
 /// Fisher information of the free parameters at given values, with nuisance parameters eliminated.
 ///
+/// ```
+/// use socam_identify::{Information, NoiseLevels, Options, Problem};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let problem = Problem::new(&model, &recordings, Options::default())?;
+/// let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// let once = Information::of(&problem, &model.values(), &levels)?.expect("no overflow");
+/// let width = |information: &Information| {
+///     let (parameters, _) = information.estimates(&problem, &model.values());
+///     let [low, high] = parameters[model.parameter("stiffness").unwrap()].ci95;
+///     high.unwrap() - low.unwrap()
+/// };
+/// // Two such recordings narrow the interval, and leave twice the residual.
+/// let twice = once.and(&once);
+/// assert!(width(&twice) < width(&once));
+/// assert!((twice.left() / once.left() - 2.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Assumes
 /// Recordings without noise, from a simulation: noise in an input would look like information. The noise of real recordings is given by its
 /// levels.

@@ -27,6 +27,20 @@ const LEAST_LEFT: f64 = 0.1;
 /// (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It says nothing of a parameter that one recording alone
 /// determines, and misses errors that are the same in all recordings.
 ///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure}, uncertainty::jackknife};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// // A single recording shows no differences between recordings.
+/// assert_eq!(jackknife::half_widths(&problem, &noise_model, &model, &at)?, None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a recording cannot be read.
 pub fn half_widths(

@@ -1,18 +1,18 @@
-//! How strong an effect is, and how far a linearisation predicts what it does.
+//! The amplitude of an effect, and the validity of a linearisation in it.
 
-/// Parameters that measure how strong an effect is.
+/// The amplitude parameters of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amplitude {
     /// Their names. The model is linear in them near the null value.
     pub parameters: &'static [&'static str],
-    /// Their value where the effect does nothing.
+    /// Value at which the effect has no influence (infinite for a limit), SI.
     pub null: f64,
-    /// What of them the model is linear in.
+    /// The function of the amplitude in which the model is linear.
     pub coordinate: Coordinate,
 }
 
 impl Amplitude {
-    /// Parameters that are zero where there is no effect.
+    /// Amplitudes with the null value 0.
     pub(super) const fn of(parameters: &'static [&'static str]) -> Self {
         Self { parameters, null: 0.0, coordinate: Coordinate::Value }
     }
@@ -23,30 +23,30 @@ impl Amplitude {
 pub enum Coordinate {
     /// The value itself.
     Value,
-    /// Its inverse: a stiffness acts by its compliance.
+    /// Its inverse: compliance for a stiffness.
     Inverse,
 }
 
-/// How far the sensitivities at a start predict what an effect does.
+/// The amplitudes for which sensitivities at a start predict the outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Linearisation {
-    /// At the null value, for any amplitude.
+    /// Sensitivities at the null value predict any amplitude.
     Null,
-    /// At the null value, for small amplitudes only: such an effect is fitted whatever the prediction says.
+    /// Sensitivities at the null value predict small amplitudes only: the effect is fitted even where they predict no reduction.
     NearNull,
-    /// Starts are of some amplitude already, and sensitivities hold there.
+    /// Starts have an amplitude other than the null value, and sensitivities hold near it.
     NonNull,
-    /// Not at all: sensitivities cannot predict the amplitude, and a fit is begun from several starts with all parameters free.
+    /// Sensitivities cannot predict the amplitude; a fit is run from several starts with all parameters free.
     Restarts,
 }
 
-/// What a steady state shows of an effect.
+/// The influence of an effect on steady states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Steady {
-    /// Nothing, or nothing that one number measures.
+    /// None, or one that a single amplitude does not describe.
     Unseen,
-    /// Its first amplitude, in which all readings are linear.
+    /// All readings are linear in its first amplitude.
     Linear,
-    /// Two ends of its place turn at different speeds.
+    /// The two ends of its place turn at different mean speeds.
     Slips,
 }

@@ -1,4 +1,4 @@
-//! Play in a gear.
+//! Play between the teeth of a gear.
 
 use super::{
     definition::{
@@ -10,8 +10,9 @@ use super::{
     shape,
 };
 
-/// The mesh's contact carries nothing within the gap: beside a stiff spring and damper at the mesh acts what takes their torque
-/// back there. The contact's damping says how a knock rebounds: hardly at all at its usual value, the more the less it is.
+/// The contact of the teeth is a stiff linear spring and damper. The law cancels their torque while the play (twist at the slow side) is
+/// within -gap/2 .. gap/2. `contact_damping` sets the rebound after an impact: at its default value there is almost none, and a smaller
+/// damping gives a larger rebound.
 pub(super) const EFFECT: Effect = Effect {
     id: "backlash",
     name: "backlash",
@@ -19,7 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
     places: Places::Every,
     parameters: &[
         EffectParameter::new("gap", Kind::Angle, POSITIVE),
-        // Where a file gives none, the contact's: it goes with its stiffness.
+        // Where a file gives none, the damping of the contact, which is proportional to its stiffness.
         EffectParameter::usual(CONTACT_DAMPING, Kind::Damping, (0.0, 0.0)),
     ],
     borrows: Some(Borrowed::Contact),
@@ -41,21 +42,21 @@ pub(super) const EFFECT: Effect = Effect {
     },
     discrepancy: &[Discrepancy {
         upper_factor: REBOUND,
-        source: "teeth that rebound knock like some with less play: gaps came out as 45 to 62 % of those hidden (docs/diagnosis-measured.md)",
+        source: "teeth that rebound look like a smaller gap: fitted gaps were 45 to 62 % of the true ones (docs/diagnosis-measured.md)",
         ..Discrepancy::amplitude("gap")
     }],
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "no torque while |play| < gap/2",
-    sentence: |_| "The mesh has play: when the torque changes sign, the output is let go for a moment and then knocks.",
+    sentence: |_| "The mesh has play: when the torque changes sign, the teeth separate for a moment and then strike.",
     shows: "where the transmitted torque changes its sign",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Where knocks leave more than noise, the gap may be so many times as wide.
+/// Where residuals exceed the noise, the true gap may be up to this factor times the fitted one.
 const REBOUND: f64 = 2.5;
-/// Of the rounded corners, rad (m): a thousandth of the least play that any sensor shows.
+/// Width of the rounded corners, rad (m): 0.1 % of the smallest play that a sensor can resolve.
 const ROUNDING: f64 = 1e-8;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
@@ -74,7 +75,7 @@ fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
 }
 
 impl Effect {
-    /// Whether it is play: its law is linear in three regimes, between which teeth meet and part.
+    /// Whether it is backlash, whose law is piecewise linear with three modes (contact on either flank, and none).
     pub(crate) fn is_play(&self) -> bool {
         self.id == EFFECT.id
     }

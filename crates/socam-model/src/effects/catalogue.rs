@@ -1,4 +1,4 @@
-//! The list of all effects, and the ways to look one up.
+//! The list of all effects, and look-up by id and parameters.
 
 use super::{
     backlash, constant_load, coulomb_friction, coupling_slip, damping_drift, definition::Effect,
@@ -39,12 +39,20 @@ pub const CATALOGUE: &[&Effect] = &[
     &sensor_ripple::EFFECT,
 ];
 
-/// Refined laws. Each takes the place of the effect of the catalogue with the same id where a parameter is given that only the refined law
-/// has, or at a place where only the refined law can act.
+/// Refined laws. A refined law has the id of an effect of [`CATALOGUE`]. It is used instead of that effect where a parameter is given that
+/// only the refined law has, or at a place where only the refined law can act.
 pub const REFINED: &[&Effect] =
     &[&presliding::COULOMB, &presliding::STRIBECK, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
 
-/// All effects that a diagnosis tests from its beginning.
+/// All effects that a diagnosis tests in its first score test: [`CATALOGUE`] and those of [`REFINED`] that need no simpler law first.
+///
+/// ```
+/// use socam_model::effects;
+///
+/// // Coulomb friction is tested as a plain law and with presliding.
+/// let frictions = effects::screened().filter(|effect| effect.id == "coulomb_friction");
+/// assert_eq!(frictions.count(), 2);
+/// ```
 pub fn screened() -> impl Iterator<Item = &'static Effect> {
     let refined = [&presliding::COULOMB, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
     CATALOGUE.iter().copied().chain(refined)
@@ -65,13 +73,22 @@ pub fn find(id: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.id == id)
 }
 
-/// The effect with this id that has all the given parameters: the refined law where only that has them.
+/// The effect with this id that has all the given parameters, the plain law first; the plain law if none has them, `None` for an
+/// unknown id.
+///
+/// ```
+/// use socam_model::effects;
+///
+/// let plain = effects::find_with("coulomb_friction", ["torque"].into_iter()).unwrap();
+/// let refined = effects::find_with("coulomb_friction", ["torque", "deflection"].into_iter()).unwrap();
+/// assert!(!plain.has_memory() && refined.has_memory());
+/// ```
 pub fn find_with<'n>(id: &str, given: impl Iterator<Item = &'n str> + Clone) -> Option<&'static Effect> {
     let knows = |effect: &&Effect| given.clone().all(|name| effect.parameters.iter().any(|p| p.name == name));
     laws_of(id).find(knows).or_else(|| find(id))
 }
 
-/// The same, among the laws that may act at a place.
+/// [`find_with`] among the laws for which `acts_there` holds.
 pub(crate) fn find_at<'n>(
     id: &str,
     given: impl Iterator<Item = &'n str> + Clone,
@@ -81,7 +98,14 @@ pub(crate) fn find_at<'n>(
     laws_of(id).filter(knows).find(|effect| acts_there(effect)).or_else(|| find_with(id, given))
 }
 
-/// Names of all parameters that may be given for an effect.
+/// Names of all parameters that a model file may give for an effect, those of its refined law included; empty for an unknown id.
+///
+/// ```
+/// use socam_model::effects;
+///
+/// assert_eq!(effects::parameters_of("coulomb_friction"), ["torque", "transition_speed", "deflection"]);
+/// assert!(effects::parameters_of("witchcraft").is_empty());
+/// ```
 pub fn parameters_of(id: &str) -> Vec<&'static str> {
     let mut names: Vec<&str> = laws_of(id).flat_map(|effect| effect.parameters).map(|own| own.name).collect();
     let mut known = std::collections::HashSet::new();

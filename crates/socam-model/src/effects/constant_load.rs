@@ -1,4 +1,4 @@
-//! A torque from outside that never changes: weight, belt pull, the offset of a drive.
+//! A constant torque from outside: weight, belt pull, the offset of a drive.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// T = -torque: positive values load the node against positive motion.
+/// T = -torque: a positive value opposes positive motion.
 pub(super) const EFFECT: Effect = Effect {
     id: "constant_load",
     name: "constant load",

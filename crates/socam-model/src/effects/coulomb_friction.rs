@@ -10,8 +10,8 @@ use super::{
 
 /// T = -torque tanh(speed / transition_speed).
 ///
-/// The hyperbolic tangent stands for the jump at zero speed; the transition speed is a numerical width,
-/// not a property of the bearing, and must be small against the speeds of the recording. Within it the
+/// The hyperbolic tangent approximates the jump at zero speed. The transition speed is a numerical width,
+/// not a property of the bearing, and must be small compared with the speeds of the recording. Below it the
 /// law creeps where a real contact sticks.
 pub(super) const EFFECT: Effect = Effect {
     id: "coulomb_friction",
@@ -45,10 +45,10 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Source of its prior, for other laws of friction too.
+/// Source of the prior of a friction torque.
 pub(super) const FRICTION: &str =
     "friction is below the torque that moves the axis; bearings and seals take about a tenth of it";
-/// Speed within which friction turns its direction unless a file says otherwise, rad/s and m/s: small against the speeds of a recording.
+/// Default transition speed of friction laws, rad/s for rotation and m/s for translation.
 pub const TRANSITION_SPEED: (f64, f64) = (0.05, 2e-3);
 
 fn evaluate(law_inputs: &[f64], parameters: &[f64]) -> Response {

@@ -1,4 +1,4 @@
-//! A coupling that slips above a torque.
+//! A coupling that slips above a limiting torque.
 
 use super::{
     definition::{
@@ -9,8 +9,8 @@ use super::{
     experiment, shape,
 };
 
-/// The spring winds up only as far as its torque stays below `torque`: what twists it further slips. T = k (d - s), and
-/// s' = v where k (d - s) pulls with the whole torque in the direction of v, else 0, the corner rounded by a power.
+/// T = k (d - s) with twist d and slip s: s' = v where the magnitude of T has reached `torque` and v increases it, otherwise 0 (v = d').
+/// The switch is rounded: s' = max(v sign T, 0) sign T (|T| / torque)^16.
 pub(super) const EFFECT: Effect = Effect {
     id: "coupling_slip",
     name: "coupling slip",
@@ -49,20 +49,20 @@ pub(super) const EFFECT: Effect = Effect {
     discrepancy: &[Discrepancy::share(
         "torque",
         2e-2,
-        "assumed: a coupling slides by another law than a smoothed step",
+        "assumed: a real coupling does not slip by a rounded step",
     )],
     replaces: &[],
     equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InSeries }],
     steady: Steady::Slips,
     equation: "|T| <= T_slip",
-    sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and the angle is lost for good.",
+    sentence: |_| "A coupling slips when the torque exceeds what its clamp or key holds, and does not slip back.",
     shows: "large torques",
     experiment: experiment::LARGE_TORQUE,
 };
 
-/// Half of the power to which the torque's share of its limit is raised.
+/// Half of the exponent of |T| / torque.
 const HALF_POWER: i32 = 8;
-/// Of the twist's rate, rad/s: over it slip sets in.
+/// Rate of twist over which the corner of max(v, 0) is rounded, rad/s.
 const ROUNDING: f64 = 1e-2;
 
 fn slip(law_inputs: &[f64], p: &[f64]) -> Response {
@@ -70,7 +70,7 @@ fn slip(law_inputs: &[f64], p: &[f64]) -> Response {
     let (limit, stiffness) = (p[0], p[1]);
     let share = stiffness * wound / limit;
     let power = (share * share).min(4.0).powi(HALF_POWER);
-    // max(v sign(share), 0), signed: only winding further slips.
+    // max(v sign(share), 0), rounded: the coupling slips only where the twist increases.
     let towards = rate * share.signum();
     let root = (towards * towards + ROUNDING * ROUNDING).sqrt();
     let (onward, by_rate) = (0.5 * (towards + root), 0.5 * (1.0 + towards / root));

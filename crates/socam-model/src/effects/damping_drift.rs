@@ -1,4 +1,4 @@
-//! A bearing's viscous damping that changes while it runs.
+//! Viscous damping of a bearing that changes linearly in time.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// T = -damping rate time speed, beside the bearing's own -damping speed.
+/// T = -damping rate time speed, added to the bearing's own torque -damping speed.
 pub(super) const EFFECT: Effect = Effect {
     id: "damping_drift",
     name: "damping drift",
@@ -49,7 +49,7 @@ pub(super) const EFFECT: Effect = Effect {
             "The drag changes while the bench runs: grease that warms up, or a brake that fades."
         }
     },
-    shows: "late in a recording, against its beginning",
+    shows: "late in a recording, compared with its beginning",
     experiment: experiment::LARGE_TORQUE,
 };
 

@@ -1,4 +1,4 @@
-//! What the file of an effect is written with.
+//! The types that the definition of an effect uses.
 
 pub(super) use super::{
     amplitude::{Amplitude, Coordinate, Linearisation, Steady},

@@ -1,4 +1,4 @@
-//! A bearing that drags differently forward and backward.
+//! A bearing whose friction and damping differ between forward and backward motion.
 
 use super::{
     definition::{
@@ -9,9 +9,9 @@ use super::{
 };
 
 /// T = -(torque_difference tanh²(speed / transition_speed) + damping_difference |speed|) / 2: differences are forward minus
-/// backward, and the mean of both directions is left to friction and damping.
+/// backward. The mean of both directions belongs to the friction and damping of the bearing.
 ///
-/// While a shaft turns, a torque difference is a constant torque: only at standstill does it differ from one.
+/// Away from standstill `torque_difference` acts as a constant torque: only recordings with standstill separate it from `constant_load`.
 pub(super) const EFFECT: Effect = Effect {
     id: "direction_dependence",
     name: "direction dependence",
@@ -49,7 +49,7 @@ pub(super) const EFFECT: Effect = Effect {
                 "damping_difference",
                 Prior::within(
                     2.0 * damping,
-                    "neither direction may drive: half of the difference is below the bearing's own damping and what friction adds at the \
+                    "drag in either direction is not negative: half of the difference is below the bearing's own damping and what friction adds at the \
                      largest speed",
                 ),
             ),
@@ -68,7 +68,7 @@ pub(super) const EFFECT: Effect = Effect {
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
     let speed = law_inputs[0];
     let (sign, bend, by_width) = shape::sign(speed, p[2]);
-    // |speed|, smooth at zero on the same scale.
+    // |speed|, rounded at zero over the transition speed.
     let size = speed * sign;
     shape::response(
         -0.5 * (p[0] * sign * sign + p[1] * size),

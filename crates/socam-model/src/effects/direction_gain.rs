@@ -1,4 +1,4 @@
-//! A gain that is another one way than the other.
+//! A gain that differs between positive and negative values.
 
 use super::{
     definition::{
@@ -8,8 +8,8 @@ use super::{
     experiment, shape,
 };
 
-/// reading = truth + difference |truth| / 2: the difference is that of the gains for positive and negative values; their mean is left to
-/// the channel's gain.
+/// reading = truth + difference |truth| / 2: `difference` is the gain for positive values minus that for negative
+/// values. Their mean belongs to the gain of the channel.
 pub(super) const EFFECT: Effect = Effect {
     id: "direction_gain",
     name: "direction-dependent gain",
@@ -39,14 +39,14 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "y = y_true (1 + dg sign(y_true)/2)",
     sentence: |fitted| {
         if fitted.get("difference") > 0.0 {
-            "A sensor or drive reads or gives more of what is positive than of what is negative: its two directions are not calibrated alike."
+            "A sensor or drive has a larger gain for positive values than for negative ones: its two directions are not calibrated alike."
         } else if fitted.get("difference") < 0.0 {
-            "A sensor or drive reads or gives less of what is positive than of what is negative: its two directions are not calibrated alike."
+            "A sensor or drive has a smaller gain for positive values than for negative ones: its two directions are not calibrated alike."
         } else {
-            "A sensor or drive has another gain one way than the other."
+            "A sensor or drive has different gains for positive and negative values."
         }
     },
-    shows: "in one direction against the other",
+    shows: "in one direction compared with the other",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 

@@ -1,50 +1,51 @@
 //! Model discrepancy of laws. No machine follows a law exactly. The error of a law shifts its parameters by the same amount in all
-//! recordings, so that neither noise nor differences between recordings reveal it. Each level is a lower bound on the half width of an
-//! interval.
+//! recordings, so that it appears neither in the noise nor in differences between recordings. A discrepancy is a lower bound on the
+//! half width of a 95 % interval.
 
 /// Model discrepancy of one parameter of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
-    /// Parameter.
+    /// Name of the parameter.
     pub parameter: &'static str,
-    /// Least half width of its 95 % interval, as a share of its distance from the null value (of the value where that is infinite).
+    /// Least half width of its 95 % interval as a fraction of its distance from the null value (of the value itself where the null value is
+    /// infinite).
     pub share: f64,
-    /// Least half width beside that, SI.
+    /// Least half width that is added to `share`, SI.
     pub absolute: f64,
-    /// Where residuals exceed noise, the upper end of the interval is at least so many times the value.
+    /// Where residuals exceed the noise, the upper end of the interval is at least this factor times the value; 1 has no effect.
     pub upper_factor: f64,
-    /// What is known of this.
+    /// Source of these numbers.
     pub source: &'static str,
 }
 
 impl Discrepancy {
-    /// A share of a parameter.
+    /// A fraction of a parameter's distance from its null value.
     pub(super) const fn share(parameter: &'static str, share: f64, source: &'static str) -> Self {
         Self { parameter, share, absolute: 0.0, upper_factor: 1.0, source }
     }
 
-    /// The amplitude of a law that is linear in it.
+    /// 0.1 %, for an amplitude.
     pub(super) const fn amplitude(parameter: &'static str) -> Self {
-        Self::share(parameter, 1e-3, "assumed: no law is obeyed better than to a thousandth")
+        Self::share(parameter, 1e-3, "assumed: no machine follows a law better than to 0.1 %")
     }
 
-    /// A frequency in time.
+    /// 10 ppm, for a frequency in time.
     pub(super) const fn frequency(parameter: &'static str) -> Self {
-        Self::share(parameter, 1e-5, "crystals of sampling clocks go true to 10 ppm")
+        Self::share(parameter, 1e-5, "the quartz of a sampling clock is accurate to 10 ppm")
     }
 
-    /// An order: cycles per turn.
+    /// 0.01 %, for an order (cycles per turn).
     pub(super) const fn order(parameter: &'static str) -> Self {
         Self::share(
             parameter,
             1e-4,
-            "turns are integrals of a measured speed, which no tachometer knows better than to 0.01 %",
+            "angles are integrals of a measured speed, and no tachometer is more accurate than 0.01 %",
         )
     }
 
-    /// A phase over an angle.
+    /// 0.01 rad, for a phase over an angle.
     pub(super) const fn phase_of_turn(parameter: &'static str) -> Self {
-        let source = "angles are integrals of a measured speed, and its ripple is in them: 0.01 rad";
+        let source = "angles are integrals of a measured speed, whose ripple is assumed to add 0.01 rad";
         Self { parameter, share: 0.0, absolute: 1e-2, upper_factor: 1.0, source }
     }
 }

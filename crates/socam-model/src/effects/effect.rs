@@ -14,6 +14,30 @@ use super::{
 };
 
 /// One effect of the catalogue.
+///
+/// ```
+/// use socam_model::{Model, effects::{self, FittedValues, Rig}};
+///
+/// let hum = effects::find("sensor_hum").expect("an effect of the catalogue");
+/// assert_eq!(hum.given().map(|own| own.name).collect::<Vec<_>>(), ["amplitude", "frequency"]);
+/// assert!(hum.is_wave() && !hum.is_by_turn() && !hum.has_memory() && !hum.is_structural());
+///
+/// // Starts and priors follow from the scales of the rig.
+/// let model = Model::builtin("two-mass").expect("an embedded model");
+/// let mut rig = Rig::of_model(&model, &model.values());
+/// (rig.sample_time_s, rig.longest_s) = (1e-3, 10.0);
+/// let speed = rig.channels.iter_mut().find(|channel| channel.name == "load_speed").unwrap();
+/// (speed.std, speed.lines_hz) = (5.0, vec![50.0]);
+/// let start = &(hum.starts)(&rig, "load_speed")[0];
+/// assert_eq!(FittedValues(start).get("frequency"), 50.0);
+/// // Four phases, each with the median amplitude of the prior.
+/// let large = hum.large_starts(&rig, "load_speed", 0.5);
+/// assert_eq!(large.len(), 4);
+/// assert!(hum.log_prior(&rig, "load_speed", &large[0]).is_finite());
+/// assert_eq!(hum.log_prior(&rig, "load_speed", &[("frequency", 700.0)]), f64::NEG_INFINITY);
+/// // 0.1 % of the amplitude.
+/// assert_eq!((hum.least_half_width("amplitude", 2.0), hum.upper_factor("amplitude")), (2e-3, 1.0));
+/// ```
 #[derive(Debug)]
 pub struct Effect {
     /// Stable id, as in reports and model files.
@@ -30,37 +54,55 @@ pub struct Effect {
     pub borrows: Option<Borrowed>,
     /// How it enters the equations.
     pub form: Form,
-    /// Parameters that measure its strength.
+    /// Parameters in which the model is linear and that are zero (or another null value) without the effect.
     pub amplitude: Amplitude,
-    /// How far a linearisation predicts its effect.
+    /// Whether sensitivities at a start predict the change of the outputs.
     pub linearisation: Linearisation,
     /// Points at which a score test linearises: amplitudes at their null value unless [`Linearisation::NonNull`], the other parameters that
-    /// a file must give on a grid of values that the rig could show.
+    /// a file must give on a grid of values that recordings of the rig can distinguish. Empty where the effect is not to be tested.
     pub starts: fn(&Rig, &str) -> Vec<Values>,
-    /// Start points of a fit, made from two points: one with a small part of the predicted amplitude, and one with all of it.
+    /// Start points of a fit. Arguments: rig, place, values with a small part of the predicted amplitude, values with all of it.
     pub fit_starts: fn(&Rig, &str, &Values, &Values) -> Vec<Values>,
     /// Priors of the parameters that a file must give.
     pub priors: fn(&Rig, &str) -> Vec<(&'static str, Prior)>,
-    /// Model discrepancy of its parameters.
+    /// Least interval widths of its parameters, see [`Discrepancy`].
     pub discrepancy: &'static [Discrepancy],
-    /// Simpler laws that it may replace.
+    /// Simpler laws that this law contains and may replace.
     pub replaces: &'static [Replaces],
-    /// Effects that recordings may not tell from it.
+    /// Effects that are observationally equivalent to it under a condition.
     pub equivalents: &'static [Equivalent],
-    /// What steady states show of it.
+    /// How it appears in steady states.
     pub steady: Steady,
     /// The law as text.
     pub equation: &'static str,
-    /// One sentence for a mechanic that is true of the fitted values.
+    /// One sentence for a mechanic, chosen by the fitted values.
     pub sentence: fn(&FittedValues<'_>) -> &'static str,
-    /// Where in a recording it is visible.
+    /// The part of a recording in which its residuals are large.
     pub shows: &'static str,
-    /// What to record so that it becomes visible.
+    /// The recording that determines it best.
     pub experiment: Experiment,
 }
 
 impl Effect {
     /// An effect outside the catalogue: a law without amplitude, starts, priors or texts.
+    ///
+    /// ```
+    /// use socam_model::effects::{Acts, ActsAt, Effect, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
+    ///
+    /// fn brake(inputs: &[f64], _: &[f64]) -> Response {
+    ///     let torque = -0.1 * inputs[0].powi(3);
+    ///     Response { torque, derivatives: [0.0; MAX_LAW_INPUTS], by_parameter: [0.0; MAX_PARAMETERS] }
+    /// }
+    /// const LAW: Law = Law {
+    ///     law_inputs: &[LawInput::Speed],
+    ///     acts: Acts::Torque,
+    ///     evaluate: brake,
+    ///     transition: |_| 0.0,
+    ///     inactive: |_| false,
+    /// };
+    /// static BRAKE: Effect = Effect::bare("brake", ActsAt::Bearing, &[], None, Form::Laws(&[LAW]), "T = -0.1 w^3");
+    /// assert_eq!((BRAKE.laws()[0].evaluate)(&[2.0], &[]).torque, -0.8);
+    /// ```
     #[must_use]
     pub const fn bare(
         id: &'static str,
@@ -98,7 +140,7 @@ impl Effect {
     pub fn laws(&self) -> &'static [Law] {
         match self.form {
             Form::Laws(laws) => laws,
-            _ => &[],
+            Form::Inertia | Form::Compliance | Form::Gain | Form::Lag | Form::Delay => &[],
         }
     }
 
@@ -107,19 +149,19 @@ impl Effect {
         self.parameters.iter().filter(|own| own.default.is_none())
     }
 
-    /// Whether it is a wave of unknown phase, which is the sum of two waves a quarter of a period apart.
+    /// Whether it has a phase parameter. A wave of unknown phase is the sum of a sine and a cosine, each with its own amplitude.
     #[must_use]
     pub fn is_wave(&self) -> bool {
         self.parameters.iter().any(|own| own.kind == Kind::Phase)
     }
 
-    /// Whether it depends on an angle, so that it needs something that turns.
+    /// Whether one of its laws depends on an angle.
     #[must_use]
     pub fn is_by_turn(&self) -> bool {
         self.sees(LawInput::Angle)
     }
 
-    /// Whether its laws have a state of their own.
+    /// Whether it adds a state to the equations.
     #[must_use]
     pub fn has_memory(&self) -> bool {
         self.sees(LawInput::State)
@@ -131,8 +173,8 @@ impl Effect {
         !matches!(self.form, Form::Laws(_)) || self.acts_at == ActsAt::Gear
     }
 
-    /// Starts with large amplitudes, for a base model with a large error: each of [`Self::starts`] with every amplitude at the given
-    /// quantile of its prior (0.5: the median), where that exists.
+    /// Starts with large amplitudes, for a base model with a large error: each of [`Self::starts`] with every amplitude at the quantile
+    /// `share` of its prior (0.5: the median), and a wave at each of four phases. Starts whose amplitudes have an improper prior are left out.
     #[must_use]
     pub fn large_starts(&self, rig: &Rig, place: &str, share: f64) -> Vec<Values> {
         let priors = (self.priors)(rig, place);
@@ -156,7 +198,8 @@ impl Effect {
             .collect()
     }
 
-    /// Logarithm of the prior density of fitted values at a place; minus infinity where one is outside its support.
+    /// Sum of the natural log prior densities of fitted values at a place, SI; minus infinity where a value is outside its support.
+    /// Parameters that are not given do not count.
     #[must_use]
     pub fn log_prior(&self, rig: &Rig, place: &str, values: &[(&str, f64)]) -> f64 {
         let sizes = FittedValues(values);
@@ -164,7 +207,7 @@ impl Effect {
         each.filter(|(value, _)| !value.is_nan()).map(|(value, prior)| prior.log_density(value)).sum()
     }
 
-    /// Least half width of a parameter's 95 % interval at a fitted value, SI.
+    /// Least half width of the 95 % interval of a parameter at a fitted value, SI, by its [`Discrepancy`]; 0 where none is given.
     #[must_use]
     pub fn least_half_width(&self, parameter: &str, value: f64) -> f64 {
         let is_amplitude = self.amplitude.parameters.contains(&parameter);
@@ -173,7 +216,7 @@ impl Effect {
         own.map(|own| own.share * (value - null).abs() + own.absolute).fold(0.0, f64::max)
     }
 
-    /// See [`Discrepancy::upper_factor`]; one where nothing is known of it.
+    /// [`Discrepancy::upper_factor`] of a parameter; 1 where it has no discrepancy.
     #[must_use]
     pub fn upper_factor(&self, parameter: &str) -> f64 {
         let own = self.discrepancy.iter().find(|own| own.parameter == parameter);

@@ -1,22 +1,22 @@
-//! Recordings in which effects show.
+//! Recordings that determine an effect and separate it from its equivalents.
 
-/// What to record so that an effect shows and parts from its rivals.
+/// A recording that determines an effect and separates it from competing effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Experiment {
-    /// A built-in profile.
+    /// Name of a built-in profile.
     pub profile: &'static str,
-    /// How to run it, and why: the rest of a sentence that begins with "Record".
+    /// How to run it and why; completes a sentence that begins with "Record `PROFILE`".
     pub how: &'static str,
-    /// Of two effects to be told apart, the experiment with the higher number is the more particular one.
+    /// To separate two effects, the experiment with the higher number is proposed: it is the more specific one.
     pub precedence: u8,
-    /// What to do on a rig that is measured in steady states, where there is something particular.
+    /// Instructions for a rig that is measured in steady states; `None` where none are specific to the effect.
     pub steady: Option<SteadyExperiment>,
 }
 
-/// What to do on a rig that is measured in steady states.
+/// Instructions for a rig that is measured in steady states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SteadyExperiment {
-    /// A built-in profile.
+    /// Name of a built-in profile.
     pub profile: &'static str,
     /// Whole sentences.
     pub sentences: &'static str,
@@ -30,18 +30,18 @@ pub(super) const TWO_LOADS: Experiment = Experiment {
     steady: None,
 };
 
-/// [`TWO_LOADS`] for a share of the transmitted torque that is lost.
+/// [`TWO_LOADS`] for a loss proportional to the transmitted torque.
 pub(super) const DRIVEN_BY_LOAD: Experiment = Experiment {
     steady: Some(SteadyExperiment {
         profile: "reversals",
-        sentences: "Record `reversals`: whenever the bench slows down its load drives it, and then a loss takes from the other side \
-                    while a wrong gain stays as it is. Or hang a known weight from a lever at either torque sensor while nothing \
+        sentences: "Record `reversals`: while the bench slows down its load drives it, and a loss then reduces the torque on the \
+                    other side, whereas a wrong gain stays the same. Or hang a known weight from a lever at either torque sensor while nothing \
                     turns: a wrong gain shows there, a loss does not.",
     }),
     ..TWO_LOADS
 };
 
-/// Slowly through standstill.
+/// Slow motion through standstill.
 pub(super) const THROUGH_STANDSTILL: Experiment = Experiment {
     profile: "triangle",
     how: "slowly through standstill and back, several times: that is where they differ",
@@ -52,7 +52,7 @@ pub(super) const THROUGH_STANDSTILL: Experiment = Experiment {
 /// Fast motion.
 pub(super) const FAST_MOTION: Experiment = Experiment {
     profile: "chirp",
-    how: "up to the highest frequency that the drive can follow: they part where motion is fast",
+    how: "up to the highest frequency that the drive can follow: they differ in fast motion",
     precedence: 1,
     steady: None,
 };
@@ -60,7 +60,7 @@ pub(super) const FAST_MOTION: Experiment = Experiment {
 /// Large torques.
 pub const LARGE_TORQUE: Experiment = Experiment {
     profile: "prbs",
-    how: "with as much torque as the bench allows: they part where torque is large",
+    how: "with as much torque as the bench allows: they differ at large torque",
     precedence: 0,
     steady: None,
 };

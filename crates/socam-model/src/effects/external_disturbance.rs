@@ -1,4 +1,4 @@
-//! A torque from outside that swings at a frequency of its own.
+//! A sinusoidal torque from outside, at a constant frequency.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// T = torque sin(2 pi frequency time + phase), time counted from where the recording began.
+/// T = torque sin(2 pi frequency time + phase), time counted from the start of the recording.
 pub(super) const EFFECT: Effect = Effect {
     id: "external_disturbance",
     name: "external disturbance",
@@ -43,7 +43,7 @@ pub(super) const EFFECT: Effect = Effect {
                 "frequency",
                 Prior::flat(
                     rig.wave_hz(),
-                    "a wave is one only after five periods, and below half the sampling rate",
+                    "a frequency is determined from five periods on, and below half the sampling rate",
                 ),
             ),
             ("phase", Prior::phase()),

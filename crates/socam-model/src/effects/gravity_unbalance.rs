@@ -1,4 +1,4 @@
-//! A load whose centre of mass is off its axis.
+//! Weight of a load whose centre of mass is not on its axis.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// T = -torque sin(angle + phase), the angle counted from where the recording began.
+/// T = -torque sin(angle + phase), the angle counted from the start of the recording.
 pub(super) const EFFECT: Effect = Effect {
     id: "gravity_unbalance",
     name: "gravity unbalance",

@@ -1,4 +1,4 @@
-//! Friction inside a coupling: it follows another way back than it went.
+//! Friction inside a coupling: torque against twist forms a loop.
 
 use super::{
     definition::{
@@ -11,9 +11,9 @@ use super::{
 /// Least deflection at yield, rad (m).
 const LEAST_TWIST: f64 = 1e-6;
 
-/// A spring that yields, beside the elastic one: T = torque z / deflection, z' = v - |v| z / deflection (Dahl 1968; Bouc and
-/// Wen with exponent one). `torque` is what it carries at most, `deflection` the twist that takes it to 63 % of that.
-/// Where the twist's rate is below `transition_speed`, the modulus is rounded, such that nothing creeps at rest.
+/// A yielding spring in parallel with the elastic one: T = torque z / deflection, z' = v - |v| z / deflection with the rate of twist v
+/// (P. R. Dahl, 1968; the Bouc-Wen law with exponent 1). `torque` is its limit, N m, and `deflection` the twist at which it reaches 63 %
+/// of that limit, rad. |v| is rounded below `transition_speed`.
 pub(super) const EFFECT: Effect = Effect {
     id: "hysteresis",
     name: "hysteresis",
@@ -45,7 +45,7 @@ pub(super) const EFFECT: Effect = Effect {
     linearisation: Linearisation::Null,
     starts: |rig, place| {
         let spring = rig.spring(place);
-        // By the model file's stiffness: of two springs in a row a fit may make anything.
+        // The stiffness of the model file, because the fitted stiffness of one of two springs in series may be far from it.
         let twist = if spring.stiffness > 0.0 { spring.torque / spring.stiffness } else { 0.0 };
         vec![vec![("torque", 0.0), ("deflection", (0.3 * twist).max(LEAST_TWIST))]]
     },
@@ -59,7 +59,7 @@ pub(super) const EFFECT: Effect = Effect {
                 "torque",
                 Prior::below(
                     spring.torque,
-                    "what rubs within a coupling carries less than the torque through it",
+                    "friction inside a coupling carries less than the torque through it",
                 ),
             ),
             ("deflection", Prior::log_normal([0.3 * twist, 4.0], (1e-3 * twist, 3.0 * twist), source)),
@@ -70,14 +70,14 @@ pub(super) const EFFECT: Effect = Effect {
         Discrepancy::share(
             "deflection",
             1.0,
-            "what yields does so by one law or another: the deflection at yield is known to a factor of two",
+            "assumed: yielding laws differ, and the deflection at yield is known to a factor of two",
         ),
     ],
     replaces: &[],
     equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,
     equation: "T = T_y z/d_y, z' = v - |v| z/d_y",
-    sentence: |_| "A coupling rubs within itself: its torque lags behind its twist by a loop whose width hardly grows with speed.",
+    sentence: |_| "A coupling has internal friction: its torque over its twist is a loop whose width hardly grows with speed.",
     shows: "where torque is transmitted, in proportion to it",
     experiment: experiment::THROUGH_STANDSTILL,
 };

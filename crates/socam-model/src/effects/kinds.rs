@@ -1,4 +1,4 @@
-//! Parameters of effects and the kinds of quantity that they are.
+//! Parameters of effects and their kinds of quantity.
 
 use crate::units::Dimension;
 
@@ -7,27 +7,27 @@ use crate::units::Dimension;
 pub struct EffectParameter {
     /// Name, as in a model file and on the command line.
     pub name: &'static str,
-    /// Kind of quantity, which says the unit for either kind of motion.
+    /// Kind of quantity; it determines the unit for rotation and for translation.
     pub kind: Kind,
-    /// Used where the model file gives none (rotational, translational); `None` where it must be given.
+    /// Value where the model file gives none, SI (rotational, translational); `None` where the file must give it.
     pub default: Option<(f64, f64)>,
-    /// Least and greatest value that makes sense.
+    /// Least and greatest meaningful value, SI.
     pub bounds: (f64, f64),
 }
 
 impl EffectParameter {
-    /// One that must be given.
+    /// A parameter that a model file must give.
     pub(super) const fn new(name: &'static str, kind: Kind, bounds: (f64, f64)) -> Self {
         Self { name, kind, default: None, bounds }
     }
 
-    /// One that is not estimated unless asked for.
+    /// A parameter with a default, which is fixed at it unless a model file gives the parameter; not negative.
     pub(super) const fn usual(name: &'static str, kind: Kind, default: (f64, f64)) -> Self {
         Self { name, kind, default: Some(default), bounds: (0.0, f64::INFINITY) }
     }
 }
 
-/// Name of the damping parameter of the spring that stands in for a gear's mesh, in effects and in the network.
+/// Name of the damping parameter of the spring that models the contact of a gear's teeth, in effects and in the network.
 pub(crate) const CONTACT_DAMPING: &str = "contact_damping";
 
 /// Bounds of a parameter of either sign.
@@ -64,12 +64,18 @@ pub enum Kind {
     Rate,
     /// A pure number.
     Ratio,
-    /// Anything: the gains of a controller carry the units of their signals, an offset that of its channel.
+    /// Any unit: a controller's gain has the units of its signals, an offset the unit of its channel.
     Gain,
 }
 
 impl Kind {
-    /// SI unit for a rotational or a translational model.
+    /// SI unit for a rotational or a translational model; empty for [`Kind::Gain`].
+    ///
+    /// ```
+    /// use socam_model::effects::Kind;
+    ///
+    /// assert_eq!((Kind::Damping.unit(true), Kind::Damping.unit(false)), ("N m s/rad", "N s/m"));
+    /// ```
     pub fn unit(self, rotational: bool) -> &'static str {
         match (self, rotational) {
             (Self::Torque, true) => "N m",
@@ -96,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// Dimension to check a unit against; `None` accepts any.
+    /// Dimension that a unit in a model file must have; `None` accepts any.
     pub(crate) fn dimension(self, rotational: bool) -> Option<Dimension> {
         crate::units::parse(self.unit(rotational)).map(|unit| unit.dimension)
     }

@@ -1,4 +1,4 @@
-//! A reduction that does not roll true.
+//! A gear whose transmission error is a wave over the angle of its fast side.
 
 use super::{
     definition::{
@@ -8,8 +8,8 @@ use super::{
     experiment, shape,
 };
 
-/// The slow side is ahead by amplitude sin(order angle of the fast side + phase): a torque on a stiff spring at the mesh
-/// that it takes to twist it by so much.
+/// The slow side leads by amplitude sin(order angle + phase), with the angle of the fast side. The law applies the torque that twists the
+/// stiff spring of the contact by that angle.
 pub(super) const EFFECT: Effect = Effect {
     id: "kinematic_error",
     name: "kinematic error",
@@ -40,8 +40,7 @@ pub(super) const EFFECT: Effect = Effect {
     fit_starts: begin_with_little,
     priors: |rig, place| {
         let usual = if rig.rotational { 1e-3 } else { 1e-5 };
-        let orders =
-            "what does not run true comes back with every turn of either shaft, or several times in one";
+        let orders = "transmission errors have a whole number of periods per turn of either shaft";
         vec![
             ("order", Prior::whole_numbers(vec![1.0, 1.0 / rig.gear(place).0.ratio], 2e-3, 200.0, orders)),
             (

@@ -20,9 +20,9 @@ pub enum LawInput {
     Angle,
     /// Time since the recording began, s.
     Time,
-    /// Reading of an ideal sensor at its channel; for an input channel, the actual reading.
+    /// Reading of an ideal sensor at its channel, in the channel's SI unit; for an input channel, the recorded value.
     Reading,
-    /// Rate of change of an input's reading, computed from the recording, per s.
+    /// Time derivative of an input's reading, computed from the recording, per s.
     Change,
     /// The effect's own state, see [`Acts::State`].
     State,
@@ -37,14 +37,14 @@ pub enum Acts {
     Drag,
     /// The rate of the effect's own state.
     State,
-    /// An addition to a sensor's reading; for an input channel, the true value is smaller by so much.
+    /// An addition to a sensor's reading. For an input channel the response is subtracted from the reading to give the true value.
     Reading,
 }
 
 /// The response of a law, and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Torque, N m (N); the rate of a state or a reading for laws that act otherwise, see [`Acts`].
+    /// Torque, N m (N). For [`Acts::State`] the rate of the state, for [`Acts::Reading`] a reading.
     pub torque: f64,
     /// Derivative with respect to each input.
     pub derivatives: [f64; MAX_LAW_INPUTS],
@@ -61,10 +61,10 @@ pub struct Law {
     pub acts: Acts,
     /// The response to inputs and parameters.
     pub evaluate: fn(law_inputs: &[f64], parameters: &[f64]) -> Response,
-    /// Width of the range of the first input in which the law is curved; 0 if it is nowhere sharply curved. Newton steps of predictors are
-    /// limited there.
+    /// Width of the range of the first input in which the law is sharply curved, in that input's unit; 0 if there is none. Predictors
+    /// limit their Newton steps to it.
     pub transition: fn(parameters: &[f64]) -> f64,
-    /// Whether the response is zero at any input. Predictors then propagate only the sensitivities with respect to its parameters.
+    /// Whether the response is zero for all inputs. Predictors then propagate only the sensitivities with respect to its parameters.
     pub inactive: fn(parameters: &[f64]) -> bool,
 }
 
@@ -85,12 +85,12 @@ pub enum Form {
     Delay,
 }
 
-/// Parameters of the place that a law has after its own.
+/// Parameters of the place that a law receives after its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Borrowed {
     /// Stiffness of its spring.
     Stiffness,
-    /// Stiffness, then damping, of the spring that stands in for its mesh.
+    /// Stiffness, then damping, of the spring that models the contact of its teeth.
     Contact,
     /// Viscous damping of its bearing.
     Damping,

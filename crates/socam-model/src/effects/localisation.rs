@@ -1,4 +1,4 @@
-//! Places of a model at which an effect may act, and at which a diagnosis looks for it.
+//! Places of a model at which an effect may act, and at which a diagnosis tests it.
 
 use super::{
     effect::Effect,
@@ -9,7 +9,15 @@ use super::{
 use crate::{Channel, ChannelTransform, Model, Motion, Quantity, Role};
 
 impl Model {
-    /// SI unit of an effect's parameter of some kind at a place: what has no unit of its own has that of its channel.
+    /// SI unit of a parameter of this kind at a place. [`Kind::Gain`] has the unit of the channel of that name, or "1" where there is none.
+    ///
+    /// ```
+    /// use socam_model::{Model, effects::Kind};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// assert_eq!(model.unit_at(Kind::Torque, "load_bearing"), "N m");
+    /// assert_eq!(model.unit_at(Kind::Gain, "load_speed"), "rad/s");
+    /// ```
     #[must_use]
     pub fn unit_at(&self, kind: Kind, place: &str) -> &str {
         match kind.unit(self.motion == Motion::Rotation) {
@@ -20,7 +28,15 @@ impl Model {
         }
     }
 
-    /// Places at which an effect may act.
+    /// Names of the places at which an effect may act, in the model's order; a model file may name any of them.
+    ///
+    /// ```
+    /// use socam_model::{Model, effects};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let offset = effects::find("sensor_offset").expect("an effect of the catalogue");
+    /// assert_eq!(model.places(offset), ["motor_torque", "motor_speed", "load_speed"]);
+    /// ```
     pub fn places(&self, effect: &Effect) -> Vec<&str> {
         match effect.acts_at {
             ActsAt::Bearing => {
@@ -38,11 +54,13 @@ impl Model {
                 let fits = |channel: &&Channel| match effect.places {
                     Places::Sensors => channel.role == Role::Output,
                     Places::Channels => true,
-                    // A rate is made of values, and of no other.
+                    // The rate of an input can be computed only from a column that is read as it is.
                     Places::Inputs => {
                         channel.role == Role::Input && channel.transform == ChannelTransform::Value
                     }
-                    _ => channel.role == Role::Output || !of_outputs,
+                    Places::Every | Places::Load | Places::Driven | Places::Free => {
+                        channel.role == Role::Output || !of_outputs
+                    }
                 };
                 self.channels.iter().filter(fits).map(|channel| &*channel.name).collect()
             }
@@ -51,7 +69,17 @@ impl Model {
 }
 
 impl Effect {
-    /// Names of the places of a model at which a diagnosis tests the effect.
+    /// Names of the places of a model at which a diagnosis tests the effect: those of [`Model::places`] that [`Self::places`] selects, without
+    /// gear contacts and clocks.
+    ///
+    /// ```
+    /// use socam_model::{Model, effects};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let load = effects::find("constant_load").expect("an effect of the catalogue");
+    /// assert_eq!(model.places(load), ["motor", "load"]);
+    /// assert_eq!(load.places_in(&model), ["load"]);
+    /// ```
     #[must_use]
     pub fn places_in(&self, model: &Model) -> Vec<String> {
         let moves = |input: &Channel| !input.quantity.is_clock();

@@ -1,4 +1,4 @@
-//! A part of the transmitted torque that a mesh eats.
+//! Loss of a gear in proportion to the transmitted torque.
 
 use super::{
     definition::{
@@ -8,10 +8,10 @@ use super::{
     experiment, shape,
 };
 
-/// A share of the torque that enters the mesh, from whichever side, on the slow side, whose speed and torque are meant. While the fast side
-/// drives, the torque T of the contact enters: the drag is fraction |T|. While the slow side drives, T is what is left:
-/// the drag is |T| fraction / (1 - fraction). It is the load-dependent friction c (|T_in| + |T_out|) of the literature on servo gearboxes with
-/// c = fraction / (2 - fraction).
+/// The mesh loses `fraction` of the torque that enters it, whichever side drives. The drag acts on the slow side; speed and contact torque T
+/// are those of the slow side. While the fast side drives, T enters the mesh, and the drag is fraction |T|. While the slow side drives, T
+/// leaves it, and the drag is |T| fraction / (1 - fraction). This equals the load-dependent friction c (|T_in| + |T_out|) of the
+/// literature on servo gearboxes with c = fraction / (2 - fraction).
 pub(super) const EFFECT: Effect = Effect {
     id: "mesh_loss",
     name: "mesh loss",
@@ -47,8 +47,8 @@ pub(super) const EFFECT: Effect = Effect {
         ),
     }],
     steady: Steady::Linear,
-    equation: "|T_leaving| = (1 - f) |T_entering|, on either side's terms",
-    sentence: |_| "The mesh eats a fixed share of the torque that enters it, whichever side drives: sliding between cam and rollers, or between teeth.",
+    equation: "|T_out| = (1 - f) |T_in|, both referred to one side",
+    sentence: |_| "The mesh loses a fixed share of the torque that enters it, whichever side drives: sliding between cam and rollers, or between teeth.",
     shows: "where torque is transmitted, in proportion to it",
     experiment: experiment::DRIVEN_BY_LOAD,
 };
@@ -57,9 +57,9 @@ fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
     let (sign, bend, by_width) = shape::sign(law_inputs[0], p[1]);
     let torque = law_inputs[1];
     let (turn, turn_bend, by_transition) = shape::sign(torque, p[2]);
-    // |torque|, smooth at zero and exact away from it.
+    // |torque|, rounded over the transition torque.
     let size = torque * turn;
-    // From 0 (the fast side drives) to 1 (the slow side does): the share of what is transmitted goes from f to f / (1 - f).
+    // 0 while the fast side drives and 1 while the slow side does: the lost share of T goes from f to f / (1 - f).
     let driven = 0.5 * (1.0 - sign * turn);
     let left = 1.0 - p[0] * driven;
     let share = p[0] / left;

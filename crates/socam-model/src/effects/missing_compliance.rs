@@ -1,4 +1,4 @@
-//! A shaft that was taken to be rigid and is not.
+//! Torsion of a shaft that the model takes to be rigid.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment,
 };
 
-/// A spring and damper in the shaft's place.
+/// Replaces a rigid shaft by a spring and a damper in parallel.
 pub(super) const EFFECT: Effect = Effect {
     id: "missing_compliance",
     name: "missing compliance",
@@ -36,8 +36,8 @@ pub(super) const EFFECT: Effect = Effect {
     },
     priors: |rig, place| {
         let softest = rig.shaft(place).softest_beside.min(rig.rigid_stiffness());
-        let source = "a part that was taken to be rigid is stiffer than what stands beside it, usually by some ten times";
-        let damping = "parts spring back within milliseconds";
+        let source = "a part that was taken to be rigid is stiffer than the springs beside it, usually about ten times";
+        let damping = "the damping of metal parts is about a millisecond times their stiffness";
         vec![
             ("stiffness", Prior::log_normal([10.0 * softest, 5.0], (0.1 * softest, 1e3 * softest), source)),
             ("damping", Prior::log_normal([1e-2 * softest, 10.0], (0.0, 10.0 * softest), damping)),
@@ -46,20 +46,21 @@ pub(super) const EFFECT: Effect = Effect {
     discrepancy: &[Discrepancy::share(
         "stiffness",
         1e-3,
-        "assumed: no law is obeyed better than to a thousandth",
+        "assumed: no machine follows a law better than to 0.1 %",
     )],
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "T = k d + c d'",
-    sentence: |_| "A shaft that was taken to be rigid twists: a thin section, a key, a clamp that gives.",
+    sentence: |_| "A shaft that was taken to be rigid twists: a thin section, a key, a soft clamp.",
     shows: "fast motion",
     experiment: experiment::FAST_MOTION,
 };
 
-/// How long a shaft that is as good as rigid may take to spring back, s.
+/// Relaxation times (damping over stiffness) of the nearly rigid shafts at which the score test linearises, s.
 const RELAXATION_S: [f64; 3] = [1e-6, 3e-3, 3e-2];
-/// A shaft that may give begins so many times as stiff as the softest spring beside it, and springs back in so long, s. What it adds to a
-/// twist goes with the inverse of its stiffness, and a damper beside it hides that: sensitivities at a rigid one predict neither.
+/// Start stiffnesses of a fit, as multiples of the softest spring beside the shaft. Sensitivities at a rigid shaft cannot predict its
+/// stiffness, because the compliance depends on 1/stiffness and a damper in parallel reduces its influence; several starts are used.
 const STIFFER: [f64; 2] = [3.0, 30.0];
+/// Start relaxation times (damping over stiffness) of a fit, s.
 const SPRINGS_BACK_S: [f64; 3] = [1e-4, 3e-3, 2e-2];

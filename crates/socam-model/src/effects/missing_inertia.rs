@@ -1,4 +1,4 @@
-//! Inertia that nobody counted.
+//! Inertia that the model does not contain.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment,
 };
 
-/// More inertia at a node (less, where it is negative: then the drawing's value is too large).
+/// Additional inertia at a node, J = J_0 + inertia; negative where the model's value is too large.
 pub(super) const EFFECT: Effect = Effect {
     id: "missing_inertia",
     name: "missing inertia",
@@ -20,13 +20,13 @@ pub(super) const EFFECT: Effect = Effect {
     amplitude: Amplitude::of(&["inertia"]),
     linearisation: Linearisation::Null,
     starts: |rig, place| {
-        // None where there is some already; a trifle where the model has none: a node with it moves by other equations than one without.
+        // 0 at a node with inertia. At a massless node a small positive value, because an inertia changes the number of states.
         let known = rig.nodes.iter().filter_map(|node| node.inertia);
         let trifle = TRIFLE * known.fold(1.0, f64::min);
         vec![vec![("inertia", if rig.node(place).inertia.is_some() { 0.0 } else { trifle })]]
     },
     fit_starts: |_, _, little, all| {
-        // On the way from a little the mode that a mass brings crosses all others, and a fit stops at one of them.
+        // From a small inertia, the frequency of the additional mode crosses those of the other modes, and a fit may stop at a local minimum.
         vec![little.clone(), all.clone()]
     },
     priors: |rig, place| {
@@ -46,14 +46,14 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "J = J_0 + dJ",
     sentence: |fitted| {
         if fitted.get("inertia") < 0.0 {
-            "Less turns along than was counted: the drawing's inertia is too large."
+            "The model contains too much inertia: the drawing's inertia is too large."
         } else {
-            "Something turns along that was not counted: a hub, a coupling half, a fixture."
+            "Something turns along that the model does not contain: a hub, a coupling half, a fixture."
         }
     },
     shows: "fast motion",
     experiment: experiment::FAST_MOTION,
 };
 
-/// Inertia that is as good as none, as a share of the least there is.
+/// Start inertia of a massless node as a fraction of the smallest inertia of the model.
 const TRIFLE: f64 = 1e-3;

@@ -1,9 +1,9 @@
-//! The catalogue of physics that a plain spring-damper network leaves out, one file each.
+//! The catalogue of effects that a linear spring-damper network does not contain, one file each.
 //!
 //! An effect changes the structure of the drivetrain ([`Form::Inertia`] and others) or consists of force laws ([`Form::Laws`]): static
-//! functions of a few inputs from the motion, with exact derivatives. The file of an effect holds all that is known of it: law, amplitude,
+//! functions of a few inputs from the motion, with exact derivatives. The file of an effect defines its law, amplitude,
 //! places, starts, priors, model discrepancy, equivalent effects, and texts. A new effect needs its file and a line in [`CATALOGUE`];
-//! simulator, predictors, model files and diagnosis use that list and name no effect.
+//! simulator, predictors, model files and diagnosis iterate over that list and name no effect.
 
 mod amplitude;
 mod backlash;
@@ -25,7 +25,8 @@ mod kinds;
 mod kinematic_error;
 mod law;
 mod localisation;
-pub mod meanings;
+#[cfg(test)]
+pub(crate) mod meanings;
 mod mesh_loss;
 mod missing_compliance;
 mod missing_inertia;

@@ -1,6 +1,6 @@
-//! Kinds of places, and which of them a diagnosis looks at.
+//! Kinds of places, and the subset that a diagnosis tests.
 
-/// Where an effect can sit.
+/// The kind of element at which an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActsAt {
     /// A bearing: friction and drag between a node and the ground.
@@ -13,14 +13,14 @@ pub enum ActsAt {
     Gear,
     /// A rigid shaft.
     Shaft,
-    /// A channel: what its sensor does to the truth.
+    /// A channel: the error of its sensor, or of the recorded input.
     Channel,
 }
 
 impl ActsAt {
-    /// What such a place is called.
+    /// Its name in a sentence, with the article.
     #[must_use]
-    pub fn noun(self) -> &'static str {
+    pub(crate) fn noun(self) -> &'static str {
         match self {
             Self::Bearing => "a bearing",
             Self::Node => "a node",
@@ -32,27 +32,33 @@ impl ActsAt {
     }
 }
 
-/// Which of the places at which an effect may act are looked at.
+/// The places, among those at which an effect may act, that a diagnosis tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Places {
     /// All of that kind.
     Every,
-    /// The last node with an inertia whose motion is not prescribed: what acts from outside acts on the load.
+    /// The last node that has an inertia and whose motion is not prescribed: the load, on which torques from outside act.
     Load,
-    /// The machine that drives: nodes that an input acts on with a torque, or, where an input prescribes the motion of a node, those with
-    /// an inertia at the other end of its springs.
+    /// The driving machine: nodes on which an input acts with a torque. Where an input prescribes a node's motion, the nodes with an inertia
+    /// at the other end of that node's springs.
     Driven,
     /// Nodes whose motion no input prescribes.
     Free,
-    /// Channels that are predicted.
+    /// Output channels.
     Sensors,
-    /// Channels that drive the model.
+    /// Input channels whose column is read as it is.
     Inputs,
-    /// Channels that are predicted, and inputs.
+    /// Output and input channels.
     Channels,
 }
 
-/// What stands in for a mesh's teeth is no part that could be worn.
+/// Whether a place is a part of the machine. The spring that models a gear's contact (its name ends in `.contact`) is not.
+///
+/// ```
+/// use socam_model::effects::is_part;
+///
+/// assert!(is_part("coupling_1") && !is_part("mesh.contact"));
+/// ```
 #[must_use]
 pub fn is_part(place: &str) -> bool {
     !place.ends_with(".contact")

@@ -1,5 +1,5 @@
-//! Dry friction that gives before it slips: the contact's bristles bend (P. R. Dahl, 1968; with less friction in motion than at
-//! standstill, C. Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995, but for the bristles' own damping).
+//! Dry friction with presliding: the contact deflects elastically before it slips. Coulomb friction as by P. R. Dahl, 1968; Stribeck
+//! friction as by C. Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995 (the LuGre law), without the damping of the bristles.
 
 use super::{
     coulomb_friction,
@@ -10,11 +10,11 @@ use super::{
     experiment, shape, stribeck_friction,
 };
 
-/// Coulomb friction: T = -torque z / deflection, z' = w - |w| z / deflection. `deflection` is the angle by which bristles give until two
-/// thirds of the torque are reached; a contact that sticks is a spring of torque / deflection.
+/// Coulomb friction: T = -torque z / deflection, z' = w - |w| z / deflection. `z` is the deflection of the bristles, rad, and
+/// `deflection` the angle after which 63 % of the torque is reached. A sticking contact is a spring of stiffness torque / deflection.
 pub(super) const COULOMB: Effect = Effect {
     id: coulomb_friction::EFFECT.id,
-    name: "Coulomb friction that gives before it slips",
+    name: "Coulomb friction with presliding",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
@@ -49,7 +49,7 @@ pub(super) const COULOMB: Effect = Effect {
     amplitude: coulomb_friction::EFFECT.amplitude,
     linearisation: Linearisation::Null,
     starts: |rig, place| {
-        // A contact sticks only where its place comes to rest.
+        // Presliding is visible only where the bearing comes to rest.
         let comes_to_rest = rig.bearing(place).1.rest_share > RESTS;
         let middle = deflections(rig)[1];
         let start = vec![("torque", 0.0), ("deflection", middle)];
@@ -62,7 +62,7 @@ pub(super) const COULOMB: Effect = Effect {
         all
     },
     discrepancy: &[Discrepancy::amplitude("torque"), BENT],
-    // Beside friction that falls with speed, one that gives is the other explanation of a soft start.
+    // Presliding and friction that falls with speed both explain a gradual start of the motion.
     replaces: &[
         Replaces { law: coulomb_friction::EFFECT.id, starts: giving },
         Replaces { law: stribeck_friction::EFFECT.id, starts: giving },
@@ -78,11 +78,11 @@ pub(super) const COULOMB: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Stribeck friction: T = -static_torque z / deflection, z' = w - |w| z static_torque / (deflection g(w)), where g is what friction is
-/// in steady motion: torque + (static_torque - torque) exp(-(w / stribeck_speed)²).
+/// Stribeck friction: T = -static_torque z / deflection, z' = w - |w| z static_torque / (deflection g(w)), where g is the friction in
+/// steady motion: torque + (static_torque - torque) exp(-(w / stribeck_speed)²).
 pub(super) const STRIBECK: Effect = Effect {
     id: stribeck_friction::EFFECT.id,
-    name: "Stribeck friction that gives before it slips",
+    name: "Stribeck friction with presliding",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
@@ -142,18 +142,18 @@ pub(super) const STRIBECK: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Speed, rad/s (m/s), below which bristles bend back rather than slip: their law has a corner there, and this rounds it.
+/// Speed, rad/s (m/s), over which the corner of |w| at standstill is rounded.
 const TRANSITION: EffectParameter = EffectParameter::usual("transition_speed", Kind::Speed, (5e-3, 2e-4));
 
-/// How far a contact may give before it slips, rad (cm).
+/// Start deflections, rad; for translation in units of 0.01 m.
 const DEFLECTIONS: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
-/// Share of the time at rest from which on a contact is looked at that sticks.
+/// Least fraction of the time at rest for which the law is tested.
 const RESTS: f64 = 0.02;
 
-/// How nearly the deflection is obeyed.
+/// Model discrepancy of the deflection.
 const BENT: Discrepancy =
-    Discrepancy::share("deflection", 1e-3, "assumed: no law is obeyed better than to a thousandth");
+    Discrepancy::share("deflection", 1e-3, "assumed: no machine follows a law better than to 0.1 %");
 
 fn deflections(rig: &Rig) -> [f64; 3] {
     DEFLECTIONS.map(|deflection| if rig.rotational { deflection } else { 0.01 * deflection })
@@ -168,7 +168,7 @@ fn with_deflections(rig: &Rig, starts: Vec<Values>) -> Vec<Values> {
     each.collect()
 }
 
-/// Starts of a law that gives, beside what is carried over from one that does not: as far as is known already, if it is.
+/// Starts of the deflection where a law with presliding replaces one without: the fitted deflection if there is one, else a grid.
 fn giving(rig: &Rig, fitted: &FittedValues<'_>) -> Vec<Values> {
     let known = fitted.get("deflection");
     if known.is_finite() {
@@ -183,14 +183,14 @@ fn deflection(rig: &Rig) -> (&'static str, Prior) {
     ("deflection", Prior::log_normal([1e-3 * unit, 5.0], (1e-6 * unit, 0.3 * unit), source))
 }
 
-/// How much sooner bristles slip than those of the static torque: T_s / g, its derivative by speed, and those by the parameters.
+/// T_s / g, the factor of the slip rate, with its derivatives by the speed and by torque, static torque and Stribeck speed.
 pub(super) struct Ease {
     value: f64,
     by_speed: f64,
     by_parameters: [f64; 3],
 }
 
-/// Where friction is the same at any speed.
+/// The factor where friction does not depend on the speed.
 pub(super) const STEADY: Ease = Ease { value: 1.0, by_speed: 0.0, by_parameters: [0.0; 3] };
 
 fn ease(speed: f64, p: &[f64]) -> Ease {
@@ -211,7 +211,8 @@ fn ease(speed: f64, p: &[f64]) -> Ease {
     }
 }
 
-/// Rate of the bristles' bend, its derivatives by law_inputs, and those by the ease's parameters, deflection and transition speed.
+/// Rate of the bristles' deflection, rad/s; its derivatives by speed and deflection; its derivatives by the three parameters of `ease`, by
+/// `deflection` and by the transition speed.
 pub(super) fn bend(
     law_inputs: &[f64],
     [deflection, transition]: [f64; 2],
@@ -235,7 +236,7 @@ pub(super) fn bend(
     )
 }
 
-/// Torque of bent bristles, its derivative by the bend and by deflection.
+/// Torque of the bristles, N m, and its derivatives by their deflection and by the parameter `deflection`.
 pub(super) fn pull(bent: f64, torque: f64, deflection: f64) -> (f64, f64, f64) {
     let share = bent / deflection;
     (-torque * share, -torque / deflection, torque * share / deflection)

@@ -1,60 +1,70 @@
-//! What is known of an effect's parameter before any recording: where it must lie, and where it usually lies.
+//! Prior densities of effects' parameters: a support (possible values) and a shape (usual values), with their source.
 
 use statrs::distribution::{Continuous, ContinuousCDF, LogNormal, Normal};
 
-/// Density of a parameter before any recording.
+/// Prior density of a parameter.
+///
+/// ```
+/// use socam_model::effects::{Prior, Shape};
+///
+/// let stiffness = Prior { support: (1.0, 1e4), shape: Shape::LogNormal { median: 100.0, factor: 3.0 }, source: "catalogue" };
+/// assert!((stiffness.quantile(0.5).unwrap() / 100.0 - 1.0).abs() < 0.01);
+/// assert_eq!(stiffness.plausibility(0.5), f64::NEG_INFINITY);
+/// assert!(stiffness.plausibility(3000.0) < -2.0 && stiffness.plausibility(100.0) > -0.5);
+/// assert_eq!(stiffness.whole_number_near(100.0), None);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    /// Least and greatest possible value, SI; the density is zero beyond.
+    /// Least and greatest possible value, SI; the density is zero outside.
     pub support: (f64, f64),
-    /// How likely values within it are.
+    /// Shape of the density within the support.
     pub shape: Shape,
-    /// Where this is known from.
+    /// Source of support and shape.
     pub source: &'static str,
 }
 
-/// Shape of a density, before it is cut off at the support.
+/// Shape of a density before it is truncated to the support.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// The logarithm is normal.
+    /// Log-normal.
     LogNormal {
-        /// Half of all values are below.
+        /// Median, SI.
         median: f64,
-        /// Two thirds lie within a factor of this on either side.
+        /// exp of the standard deviation of the logarithm: 68 % of values lie within this factor of the median.
         factor: f64,
     },
     /// Normal.
     Normal {
-        /// Mean.
+        /// Mean, SI.
         mean: f64,
-        /// Standard deviation.
+        /// Standard deviation, SI.
         std: f64,
     },
-    /// Whole multiples of some base orders, the higher the rarer (as 1/n); a small share is left to any other value.
+    /// A mixture of normal densities about the multiples n = 1 to 60 of base orders, with weights 1/n; 2 % of the mass is log-uniform.
     WholeNumbers {
-        /// Orders whose multiples count: 1 for the shaft itself, 1/ratio for the slow side of a gear.
+        /// Base orders, cycles per turn: 1 for the shaft itself, 1/ratio for the slow side of a gear.
         bases: Vec<f64>,
-        /// Relative standard deviation of a multiple as the recordings measure it.
+        /// Relative standard deviation of each multiple: the accuracy of measured angles.
         std: f64,
     },
-    /// The same everywhere within the support. Over an endless support it is one (improper).
+    /// Uniform over the support. Over an infinite support the density is 1 (improper).
     Flat,
 }
 
-/// Multiples of a base order that are told apart.
+/// Number of multiples of a base order in [`Shape::WholeNumbers`].
 const MULTIPLES: u32 = 60;
-/// Share of [`Shape::WholeNumbers`] that is left to values between the multiples: slipping belts and planetary carriers have such orders.
+/// Mass of the log-uniform part of [`Shape::WholeNumbers`]: slipping belts and planetary carriers have orders between the multiples.
 const BETWEEN: f64 = 0.02;
-/// Standard deviations within which a value is taken for a whole multiple.
+/// Largest distance from a multiple, in standard deviations, at which a value counts as that multiple.
 const WITHIN: f64 = 3.0;
 
 impl Prior {
-    /// See [`Shape::LogNormal`].
+    /// Median and factor of [`Shape::LogNormal`].
     pub(super) fn log_normal([median, factor]: [f64; 2], support: (f64, f64), source: &'static str) -> Self {
         Self { support, shape: Shape::LogNormal { median, factor }, source }.or_flat()
     }
 
-    /// See [`Shape::Normal`].
+    /// Mean and standard deviation of [`Shape::Normal`].
     pub(super) fn normal([mean, std]: [f64; 2], support: (f64, f64), source: &'static str) -> Self {
         Self { support, shape: Shape::Normal { mean, std }, source }.or_flat()
     }
@@ -64,32 +74,34 @@ impl Prior {
         Self { support, shape: Shape::Flat, source }
     }
 
-    /// Whole multiples of `bases`, known to a share of `std`, from a fiftieth of the smallest base to `most`.
+    /// [`Shape::WholeNumbers`] with support from 0.02 of the smallest base to `most`.
     pub(super) fn whole_numbers(bases: Vec<f64>, std: f64, most: f64, source: &'static str) -> Self {
         let least = bases.iter().copied().fold(f64::INFINITY, f64::min);
         Self { support: (0.02 * least, most), shape: Shape::WholeNumbers { bases, std }, source }
     }
 
-    /// A phase: any.
+    /// Improper flat density of a phase.
     pub(super) fn phase() -> Self {
-        // Wide, because a fit may go several turns round; a turn more is no other phase.
+        // Unbounded, because a fit may move a phase by several turns, and phases one turn apart are equal.
         Self::flat(
             (f64::NEG_INFINITY, f64::INFINITY),
             "a phase is arbitrary: it depends on when a recording begins",
         )
     }
 
-    /// A positive size that is not above `most` and usually a tenth of it; any positive size where `most` is not known.
+    /// Log-normal density of a positive size below `most`: median 0.1 `most`, factor 5. Flat over the positive numbers where `most` is not
+    /// a positive number.
     pub(super) fn below(most: f64, source: &'static str) -> Self {
         Self::log_normal([0.1 * most, 5.0], (0.0, most), source)
     }
 
-    /// A size of either sign that is not beyond `most` and usually within a fifth of it; any size where `most` is not known.
+    /// Normal density of a size of either sign within -`most` .. `most`, with standard deviation 0.2 `most`. Flat where `most` is not a
+    /// positive number.
     pub(super) fn within(most: f64, source: &'static str) -> Self {
         Self::normal([0.0, 0.2 * most], (-most, most), source)
     }
 
-    /// Where the rig shows no scale (a width of zero), nothing is known but the sign.
+    /// Replaces a density whose scale the rig does not give (a width that is zero or not finite) by a flat one; only the sign is kept.
     fn or_flat(self) -> Self {
         let is_known = match self.shape {
             Shape::LogNormal { median, factor } => median.is_normal() && median > 0.0 && factor > 1.0,
@@ -104,9 +116,9 @@ impl Prior {
         Self { support, shape: Shape::Flat, source: self.source }
     }
 
-    /// Natural logarithm of the density at a value, normalised over the support; minus infinity beyond it.
+    /// Natural logarithm of the density at a value (SI), normalised over the support; minus infinity outside it, 0 where it is improper.
     #[must_use]
-    pub fn log_density(&self, value: f64) -> f64 {
+    pub(crate) fn log_density(&self, value: f64) -> f64 {
         let (least, most) = self.support;
         if !(least..=most).contains(&value) {
             return f64::NEG_INFINITY;
@@ -114,7 +126,7 @@ impl Prior {
         match &self.shape {
             Shape::LogNormal { median, factor } => {
                 let Ok(density) = LogNormal::new(median.ln(), factor.ln()) else { return 0.0 };
-                // The density itself vanishes at zero, where an effect is absent: a fit's value of zero is as unlikely as a tiny one.
+                // A log-normal density is zero at 0, where the effect is absent. A fitted value of 0 gets the finite density of a very small value.
                 let value = value.max(1e-12 * median);
                 density.ln_pdf(value) - self.mass(&density)
             }
@@ -128,8 +140,8 @@ impl Prior {
         }
     }
 
-    /// Log density at a value relative to that at the median, at most 0: how much stranger a value is than a usual one, whatever its unit. Minus
-    /// infinity beyond the support, 0 where the density is improper.
+    /// Log density at a value (SI) minus that at the median, at most 0. It does not depend on the unit. Minus infinity outside the support,
+    /// 0 where the density is improper.
     #[must_use]
     pub fn plausibility(&self, value: f64) -> f64 {
         let usual = self.quantile(0.5).map_or(0.0, |median| self.log_density(median));
@@ -137,8 +149,8 @@ impl Prior {
         if own == f64::NEG_INFINITY { own } else { (own - usual).min(0.0) }
     }
 
-    /// Mean and standard deviation of the density about the whole multiple that is nearest to `value`, as a fit that begins there is held to it; `None`
-    /// for other shapes, and between multiples.
+    /// Mean and standard deviation of the normal component about the multiple nearest to `value`: the prior of a fit that starts at `value`.
+    /// `None` for other shapes, and where the nearest multiple is more than 3 standard deviations away.
     #[must_use]
     pub fn whole_number_near(&self, value: f64) -> Option<(f64, f64)> {
         let Shape::WholeNumbers { bases, std } = &self.shape else { return None };
@@ -148,12 +160,13 @@ impl Prior {
         ((nearest - value).abs() < WITHIN * std).then_some((nearest, std))
     }
 
-    /// Logarithm of what a density has within the support.
+    /// Natural logarithm of the mass of a density within the support.
     fn mass(&self, density: &impl ContinuousCDF<f64, f64>) -> f64 {
         (density.cdf(self.support.1) - density.cdf(self.support.0)).max(f64::MIN_POSITIVE).ln()
     }
 
-    /// Value below which a share of the density lies; `None` where the density is improper.
+    /// Value below which the fraction `share` of the mass lies, SI; `None` where the density is improper. Of [`Shape::WholeNumbers`] the
+    /// largest base order, whatever the share.
     #[must_use]
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let (least, most) = self.support;
@@ -177,7 +190,7 @@ impl Prior {
     }
 }
 
-/// Density of [`Shape::WholeNumbers`].
+/// Density of [`Shape::WholeNumbers`] at a value.
 fn whole_numbers(value: f64, bases: &[f64], std: f64, (least, most): (f64, f64)) -> f64 {
     let total: f64 = (1..=MULTIPLES).map(|n| 1.0 / f64::from(n)).sum::<f64>() * bases.len().max(1) as f64;
     let bump = |base: f64, n: u32| {
@@ -194,7 +207,7 @@ fn whole_numbers(value: f64, bases: &[f64], std: f64, (least, most): (f64, f64))
 mod tests {
     use super::*;
 
-    /// Integral over the support by a fine sum in the logarithm.
+    /// Integral of the density by the midpoint rule in the logarithm of the value.
     fn area(prior: &Prior, from: f64, to: f64) -> f64 {
         let steps = 200_000;
         let width = (to / from).ln() / f64::from(steps);
@@ -218,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn an_order_is_likelier_whole_than_not() {
+    fn whole_orders_have_a_higher_density_than_others() {
         let prior = Prior::whole_numbers(vec![1.0], 1e-3, 100.0, "");
         assert!(prior.log_density(7.0) > prior.log_density(6.24) + 5.0);
         let prior = Prior::whole_numbers(vec![1.0, 0.125], 1e-3, 100.0, "");
@@ -226,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_is_held_to_the_whole_number_at_which_it_begins() {
+    fn the_component_about_the_nearest_multiple_is_found() {
         let prior = Prior::whole_numbers(vec![1.0, 0.125], 2e-3, 100.0, "");
         assert_eq!(prior.whole_number_near(7.001), Some((7.0, 0.014)));
         assert_eq!(prior.whole_number_near(0.375), Some((0.375, 7.5e-4)));
@@ -241,7 +254,7 @@ mod tests {
         assert!(0.0 < low && low < middle && middle < high && high < 2.0);
         assert!((middle - 0.2).abs() < 0.03, "{middle}");
         assert_eq!(Prior::phase().quantile(0.5), None);
-        // A rig that shows no torque gives friction no scale.
+        // Without a measured torque there is no scale, and the density is flat.
         assert_eq!(Prior::below(0.0, "").log_density(3.0), 0.0);
     }
 }

@@ -30,9 +30,9 @@ pub(super) const EFFECT: Effect = Effect {
     priors: |rig, place| {
         let (bearing, node) = rig.bearing(place);
         let most = node.torque / (node.speed * node.speed);
-        // A bearing never drives: less drag than its damping at the largest speed would.
+        // The total drag at the largest speed is not negative.
         let least = -bearing.damping / node.speed;
-        let source = "windage takes less than the torque that moves the axis at its largest speed, and drag never drives";
+        let source = "windage takes less than the torque that moves the axis at its largest speed, and drag is not negative";
         vec![("coefficient", Prior::normal([0.0, 0.2 * most], (least, most), source))]
     },
     discrepancy: &[Discrepancy::amplitude("coefficient")],
@@ -42,7 +42,7 @@ pub(super) const EFFECT: Effect = Effect {
     equation: "T = -b w |w|",
     sentence: |fitted| {
         if fitted.get("coefficient") < 0.0 {
-            "The drag grows less than with speed: grease that shears thin, or a seal that lifts."
+            "The drag grows less than in proportion to speed: grease that shears thin, or a seal that lifts."
         } else {
             "Something churns air or oil: a fan, a disc in a bath, a windage loss."
         }

@@ -1,13 +1,21 @@
-//! How effects stand to each other: what replaces a simpler law, and what recordings cannot tell apart.
+//! Relations between effects: laws that contain a simpler law, and observationally equivalent effects.
 
 use super::rig::{Rig, Values};
 
-/// Fitted values of an effect's parameters, for its sentence and for laws that continue from there.
+/// Fitted values of an effect's parameters (name, SI value), for its sentence and for the starts of laws that replace it.
+///
+/// ```
+/// use socam_model::effects::FittedValues;
+///
+/// let fitted = FittedValues(&[("torque", 0.3)]);
+/// assert_eq!(fitted.get("torque"), 0.3);
+/// assert!(fitted.get("static_torque").is_nan());
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct FittedValues<'v>(pub &'v [(&'v str, f64)]);
 
 impl FittedValues<'_> {
-    /// A value, SI; NaN where it is not determined, so that no comparison with it holds.
+    /// Value of a parameter, SI; NaN where it is not given, so that every comparison with it is false.
     #[must_use]
     pub fn get(&self, name: &str) -> f64 {
         self.0.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)
@@ -19,30 +27,31 @@ impl FittedValues<'_> {
 pub struct Replaces {
     /// Id of the simpler law.
     pub law: &'static str,
-    /// Starts from the simpler law's fitted values: those of this law's parameters that are not carried over as they are.
+    /// Start values of this law from the fitted values of the simpler one; parameters of the same name that are left out keep their fitted
+    /// values.
     pub starts: fn(&Rig, &FittedValues<'_>) -> Vec<Values>,
 }
 
 /// An effect that is observationally equivalent to this one under some condition.
 #[derive(Debug, Clone, Copy)]
 pub struct Equivalent {
-    /// Its id.
+    /// Id of the other effect.
     pub effect: &'static str,
-    /// When.
+    /// Condition of the equivalence.
     pub holds: Condition,
 }
 
 /// A condition for [`Equivalent`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {
-    /// At the other of two springs in series with nothing measured between them.
+    /// The other effect acts at the other of two springs in series, with no measurement between them.
     InSeries,
-    /// Likewise, if the stiffness of either is free and could be the other's.
+    /// As [`Self::InSeries`], if one of the two stiffnesses is free and its bounds include the value of the other.
     InSeriesWithFreeStiffness,
-    /// At the same channel, while the amplitude is below this share of the sample time.
+    /// The other effect acts at the same channel, and the amplitude is below this fraction of the sample time.
     ShorterThanSamples(f64),
-    /// While the place always turns the same way.
+    /// The place turns in one direction only.
     OneDirection,
-    /// Anything else, as a clause.
+    /// Any other condition, as a clause of a sentence.
     Stated(&'static str),
 }

@@ -1,136 +1,71 @@
-//! What a model and its recordings show of a machine: the numbers from which an effect takes its grid, its starts and its priors.
+//! Scales of a machine, from its model and its recordings: the numbers that set the starts and priors of effects.
+
+mod elements;
+
+pub use elements::{RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring};
 
 use super::places::is_part;
-
 use crate::{Model, Motion, Role};
 
-/// Some values of an effect's parameters, SI.
+/// Values of an effect's parameters: name and SI value.
 pub type Values = Vec<(&'static str, f64)>;
 
-/// A machine, in SI. [`Rig::of_model`] knows what the model file says; what recordings show (zero or empty until then) is filled in by
-/// whoever has them.
+/// Scales of a machine, SI. [`Rig::of_model`] fills in what a model file determines. The caller fills in what recordings determine
+/// (speeds, torques, spectral lines, channel statistics), which are zero or empty until then.
+///
+/// ```
+/// use socam_model::{Model, effects::Rig};
+///
+/// let model = Model::builtin("speed-o-cam").expect("an embedded model");
+/// let mut rig = Rig::of_model(&model, &model.values());
+/// rig.nodes[0].speed = 20.0;
+/// assert_eq!(rig.gear("mesh").0.ratio, 8.0);
+/// assert_eq!((rig.node("motor").speed, rig.node("motor").torque), (20.0, 0.0));
+/// assert!(rig.spring("coupling_1").stiffness > 0.0);
+/// assert_eq!(rig.bearing("cam_bearing").1.name, "cam_shaft");
+/// assert!(rig.shaft("load_shaft").softest_beside.is_finite());
+/// assert!(rig.channel("motor_speed").is_input);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rig {
-    /// Whether coordinates are angles.
+    /// Whether coordinates are angles (rad); otherwise they are positions (m).
     pub rotational: bool,
     /// Time between samples, s.
     pub sample_time_s: f64,
     /// Length of the longest recording, s.
     pub longest_s: f64,
-    /// Natural frequencies of the model's oscillating modes that the sampling shows, ascending, Hz.
+    /// Natural frequencies of the model's oscillating modes (damping ratio below 0.7), ascending, Hz; the caller removes those above half
+    /// the sampling rate.
     pub modes_hz: Vec<f64>,
-    /// Frequencies at which the residuals of all channels together have lines, strongest first, Hz.
+    /// Frequencies of spectral lines in the residuals of all channels, strongest first, Hz.
     pub lines_hz: Vec<f64>,
-    /// Nodes of the model, in its order.
+    /// Nodes, in the model's order.
     pub nodes: Vec<RigNode>,
-    /// Springs, likewise.
+    /// Springs, in the model's order.
     pub springs: Vec<RigSpring>,
-    /// Gears, likewise.
+    /// Gears, in the model's order.
     pub gears: Vec<RigGear>,
-    /// Rigid shafts, likewise.
+    /// Rigid shafts, in the model's order.
     pub shafts: Vec<RigShaft>,
-    /// Bearings, likewise.
+    /// Bearings, in the model's order.
     pub bearings: Vec<RigBearing>,
-    /// Channels, likewise.
+    /// Channels, in the model's order.
     pub channels: Vec<RigChannel>,
 }
 
-/// A point of the machine.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigNode {
-    /// Place name.
-    pub name: String,
-    /// Inertia, kg m² (kg); `None` for a massless point.
-    pub inertia: Option<f64>,
-    /// Largest speed, rad/s.
-    pub speed: f64,
-    /// From the least to the greatest angle in one recording, rad.
-    pub angle_range: f64,
-    /// Largest torque that moves it, through springs, gears or a drive, N m.
-    pub torque: f64,
-    /// Share of the time in which it moves at less than a hundredth of its largest speed.
-    pub rest_share: f64,
-    /// Largest speed in the direction in which it moves less fast, over its largest speed.
-    pub reverse_share: f64,
-    /// Whole numbers of cycles per turn at which residuals stand out, strongest first.
-    pub orders: Vec<f64>,
-}
-
-/// A coupling or an elastic shaft.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigSpring {
-    /// Place name.
-    pub name: String,
-    /// By the model file, N m/rad.
-    pub stiffness: f64,
-    /// Largest torque through it, N m.
-    pub torque: f64,
-}
-
-/// A reduction.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigGear {
-    /// Place name.
-    pub name: String,
-    /// Speed of the fast side over that of the slow one, without its sign.
-    pub ratio: f64,
-    /// Node on the slow side.
-    pub slow: usize,
-}
-
-/// A shaft that the model takes to be rigid.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigShaft {
-    /// Place name.
-    pub name: String,
-    /// Stiffness of the softest spring at either end, N m/rad; infinite where there is none.
-    pub softest_beside: f64,
-}
-
-/// A bearing.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigBearing {
-    /// Place name.
-    pub name: String,
-    /// Node that it holds.
-    pub node: usize,
-    /// Viscous damping, N m s/rad; zero where it has none.
-    pub damping: f64,
-}
-
-/// A channel.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RigChannel {
-    /// Name.
-    pub name: String,
-    /// Whether it drives the model.
-    pub is_input: bool,
-    /// Standard deviation of its readings, in its unit.
-    pub std: f64,
-    /// Largest magnitude that it reads, likewise.
-    pub largest: f64,
-    /// From the least to the greatest reading, likewise.
-    pub range: f64,
-    /// Half of its power lies below this frequency, Hz, in the recording where that is lowest.
-    pub median_hz: f64,
-    /// Frequencies at which its residuals have lines, strongest first, Hz.
-    pub lines_hz: Vec<f64>,
-    /// Magnitude beyond which it seems not to read.
-    pub limit: Option<f64>,
-}
-
-/// How much stiffer than the stiffest spring a contact or shaft is that is as good as rigid.
+/// Stiffness of a rigid contact or shaft as a multiple of the stiffest spring.
 const RIGID: f64 = 20.0;
 
-/// Where there is no spring: angular frequency at which the lighter side of a rigid contact swings, rad/s. Far above what is sampled at
-/// 1 kHz, far below where single numbers lose their digits.
+/// Natural frequency of the lightest inertia on a rigid contact where the model has no spring, rad/s. It is well above the Nyquist
+/// frequency of sampling at 1 kHz (3142 rad/s), and low enough for accurate solutions in double precision.
 const CONTACT_RAD_S: f64 = 1e4;
 
-/// Stiffness where a model has neither springs nor inertias, N m/rad (N/m).
+/// Stiffness of a rigid contact where a model has neither springs nor inertias, N m/rad (N/m).
 const ANY_STIFFNESS: f64 = 1e6;
 
 impl Rig {
-    /// What the model file and parameter values say; nothing of recordings.
+    /// The scales that a model and its parameter values (SI, in the order of [`Model::parameters`]) determine; those from recordings stay
+    /// zero or empty.
     #[must_use]
     pub fn of_model(model: &Model, values: &[f64]) -> Self {
         let springs = model.springs.iter();
@@ -172,12 +107,24 @@ impl Rig {
         }
     }
 
-    /// Lets torques that are known at some nodes be known at all that gears and rigid shafts join to them.
+    /// Propagates [`RigNode::torque`] through gears and rigid shafts: each node gets the largest torque of the nodes that are joined to it,
+    /// multiplied by the ratios between them.
+    ///
+    /// ```
+    /// # use socam_model::{Model, effects::Rig};
+    /// # let model = Model::builtin("speed-o-cam").expect("an embedded model");
+    /// let mut rig = Rig::of_model(&model, &model.values());
+    /// let cam = model.nodes.iter().position(|node| node.name == "cam_shaft").unwrap();
+    /// rig.nodes[cam].torque = 0.5;
+    /// rig.spread_torques(&model);
+    /// // The disk is behind a gear of ratio 8.
+    /// assert_eq!(rig.node("disk").torque, 4.0);
+    /// ```
     pub fn spread_torques(&mut self, model: &Model) {
         let gears = model.gears.iter().zip(&self.gears).map(|(own, known)| (own.from, own.to, known.ratio));
         let shafts = model.shafts.iter().map(|shaft| (shaft.nodes.0, shaft.nodes.1, 1.0));
         let joints: Vec<(usize, usize, f64)> = gears.chain(shafts).collect();
-        // No path is longer than there are nodes.
+        // The longest path has fewer joints than the model has nodes.
         for _ in 0..self.nodes.len() {
             for (fast, slow, ratio) in &joints {
                 self.nodes[*slow].torque = self.nodes[*slow].torque.max(ratio * self.nodes[*fast].torque);
@@ -186,19 +133,19 @@ impl Rig {
         }
     }
 
-    /// A node by its name.
+    /// A node by name; all zero for an unknown name.
     #[must_use]
     pub fn node(&self, place: &str) -> RigNode {
         self.nodes.iter().find(|node| node.name == place).cloned().unwrap_or_default()
     }
 
-    /// A spring by its name.
+    /// A spring by name; all zero for an unknown name.
     #[must_use]
     pub fn spring(&self, place: &str) -> RigSpring {
         self.springs.iter().find(|spring| spring.name == place).cloned().unwrap_or_default()
     }
 
-    /// A bearing by its name, and the node that it holds.
+    /// A bearing by name, and the node that it holds; all zero for an unknown name.
     #[must_use]
     pub fn bearing(&self, place: &str) -> (RigBearing, RigNode) {
         let bearing = self.bearings.iter().find(|bearing| bearing.name == place).cloned();
@@ -206,7 +153,7 @@ impl Rig {
         (bearing.unwrap_or_default(), node.unwrap_or_default())
     }
 
-    /// A gear by its name, and the node on its slow side.
+    /// A gear by name, and the node on its slow side; a ratio of 1 and a node of zeros for an unknown name.
     #[must_use]
     pub fn gear(&self, place: &str) -> (RigGear, RigNode) {
         let gear = self.gears.iter().find(|gear| gear.name == place).cloned();
@@ -215,31 +162,32 @@ impl Rig {
         (gear, node)
     }
 
-    /// A rigid shaft by its name.
+    /// A rigid shaft by name; infinite stiffness beside it for an unknown name.
     #[must_use]
     pub fn shaft(&self, place: &str) -> RigShaft {
         let shaft = self.shafts.iter().find(|shaft| shaft.name == place).cloned();
         shaft.unwrap_or(RigShaft { softest_beside: f64::INFINITY, ..RigShaft::default() })
     }
 
-    /// A channel by its name.
+    /// A channel by name; all zero for an unknown name.
     #[must_use]
     pub fn channel(&self, place: &str) -> RigChannel {
         self.channels.iter().find(|channel| channel.name == place).cloned().unwrap_or_default()
     }
 
-    /// Stiffness that is as good as rigid in this machine, N m/rad.
+    /// Stiffness at which a contact or shaft of this machine counts as rigid, N m/rad (N/m): 20 times the stiffest spring. Without springs, the
+    /// stiffness on which the lightest inertia has a natural frequency of 1e4 rad/s.
     #[must_use]
-    pub fn rigid_stiffness(&self) -> f64 {
+    pub(crate) fn rigid_stiffness(&self) -> f64 {
         let springs = self.springs.iter().filter(|spring| is_part(&spring.name));
         let inertias = self.nodes.iter().filter_map(|node| node.inertia);
         rigid_stiffness(springs.map(|spring| spring.stiffness), inertias)
     }
 
-    /// Longest time constant that a recording of this channel could show as one, s: at the slowest of the model's modes and of what the
-    /// channel mostly does it is a corner, and it settles ten times within the longest recording. Infinite where nothing is known.
+    /// Longest time constant that recordings of this channel can determine, s: the smaller of 1/(2 pi f) and a tenth of the longest
+    /// recording. f is the lower of the model's lowest mode and the channel's median frequency. Infinite where neither is known.
     #[must_use]
-    pub fn longest_time_constant_s(&self, place: &str) -> f64 {
+    pub(crate) fn longest_time_constant_s(&self, place: &str) -> f64 {
         let own_hz = Some(self.channel(place).median_hz).filter(|hz| *hz > 0.0);
         let slowest_hz =
             self.modes_hz.first().copied().into_iter().chain(own_hz).fold(f64::INFINITY, f64::min);
@@ -249,7 +197,14 @@ impl Rig {
         by_motion.min(by_length)
     }
 
-    /// Lowest and highest frequency of a wave that recordings show as one, Hz: five periods in the longest, and half the sampling rate.
+    /// Lowest and highest frequency of a wave that recordings can determine, Hz: five periods in the longest recording, and half the
+    /// sampling rate. 0 and infinity where these are not known.
+    ///
+    /// ```
+    /// # use socam_model::effects::Rig;
+    /// let rig = Rig { longest_s: 10.0, sample_time_s: 1e-3, ..Rig::default() };
+    /// assert_eq!(rig.wave_hz(), (0.5, 500.0));
+    /// ```
     #[must_use]
     pub fn wave_hz(&self) -> (f64, f64) {
         let least = if self.longest_s > 0.0 { 5.0 / self.longest_s } else { 0.0 };
@@ -258,7 +213,7 @@ impl Rig {
     }
 }
 
-/// Stiffness that is as good as rigid beside springs and inertias: [`RIGID`] times the stiffest spring.
+/// [`Rig::rigid_stiffness`] by the stiffnesses of springs and the inertias of nodes.
 pub(crate) fn rigid_stiffness(
     springs: impl Iterator<Item = f64>,
     inertias: impl Iterator<Item = f64>,
@@ -271,7 +226,7 @@ pub(crate) fn rigid_stiffness(
     if lightest.is_finite() { lightest * CONTACT_RAD_S * CONTACT_RAD_S } else { ANY_STIFFNESS }
 }
 
-/// Peaks below this damping ratio are modes that oscillate.
+/// Modes with a damping ratio below this have a resonance peak (1/sqrt 2) and count as oscillating.
 const OSCILLATES: f64 = 0.7;
 
 fn modes_hz(model: &Model, values: &[f64]) -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! A sensor that reports late.
+//! A pure time delay of a channel.
 
 use super::{
     definition::{
@@ -10,8 +10,8 @@ use super::{
     shape,
 };
 
-/// A delay's all-pass of eighth order (Padé, [8/8]) as four of second order, (s² - p s + q)/(s² + p s + q) with s in units of the
-/// delay's inverse: within a thousandth up to frequency x delay = 1.4.
+/// The all-pass approximation of a delay of order 8 (Padé, [8/8]) as four sections (s² - p s + q)/(s² + p s + q), given as (p, q), with s in
+/// units of 1/delay. The error is below 1e-3 up to frequency (Hz) x delay (s) = 1.4.
 pub(crate) const SECTIONS: [(f64, f64); 4] = [
     (11.355_935_795_590_497, 193.728_074_610_548_36),
     (17.473_156_868_809_63, 154.277_013_100_386_6),
@@ -47,11 +47,11 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::FAST_MOTION,
 };
 
-/// Small enough to be nothing, large enough to be divided by, s.
+/// Start delay, s: negligible, and not zero because the sections divide by it.
 const NEXT_TO_NOTHING_S: f64 = 1e-8;
 
-/// An input that is recorded late, or early where the delay is negative: it acts as it will read a delay later, to first order
-/// truth = reading + delay rate. Right to a hundredth up to frequency x delay = 0.02.
+/// An input that is recorded late (early where the delay is negative): truth(t) = reading(t + delay), to first order reading + delay
+/// d(reading)/dt. The error is below 1 % up to frequency (Hz) x delay (s) = 0.02.
 pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,
@@ -89,9 +89,9 @@ pub(super) const AT_INPUT: Effect = Effect {
     equation: "u_true(t) = u(t + d)",
     sentence: |fitted| {
         if fitted.get("delay") < 0.0 {
-            "The drive's column is early: what moves the bench comes later than it is recorded."
+            "The input is recorded too early: it acts on the bench after its time stamp."
         } else {
-            "The drive's column is late: what moves the bench is recorded after it acts."
+            "The input is recorded too late: it acts on the bench before its time stamp."
         }
     },
     shows: "fast motion",
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sections_delay_by_one() {
+    fn the_sections_approximate_a_delay_of_one() {
         for turns in [0.01, 0.1, 0.4, 1.0, 1.4] {
             let s = Complex::new(0.0, std::f64::consts::TAU * turns);
             let section = |(p, q)| (s * s - s * p + q) / (s * s + s * p + q);

@@ -1,4 +1,4 @@
-//! A sensor that counts whatever the direction.
+//! A sensor that loses the sign of the speed, as a pulse counter does.
 
 use super::{
     definition::{

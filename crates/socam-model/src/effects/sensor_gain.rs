@@ -1,4 +1,4 @@
-//! A sensor that reads too much or too little.
+//! A wrong gain of a channel.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment,
 };
 
-/// reading = gain truth: 0.98 reads 2 % low.
+/// reading = gain truth; at 0.98 the channel reads 2 % low.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_gain",
     name: "sensor gain",

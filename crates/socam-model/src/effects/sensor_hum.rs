@@ -1,4 +1,4 @@
-//! A sensor that picks up the mains.
+//! A sinusoidal error of a channel at a constant frequency, such as mains pick-up.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// reading = truth + amplitude sin(2 pi frequency time + phase), time counted from where the recording began.
+/// reading = truth + amplitude sin(2 pi frequency time + phase), time counted from the start of the recording.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_hum",
     name: "sensor hum",
@@ -50,7 +50,7 @@ pub(super) const EFFECT: Effect = Effect {
                 "frequency",
                 Prior::flat(
                     rig.wave_hz(),
-                    "a wave is one only after five periods, and below half the sampling rate",
+                    "a frequency is determined from five periods on, and below half the sampling rate",
                 ),
             ),
             ("phase", Prior::phase()),

@@ -1,4 +1,4 @@
-//! A sensor whose zero is off.
+//! A constant offset of a channel.
 
 use super::{
     definition::{
@@ -32,7 +32,7 @@ pub(super) const EFFECT: Effect = Effect {
             "offset",
             Prior::within(
                 rig.channel(place).largest,
-                "a zero that is off by more than the readings is seen without any model",
+                "an offset larger than the readings is visible without a model",
             ),
         )]
     },

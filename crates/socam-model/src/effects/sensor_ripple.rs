@@ -1,4 +1,4 @@
-//! A sensor that swings with the angle of its shaft.
+//! A sinusoidal error of a sensor over the angle of its shaft.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// reading = truth + amplitude sin(order angle + phase), the angle counted from where the recording began.
+/// reading = truth + amplitude sin(order angle + phase), the angle counted from the start of the recording.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_ripple",
     name: "sensor ripple",
@@ -58,10 +58,10 @@ pub(super) const EFFECT: Effect = Effect {
     }],
     steady: Steady::Unseen,
     equation: "y = y_true + A sin(n theta + phi)",
-    sentence: |_| "A sensor swings as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
+    sentence: |_| "A sensor's error repeats as its shaft turns: a tachometer's commutator, a bent coupling, a magnet off centre.",
     shows: "a fixed number of times per turn",
     experiment: experiment::LARGE_TORQUE,
 };
 
-/// Source of its amplitude's prior.
+/// Source of the prior of the amplitude.
 const RIPPLE: &str = "ripple is far below the signal that a sensor was chosen for";

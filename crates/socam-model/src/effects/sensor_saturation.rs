@@ -1,4 +1,4 @@
-//! A sensor that cannot read more.
+//! A channel whose readings are limited to a range.
 
 use super::{
     definition::{
@@ -8,7 +8,7 @@ use super::{
     experiment, shape,
 };
 
-/// reading = truth, but within -limit .. limit.
+/// reading = truth, limited to -limit .. limit.
 pub(super) const EFFECT: Effect = Effect {
     id: "sensor_saturation",
     name: "sensor saturation",
@@ -42,7 +42,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-/// An input whose readings are cut off: while it reads its limit, it acts by `excess` more, the mean of what was cut off.
+/// An input whose recorded values are limited: while its magnitude is at the limit, the true input exceeds the recorded one by `excess`,
+/// the mean of what was cut off. The true input within a limited interval is not modelled.
 pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,
@@ -78,24 +79,24 @@ pub(super) const AT_INPUT: Effect = Effect {
     discrepancy: &[Discrepancy::share(
         "excess",
         0.5,
-        "the excess is a mean of what was cut off, whatever its course: known to a half",
+        "the excess is a mean over what was cut off, and the true course differs from it: 50 %",
     )],
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,
     equation: "|u| = u_max: |u_true| = u_max + e",
-    sentence: |_| "What drives the bench goes further than it is recorded: the input's range, or its amplifier's, is too small.",
+    sentence: |_| "The input exceeds the largest value that is recorded: the range of its sensor, or its amplifier's, is too small.",
     shows: "at the limit of the input's readings",
     experiment: experiment::LARGE_TORQUE,
 };
 
-/// Of a limit: readings this near to it are at it.
+/// Relative distance from the limit within which a reading counts as limited.
 const AT_LIMIT: f64 = 1e-3;
 
 fn cut_off(law_inputs: &[f64], p: &[f64]) -> Response {
     let (reading, limit, excess) = (law_inputs[0], p[0], p[1]);
     let width = AT_LIMIT / 3.0;
-    // Nearness to the limit in units of it: 1 at the limit, 0 well below.
+    // `share` is 1 at the limit and 0 well below it.
     let (tanh, bend, _) = shape::sign(reading.abs() / limit - 1.0 + AT_LIMIT, width);
     let (share, derivative) = (0.5 * (1.0 + tanh), 0.5 * bend);
     let sign = reading.signum();
@@ -106,7 +107,7 @@ fn cut_off(law_inputs: &[f64], p: &[f64]) -> Response {
     )
 }
 
-/// Of the corners, as a part of the limit.
+/// Width of the rounded corners as a fraction of the limit.
 const ROUNDING: f64 = 1e-6;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {

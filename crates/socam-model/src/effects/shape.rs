@@ -1,18 +1,18 @@
-//! Smooth stand-ins for corners and jumps, and the bookkeeping of derivatives.
+//! Smooth approximations of corners and jumps, with derivatives.
 
 use super::law::{MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 
-/// The transition width of a law that is nowhere sharply curved.
+/// [`Law::transition`](super::Law) of a law without a sharply curved range.
 pub(super) fn no_transition(_: &[f64]) -> f64 {
     0.0
 }
 
-/// Of a law that is inactive at no parameters.
+/// [`Law::inactive`](super::Law) of a law that is never inactive.
 pub(super) fn never(_: &[f64]) -> bool {
     false
 }
 
-/// A response; derivatives that are not given are zero.
+/// A response; missing derivatives are zero.
 pub(super) fn response(torque: f64, law_inputs: &[f64], parameters: &[f64]) -> Response {
     let mut derivatives = [0.0; MAX_LAW_INPUTS];
     derivatives.iter_mut().zip(law_inputs).for_each(|(target, value)| *target = *value);
@@ -34,12 +34,12 @@ pub(super) struct Clipped {
     /// Derivatives with respect to the value and to half.
     pub(super) by_x: f64,
     pub(super) by_half: f64,
-    /// Derivatives of `by_x` with respect to the same.
+    /// Derivatives of `by_x` with respect to the value and to half.
     pub(super) by_x_x: f64,
     pub(super) by_x_half: f64,
 }
 
-/// See [`Clipped`].
+/// Limits `x` to -half .. half, with corners rounded over `width`.
 pub(super) fn clip(x: f64, half: f64, width: f64) -> Clipped {
     let ([up, up_derivative, up_bend], [down, down_derivative, down_bend]) =
         (ramp(x + half, width), ramp(x - half, width));
@@ -52,7 +52,7 @@ pub(super) fn clip(x: f64, half: f64, width: f64) -> Clipped {
     }
 }
 
-/// max(x, 0) with a corner rounded over `width`, its derivative, and its derivative's.
+/// max(x, 0) with a corner rounded over `width`, and its first and second derivatives.
 fn ramp(x: f64, width: f64) -> [f64; 3] {
     let root = (x * x + width * width).sqrt();
     [0.5 * (x + root), 0.5 * (1.0 + x / root), 0.5 * width * width / (root * root * root)]

@@ -1,4 +1,4 @@
-//! A coupling that stiffens, or softens, as it winds up.
+//! A coupling whose stiffness depends on its twist.
 
 use super::{
     definition::{
@@ -9,7 +9,7 @@ use super::{
     experiment, shape,
 };
 
-/// T = k d (1 + cubic d²).
+/// T = k d (1 + cubic d²), with twist d; a negative `cubic` softens.
 pub(super) const EFFECT: Effect = Effect {
     id: "stiffness_hardening",
     name: "stiffness hardening",

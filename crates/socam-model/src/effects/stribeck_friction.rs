@@ -69,19 +69,19 @@ pub(super) const EFFECT: Effect = Effect {
     equivalents: &[Equivalent {
         effect: "coulomb_friction",
         holds: Condition::Stated(
-            "unless the shaft creeps, which alone shows a rise of friction near standstill",
+            "unless the recording has slow motion, in which alone friction rises towards standstill",
         ),
     }],
     steady: Steady::Unseen,
     equation: "T = -(T_c + (T_s - T_c) exp(-(w/w_s)^2)) sign(w)",
     sentence: |fitted| {
         if fitted.get("static_torque") < fitted.get("torque") {
-            "Something rubs, and rubs less at standstill than in motion: a lubricated bearing or seal whose drag rises with speed and levels off."
+            "Something rubs, less at standstill than in motion: a lubricated bearing or seal whose drag rises with speed and levels off."
         } else {
             "Something rubs, and sticks harder than it slides: a dry or starved bearing, a seal, a brake pad."
         }
     },
-    shows: "slow motion, on either side of standstill",
+    shows: "slow motion in either direction",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 

@@ -1,4 +1,4 @@
-//! Every law against differences of itself, and every effect in a model file.
+//! Derivatives of every law against finite differences, and every effect in a model file.
 
 use super::*;
 use crate::Model;
@@ -6,7 +6,7 @@ use crate::Model;
 mod names;
 mod rigs;
 
-/// Values for a parameter that make sense and make the law do something.
+/// A plausible value of a parameter at which its law has an influence.
 fn plausible(parameter: &EffectParameter) -> f64 {
     match parameter.name {
         "static_torque" => 0.9,
@@ -75,7 +75,7 @@ fn derivatives_of_every_law_agree_with_differences() {
     }
 }
 
-/// A derivative of the whole model by each parameter, for every effect wherever it may act; and the file that says so is read again.
+/// Derivatives of the equations by each parameter against differences, for every effect at every place; the written file is read again.
 #[test]
 fn every_effect_enters_a_model_wherever_it_may_act() {
     let base = Model::builtin("speed-o-cam").unwrap();
@@ -86,7 +86,7 @@ fn every_effect_enters_a_model_wherever_it_may_act() {
             let given = effect.parameters.iter().filter(|p| p.default.is_none());
             let values: Vec<(&str, f64)> = given.map(|p| (p.name, plausible(p))).collect();
             let model = base.with_effect(effect.id, &place, &values);
-            // A torque on the motor's node, whose speed is prescribed, or on a point without inertia: nothing for it to do.
+            // A torque on a node whose speed is prescribed, or on a massless node, has no influence.
             let model = model.unwrap_or_else(|error| panic!("{} at {place}: {error}", effect.id));
             let all: Vec<usize> = (0..model.parameters.len()).collect();
             let Ok((equations, derivatives)) = model.equations_with_derivatives(&model.values(), &all) else {
@@ -128,7 +128,7 @@ fn every_effect_enters_a_model_wherever_it_may_act() {
     }
 }
 
-/// A bench as its recordings show it: everything turns, and torque flows everywhere.
+/// Scales of a bench on which every element moves and carries torque.
 fn rig(model: &Model) -> Rig {
     let mut rig = Rig { sample_time_s: 1e-3, longest_s: 10.0, ..Rig::of_model(model, &model.values()) };
     rig.lines_hz = vec![50.0];
@@ -143,7 +143,7 @@ fn rig(model: &Model) -> Rig {
     rig
 }
 
-/// What a diagnosis needs of an effect is all there, for each of its places: a candidate without a start would never be tried.
+/// Every effect has starts and priors at each of its places: a diagnosis never tests a candidate without a start.
 #[test]
 fn every_effect_says_where_to_start_and_what_is_plausible() {
     for effect in CATALOGUE.iter().chain(REFINED) {
@@ -188,24 +188,24 @@ fn every_effect_says_where_to_start_and_what_is_plausible() {
 }
 
 #[test]
-fn what_no_machine_does_has_no_prior() {
+fn impossible_values_have_a_prior_density_of_zero() {
     let model = Model::builtin("speed-o-cam").unwrap();
     let rig = rig(&model);
     let log =
         |id: &str, place: &str, values: &[(&str, f64)]| find(id).unwrap().log_prior(&rig, place, values);
     let never = f64::NEG_INFINITY;
-    // A lag of half a second, a wave of two periods, a brake that could not be moved, an offset beyond the readings.
+    // A lag of 0.5 s, a wave of two periods, friction above the drive's torque, an offset beyond the readings.
     assert_eq!(log("sensor_lag", "output_speed", &[("time_constant", 0.518)]), never);
     assert_eq!(log("external_disturbance", "load", &[("torque", 0.1), ("frequency", 0.2)]), never);
     assert_eq!(log("coulomb_friction", "load_bearing", &[("torque", 3.0)]), never);
     assert_eq!(log("sensor_offset", "output_speed", &[("offset", 40.0)]), never);
-    // A bearing without damping cannot drive.
+    // The drag of a bearing without damping cannot be negative.
     assert_eq!(log("direction_dependence", "cam_bearing", &[("damping_difference", -70.0)]), never);
     assert_eq!(log("quadratic_drag", "cam_bearing", &[("coefficient", -1e-6)]), never);
     assert!(log("sensor_lag", "output_speed", &[("time_constant", 2e-3)]).is_finite());
 }
 
-/// A sentence must be true over the whole range of its law.
+/// The sentence of an effect depends on the signs of its fitted values.
 #[test]
 fn sentences_follow_the_fitted_values() {
     let says = |id: &str, values: &[(&str, f64)]| (find(id).unwrap().sentence)(&FittedValues(values));

@@ -1,4 +1,4 @@
-//! A motor whose torque swings with its angle.
+//! A sinusoidal torque of the drive over its angle: cogging, commutation.
 
 use super::{
     definition::{
@@ -9,8 +9,8 @@ use super::{
     experiment, shape,
 };
 
-/// T = torque sin(order angle + phase), the angle counted from where the recording began. Where the motor's speed is
-/// prescribed it does nothing.
+/// T = torque sin(order angle + phase), the angle counted from the start of the recording. It has no
+/// influence where an input prescribes the speed of its node.
 pub(super) const EFFECT: Effect = Effect {
     id: "torque_ripple",
     name: "torque ripple",
@@ -61,7 +61,7 @@ pub(super) const EFFECT: Effect = Effect {
     }],
     steady: Steady::Unseen,
     equation: "T = T_r sin(n theta + phi)",
-    sentence: |_| "The machine's torque swings as it turns: cogging, or commutation.",
+    sentence: |_| "The drive's torque goes up and down as it turns: cogging, or commutation.",
     shows: "a fixed number of times per turn",
     experiment: experiment::LARGE_TORQUE,
 };

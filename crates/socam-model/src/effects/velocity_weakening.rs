@@ -1,4 +1,4 @@
-//! Friction that falls with speed, on a machine that turns one way.
+//! Friction that falls with speed, on a machine that turns in one direction.
 
 use super::{
     coulomb_friction::FRICTION,
@@ -9,9 +9,9 @@ use super::{
     experiment, shape,
 };
 
-/// T = -torque exp(-(speed / fall_speed)²): at standstill `torque` more than far above the fall speed. Its sign is that of the torque and
-/// not of the motion, so that nothing jumps where the machine comes to rest; what is left at high speed is a constant load's or Coulomb
-/// friction's.
+/// T = -torque exp(-(speed / fall_speed)²): drag that decreases from `torque` at standstill to 0 well above `fall_speed`. The drag does not
+/// change its sign with the speed, so that it is continuous at standstill; it is valid for one direction of motion only. The drag that
+/// remains at high speed belongs to `constant_load` or `coulomb_friction`.
 pub(super) const EFFECT: Effect = Effect {
     id: "velocity_weakening",
     name: "velocity-weakening friction",
@@ -33,7 +33,7 @@ pub(super) const EFFECT: Effect = Effect {
     linearisation: Linearisation::Null,
     starts: |rig, place| {
         let node = rig.bearing(place).1;
-        // Where the motion turns round, friction has a sign.
+        // The law is not valid where the motion reverses.
         let turns_one_way = node.speed > 0.0 && node.reverse_share < ONE_WAY;
         let shares: &[f64] = if turns_one_way { &[0.05, 0.2, 0.6] } else { &[] };
         shares.iter().map(|share| vec![("torque", 0.0), ("fall_speed", share * node.speed)]).collect()
@@ -62,11 +62,11 @@ pub(super) const EFFECT: Effect = Effect {
             "The drag falls as the machine turns faster, on a machine that turns one way: a bit, a brake or a dry bearing that chatters."
         }
     },
-    shows: "slow motion, against fast motion in the same direction",
+    shows: "slow motion, compared with fast motion in the same direction",
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Largest speed backward over the largest forward (or the other way round) of a machine that turns one way.
+/// Largest `reverse_share` of a machine that counts as turning in one direction.
 const ONE_WAY: f64 = 0.05;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {

@@ -1,4 +1,4 @@
-//! Equations of the embedded models against closed forms and differences.
+//! Equations of the embedded models against closed forms and finite differences.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -112,7 +112,7 @@ fn the_default_model_is_the_thesis_transfer_function_with_the_sign_corrected() {
 
 #[test]
 fn poles_of_the_experimental_transfer_function_follow_from_its_coefficients() {
-    // Section 4.1.1; Table 4.1 prints the factors' frequencies, see erratum 2 for its first row.
+    // Thesis, section 4.1.1. Table 4.1 lists the frequencies of the factors; its first row is wrong (erratum 2).
     let mut poles = roots(&[1.0, 2056.0, 1.557e6, 5.165e8, 1.058e11, 1.443e13, 5.608e14]);
     poles.sort_by(|a, b| b.re.total_cmp(&a.re).then(a.im.total_cmp(&b.im)));
     // The denominator is printed to four digits, its factors to more: they agree to 1 in 2000.
@@ -130,8 +130,7 @@ fn poles_of_the_experimental_transfer_function_follow_from_its_coefficients() {
     }
 }
 
-/// Eq. 3.8 solved as it stands, in angles, for a unit motor angle; returns output speed and both torques per
-/// motor speed.
+/// Eq. 3.8 of the thesis solved in angles for a unit motor angle: output speed and both torques, each divided by the motor speed.
 fn dynamic_stiffness(m: &Model, s: Complex<f64>) -> [Complex<f64>; 3] {
     let v = |name: &str| Complex::new(p(m, name), 0.0);
     let (n, zero) = (v("N"), Complex::new(0.0, 0.0));
@@ -234,7 +233,7 @@ fn derivatives_agree_with_differences() {
 }
 
 #[test]
-fn what_gears_fix_between_two_places() {
+fn the_rigid_ratio_follows_gears_couplings_and_shafts() {
     let bench = Model::builtin("speed-o-cam").unwrap();
     // Through two couplings, the reducer, a third coupling and a rigid shaft.
     assert_eq!(bench.rigid_ratio("motor", "load"), Some(8.0));
@@ -242,7 +241,7 @@ fn what_gears_fix_between_two_places() {
     assert_eq!(bench.rigid_ratio("disk", "load"), Some(1.0));
     assert_eq!(bench.rigid_ratio("motor", "attic"), None);
     assert_eq!(Model::builtin("two-mass").unwrap().rigid_ratio("load", "motor"), Some(1.0));
-    // What a spring ties to the ground does not turn at all.
+    // A node that a spring holds to the ground does not turn.
     let anchor =
         "[[springs]]\nname = \"anchor\"\nfrom = \"load\"\nto = \"ground\"\nstiffness = \"k4\"\n\n[[gears]]";
     let anchored = Model::parse(&bench.text.replacen("[[gears]]", anchor, 1)).unwrap();
@@ -250,11 +249,11 @@ fn what_gears_fix_between_two_places() {
 }
 
 #[test]
-fn nothing_comes_through_at_a_zero() {
+fn the_gain_at_a_zero_is_small() {
     let model = Model::builtin("two-mass").unwrap();
     let e = model.equations(&model.values()).unwrap();
     let [k, load] = ["stiffness", "load_inertia"].map(|name| p(&model, name));
-    // What drives the motor is held still where the load alone would swing on the shaft.
+    // The zeros are at the natural frequency of the load on the shaft with the motor held.
     let zeros = e.zeros(0, 0);
     let expected = (k / load).sqrt();
     assert_eq!(zeros.len(), 2, "{zeros:?}");

@@ -1,4 +1,4 @@
-//! `[channels.NAME]`: what a recording's column is to the model, its unit checked against what is measured.
+//! `[channels.NAME]`: channels, with the units of their columns checked against their quantities.
 
 use toml::Spanned;
 
@@ -12,8 +12,8 @@ use crate::{
     units::{self, Dimension},
 };
 
-/// Suffixes of a recording's columns and their units, longest first.
-pub(super) const COLUMN_UNITS: [(&str, &str); 12] = [
+/// Suffixes of a recording's columns and their SI units, longest first: those of `socam_recording::Unit::ALL`, in its order.
+pub const COLUMN_UNITS: [(&str, &str); 12] = [
     ("_rad_s2", "rad/s2"),
     ("_rad_s", "rad/s"),
     ("_rad", "rad"),
@@ -28,7 +28,12 @@ pub(super) const COLUMN_UNITS: [(&str, &str); 12] = [
     ("_1", "1"),
 ];
 
-/// Unit of a recording's column by its name's suffix; `None` where the name has none.
+/// SI unit of a recording's column by the suffix of its name; `None` where the name has no known suffix.
+///
+/// ```
+/// assert_eq!(socam_model::column_unit("motor_speed_rad_s"), Some("rad/s"));
+/// assert_eq!(socam_model::column_unit("motor_speed"), None);
+/// ```
 #[must_use]
 pub fn column_unit(column: &str) -> Option<&'static str> {
     COLUMN_UNITS.iter().find(|(suffix, _)| column.ends_with(suffix)).map(|(_, unit)| *unit)
@@ -89,7 +94,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Factor from the column, transformed, to SI, before `scale`.
+    /// Factor from the transformed column to SI, to be multiplied by `scale`.
     fn factor(
         &self,
         name: &Name,
@@ -173,7 +178,7 @@ impl Reader<'_> {
         self.fail(column, message)
     }
 
-    /// What a channel takes of its column. Noise of an output is that of its sensor, so outputs are read as recorded.
+    /// Checks the transform of a channel. An output has none: its noise is that of its sensor as recorded.
     fn take(
         &self,
         label: &str,
@@ -207,14 +212,14 @@ fn is_angle(column: &str) -> bool {
     matches!(column_unit(column), Some("rad" | "m"))
 }
 
-/// Dimension of what is taken of values in a unit; `None` for a temperature.
+/// Dimension of transformed values whose column is in `unit`; `None` for a temperature.
 fn dimension_of(unit: &str, take: ChannelTransform) -> Option<Dimension> {
     let mut dimension = units::parse(unit)?.dimension;
     dimension[2] -= i8::from(take == ChannelTransform::Rate);
     Some(dimension)
 }
 
-/// What a quantity is called in a sentence.
+/// Name of a quantity in a sentence.
 fn quantity_name(quantity: Quantity, rotational: bool) -> &'static str {
     match (quantity, rotational) {
         (Quantity::Speed, _) => "a speed",
@@ -230,7 +235,7 @@ fn quantity_name(quantity: Quantity, rotational: bool) -> &'static str {
     }
 }
 
-/// SI unit and column suffix of what a channel measures.
+/// SI unit and column suffix of a quantity.
 fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static str) {
     match (quantity, rotational) {
         (Quantity::Speed, true) => ("rad/s", "_rad_s"),

@@ -1,8 +1,8 @@
-//! Inputs that no file names: time, turned angle and rate of change, added where a law of the model sees them.
+//! Inputs that no file declares: time, turned angle and rate of change, added where a law of the model needs them.
 
 use crate::{Channel, ChannelTransform, Model, Quantity, Role, Site, effects::LawInput};
 
-/// Inputs that only tell laws the time, or how far a shaft has turned, where some law asks.
+/// Adds the inputs of time, turned angle and rate of change that the laws of the model need.
 pub(super) fn add_clocks(model: &mut Model) {
     let asks = |law_input: LawInput| model.effects.iter().any(|used| used.effect.sees(law_input));
     let tachometer = |role: Role| {
@@ -41,7 +41,7 @@ pub(super) fn add_clocks(model: &mut Model) {
     if asks(LawInput::Angle)
         && let Some(tachometer) = tachometer(Role::Input).or_else(|| tachometer(Role::Output))
     {
-        // The rate of an encoder's angle: then the angle itself is there, and counts on from one recording to the next.
+        // An input that is the rate of an encoder's column: the column itself is the turned angle, and needs no integration.
         let take = if tachometer.transform == ChannelTransform::Rate {
             ChannelTransform::Value
         } else {
@@ -60,7 +60,7 @@ pub(super) fn add_clocks(model: &mut Model) {
     model.channels.extend(clocks);
 }
 
-/// Name of the input that says how fast another one changes.
+/// Name of the input that is the rate of change of another one.
 pub(crate) fn change_of(channel: &str) -> String {
     format!("{channel} changes")
 }

@@ -1,4 +1,4 @@
-//! docs/model-file.md says what this version reads: its tables are compared with what the reader accepts.
+//! Compares the tables of docs/model-file.md with the keys and values that the reader accepts.
 
 use std::collections::BTreeSet;
 
@@ -11,20 +11,20 @@ use crate::{
 
 const REFERENCE: &str = include_str!("../../../../docs/model-file.md");
 
-/// What stands under a heading.
+/// The text under a heading.
 fn section(heading: &str) -> &'static str {
     let start = REFERENCE.find(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("no section {heading}"));
     let text = &REFERENCE[start + heading.len() + 2..];
     &text[..text.find("\n#").unwrap_or(text.len())]
 }
 
-/// First words in backticks of the rows of its table.
+/// The first words in backticks of the rows of a section's table.
 fn documented(heading: &str) -> BTreeSet<String> {
     let rows = section(heading).lines().filter_map(|line| line.strip_prefix("| `"));
     rows.filter_map(|row| Some(row.split_once('`')?.0.to_owned())).collect()
 }
 
-/// What the reader says it expects in the place of `zzz`.
+/// The names that the reader's error lists instead of `zzz`.
 fn expected(text: &str) -> BTreeSet<String> {
     let error = Model::parse(text).unwrap_err().to_string();
     let (_, list) = error.split_once("expected").unwrap_or_else(|| panic!("{error}"));
@@ -92,7 +92,7 @@ fn the_catalogue_of_effects_is_documented_as_it_is() {
             let meaning = meanings::meaning(effect.id, parameter.name);
             assert!(
                 !meaning.is_empty(),
-                "src/effects/meanings.rs does not say what {} of {} is",
+                "src/effects/meanings.rs has no meaning of {} of {}; add a line",
                 parameter.name,
                 effect.id
             );

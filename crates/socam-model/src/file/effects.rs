@@ -1,4 +1,4 @@
-//! `[[effects]]`: the catalogue's effects put at their places, and what that changes in the network.
+//! `[[effects]]`: places effects in the model, and changes the network where an effect requires it.
 
 use super::{
     raw::{RawEffect, Reference},
@@ -9,7 +9,7 @@ use crate::{
     effects::{self, ActsAt, Borrowed, CONTACT_DAMPING, Effect, EffectParameter, Kind},
 };
 
-/// Damping of a gear's mesh over its stiffness unless the file gives it, s: a knock has decayed before the next sample at 1 kHz.
+/// Default damping over stiffness of a gear's contact, s: an impact decays within a sample at 1 kHz.
 const CONTACT_RELAXATION_S: f64 = 1e-4;
 
 impl Reader<'_> {
@@ -55,7 +55,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Stiffness that is as good as rigid, by the file's springs and inertias.
+    /// Stiffness of a rigid contact, by the model's springs and inertias.
     pub(super) fn rigid_stiffness(&self, model: &Model) -> f64 {
         let value = |parameter: usize| self.parameters[parameter].value;
         let springs = model.springs.iter().filter(|spring| effects::is_part(&spring.name));
@@ -63,7 +63,7 @@ impl Reader<'_> {
         effects::rigid_stiffness(springs.map(|spring| value(spring.stiffness)), inertias.map(value))
     }
 
-    /// Puts an effect with its own parameters where it acts; whether that is a place for it.
+    /// Adds an effect with its own parameters at a place; false where it cannot act there.
     pub(super) fn put(
         &mut self,
         effect: &'static Effect,
@@ -82,7 +82,8 @@ impl Reader<'_> {
                     indices.push(model.springs[contact].stiffness);
                     indices.extend(model.springs[contact].damping);
                 }
-                _ => {
+                (Borrowed::Stiffness | Borrowed::Contact, _) => {}
+                (Borrowed::Damping, _) => {
                     let bearing = model.bearings.iter().find(|bearing| bearing.name == place);
                     indices.extend(bearing.and_then(|bearing| bearing.damping));
                 }
@@ -92,7 +93,7 @@ impl Reader<'_> {
         true
     }
 
-    /// A parameter of an effect; its bounds are narrowed to what makes sense for it.
+    /// Index of a parameter of an effect; its bounds are narrowed to those of the effect.
     fn effect_parameter(&mut self, name: &Reference, own: &EffectParameter) -> Result<usize, ModelError> {
         let index = self.parameter(own.name, name, own.kind)?;
         let parameter = &mut self.parameters[index];
@@ -113,7 +114,7 @@ impl Reader<'_> {
         self.fail(name, message)
     }
 
-    /// Where an effect acts; changes the network where it must.
+    /// The place of an effect as indices; changes the network where the effect requires it.
     fn site(&mut self, effect: &Effect, place: &str, own: &[usize], model: &mut Model) -> Option<Site> {
         match effect.acts_at {
             ActsAt::Node => model.nodes.iter().position(|node| node.name == place).map(Site::Node),
@@ -136,7 +137,7 @@ impl Reader<'_> {
                 let index = model.gears.iter().position(|gear| gear.name == place)?;
                 let fast = model.gears[index].from;
                 let contact = self.split(index, model);
-                // How a knock rebounds is the play's to say.
+                // The parameters of backlash include the damping of the contact.
                 if let Some(own_damping) = effect.parameters.iter().position(|p| p.name == CONTACT_DAMPING) {
                     model.springs[contact].damping = Some(own[own_damping]);
                 }
@@ -146,7 +147,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Puts a stiff spring behind a gear, once.
+    /// Inserts a stiff spring behind a gear, unless it has one.
     fn split(&mut self, gear: usize, model: &mut Model) -> usize {
         let place = model.gears[gear].name.clone();
         let name = format!("{place}.contact");
@@ -168,14 +169,14 @@ impl Reader<'_> {
         model.springs.len() - 1
     }
 
-    /// A numerical constant of a law that the file leaves to us. What two effects at one place leave to us under one name is one number.
+    /// Index of a parameter that has its default because the file gives none. Two effects at one place share a default of the same name.
     fn default_of(&mut self, place: &str, parameter: &EffectParameter, default: (f64, f64)) -> usize {
         let name = format!("{place}.{}", parameter.name);
         let known = self.parameters.iter().position(|known| known.name == name);
         known.unwrap_or_else(|| self.add_default(place, parameter, default))
     }
 
-    /// A parameter that no file names.
+    /// Adds a parameter that the file does not declare.
     pub(super) fn add_default(
         &mut self,
         place: &str,

@@ -1,4 +1,4 @@
-//! `[parameters.NAME]` and references to parameters by name, their units and signs checked.
+//! `[parameters.NAME]` and references to parameters, with checks of units and signs.
 
 use super::{
     raw::{Name, RawParameter, Reference, Written},
@@ -44,7 +44,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Once it is known what parameters are: that an inertia is zero says more than that its bounds exclude it.
+    /// Checks values against bounds. It runs after all references are read, because "an inertia is zero" is the more specific message.
     pub(super) fn check_bounds(&self) -> Result<(), ModelError> {
         for (name, value, bounds) in &self.bounded {
             let [low, high] = *bounds.get_ref();
@@ -91,7 +91,7 @@ impl Reader<'_> {
         )
     }
 
-    /// Looks a parameter up where a quantity of `kind` is expected, and settles its unit.
+    /// Index of the parameter that `key` names, where a quantity of `kind` is expected; sets its SI unit.
     pub(super) fn parameter(
         &mut self,
         key: &str,
@@ -123,7 +123,7 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    /// A parameter that cannot be negative; its lower bound is raised to zero where the file gives none.
+    /// As [`Self::parameter`], for one that cannot be negative; its lower bound becomes 0 where the file gives none.
     pub(super) fn positive(&mut self, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
         let key = kind_name(kind);
         let index = self.parameter(key, reference, kind)?;
@@ -154,7 +154,7 @@ fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// SI name of a parameter that no element has claimed: its own unit where that is SI already.
+/// SI unit of a parameter to which no element refers: its unit in the file where that is SI already.
 fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
     match units::parse(file_unit) {
         Some(unit) if unit.factor == 1.0 => file_unit.into(),

@@ -1,4 +1,4 @@
-//! The model file as it is written, every name with its place.
+//! The model file as it is written; names have their positions in the text.
 
 use std::{fmt, marker::PhantomData};
 
@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::{ChannelTransform, Intersample, Motion, Quantity, Role};
 
-/// A table whose entries keep the order and the places that they have in the file.
+/// A table whose entries keep their order and positions in the file.
 pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
@@ -44,7 +44,7 @@ impl<T> Default for Ordered<T> {
 /// Tables of one kind, each under its own `[[NAME]]`.
 pub(super) struct List<T>(pub(super) Vec<T>);
 
-/// What stands under `[[NAME]]`.
+/// The contents of a `[[NAME]]` table.
 pub(super) trait Listed {
     const NAME: &str;
 }
@@ -86,10 +86,10 @@ pub(super) type Name = Spanned<String>;
 /// The name of a parameter, where one is expected.
 pub(super) type Reference = Spanned<Written>;
 
-/// What stands where the name of a parameter is expected.
+/// A value where the name of a parameter is expected.
 pub(super) enum Written {
     Name(String),
-    /// A number: whose unit, bounds and source nobody knows.
+    /// A number, which lacks unit, bounds and source.
     Number(f64),
     /// A table or a list.
     Other,
@@ -156,7 +156,7 @@ pub(super) struct RawParameter {
     #[serde(default)]
     pub(super) source: String,
     pub(super) prior: Option<RawPrior>,
-    /// 95 % interval of an earlier identification: kept for the reader, not used.
+    /// 95 % interval of an earlier identification; allowed in a file and not used.
     #[allow(dead_code)]
     pub(super) ci95: Option<toml::Value>,
 }

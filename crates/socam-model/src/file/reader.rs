@@ -1,4 +1,4 @@
-//! The state of a reading: what has been declared so far, and errors with their line.
+//! The state of parsing: the declarations so far, and errors with their line.
 
 use toml::Spanned;
 
@@ -9,17 +9,17 @@ pub(super) fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
 
-/// Names that were declared so far, while the file is being read.
+/// Declarations so far.
 pub(super) struct Reader<'t> {
     pub(super) text: &'t str,
     pub(super) rotational: bool,
     pub(super) parameters: Vec<Parameter>,
-    /// Parameters that have bounds: name, value and bounds as they are written.
+    /// Parameters with bounds: name, value and bounds in the file's unit.
     pub(super) bounded: Vec<(String, f64, Spanned<[f64; 2]>)>,
     pub(super) nodes: Vec<Node>,
-    /// Names of places, and their lines.
+    /// Names of places and the lines that declare them.
     pub(super) places: Vec<(String, usize)>,
-    /// Of the spring that stands in for a gear's mesh where an effect needs its twist, N m/rad (N/m): as good as rigid beside all else.
+    /// Stiffness of the spring that models a gear's contact where an effect needs one, N m/rad (N/m): practically rigid in this model.
     pub(super) contact_stiffness: f64,
 }
 

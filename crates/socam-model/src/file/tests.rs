@@ -45,7 +45,7 @@ fn a_column_in_another_unit_needs_a_scale() {
     no("column = \"duty_1\"", &["without a unit", "unit = ", "scale"]);
     assert_eq!(with("column = \"motor_current_A\"\nscale = 0.055").unwrap().channels[0].scale, 0.055);
     assert_eq!(with("column = \"m_Nm\"").unwrap().channels[0].scale, 1.0);
-    // A name without a suffix is looked up in the recording.
+    // The unit of a column whose name has no suffix is known to the recording only.
     assert!(with("column = \"drive_torque\"").is_ok());
 }
 
@@ -120,7 +120,7 @@ fn what_no_input_reaches_is_refused_with_its_line() {
     let text = changed(&[("[[springs]]", pulley)]);
     let error = Model::parse(&format!("{text}{}", &sensor[12..])).unwrap_err().to_string();
     assert!(error.contains("where channel pulley_speed measures"), "{error}");
-    // What an effect pushes moves without an input.
+    // A torque that an effect exerts on a node drives it without an input.
     let weight = "[[effects]]\neffect = \"constant_load\"\nat = \"pulley\"\nparameters = { torque = \"m\" }\n[[springs]]";
     let parameters = "[parameters]\nm = { value = 1, unit = \"N m\" }";
     let text = changed(&[("[[springs]]", pulley), ("[[springs]]", weight), ("[parameters]", parameters)]);
@@ -167,7 +167,7 @@ fn odd_models_are_warned_of_and_the_embedded_ones_are_not() {
     warned(&changed(&[("[[springs]]", end)]), &["whip carries no torque", "tip"]);
     let speed =
         "[channels.tacho]\nrole = \"input\"\nquantity = \"speed\"\nat = \"load\"\n[channels.motor_torque]";
-    warned(&changed(&[("[channels.motor_torque]", speed)]), &["load_speed says nothing", "tacho"]);
+    warned(&changed(&[("[channels.motor_torque]", speed)]), &["load_speed contains no information", "tacho"]);
     let speed = speed.replace("load", "motor");
     let both = Model::parse(&changed(&[("[channels.motor_torque]", &speed)])).unwrap().warnings();
     assert!(both[0].contains("channel motor_torque moves nothing"), "{both:?}");

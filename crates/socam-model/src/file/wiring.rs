@@ -1,5 +1,5 @@
-//! What a network cannot be: parts that no input reaches, springs that cannot twist. What is merely odd is in
-//! [`Model::warnings`](crate::Model::warnings).
+//! Refuses networks with parts that no input reaches and springs that cannot twist. Networks that are probably mistakes but have
+//! equations give [`Model::warnings`](crate::Model::warnings).
 
 use super::reader::Reader;
 use crate::{Model, ModelError, Site};
@@ -10,7 +10,7 @@ impl Reader<'_> {
         self.check_reach(model)
     }
 
-    /// A spring between two nodes that rigid shafts join never twists: one of its ends is the wrong node.
+    /// Refuses a spring between two nodes that rigid shafts join, which never twists.
     fn check_springs(&self, model: &Model) -> Result<(), ModelError> {
         let shafts: Vec<(usize, usize)> = model.shafts.iter().map(|shaft| shaft.nodes).collect();
         let part = parts(model.nodes.len(), &shafts);
@@ -30,7 +30,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Every node must hang together with one that an input or an effect moves.
+    /// Refuses nodes that are not connected to a node on which an input or effect acts.
     fn check_reach(&self, model: &Model) -> Result<(), ModelError> {
         let springs = model.springs.iter().filter_map(|spring| Some((spring.from, spring.to?)));
         let gears = model.gears.iter().map(|gear| (gear.from, gear.to));

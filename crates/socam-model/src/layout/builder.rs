@@ -1,4 +1,4 @@
-//! Places elements in columns, lanes and rows.
+//! Assigns columns, lanes and rows to elements.
 
 use super::{
     element::{Element, ElementKind, Joint, Layout},
@@ -6,17 +6,17 @@ use super::{
 };
 use crate::Model;
 
-/// Where an element stands in its lane.
+/// Vertical position of an element in its lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Level {
-    /// So many steps above the chain, from 1.
+    /// Number of rows above the chain, from 1.
     Above(usize),
     Chain,
-    /// So many steps below the chain, from 1.
+    /// Number of rows below the chain, from 1.
     Below(usize),
 }
 
-/// An element before rows are counted.
+/// An element whose row is not known yet.
 #[derive(Debug)]
 struct Placed {
     element: Element,
@@ -29,11 +29,11 @@ pub(super) struct Builder {
     placed: Vec<Placed>,
     joints: Vec<Joint>,
     lanes: usize,
-    /// Element of each node.
+    /// Index in `placed` of each node.
     node: Vec<usize>,
 }
 
-/// What joins two nodes.
+/// A spring, gear or shaft between two nodes.
 struct Link<'m> {
     kind: ElementKind,
     name: &'m str,
@@ -66,7 +66,7 @@ impl Builder {
         self.joints.push(Joint { from: to, to: added });
     }
 
-    /// Nodes, what joins them, and the servo.
+    /// Adds the nodes, the links between them, and the servo.
     pub(super) fn chain(&mut self, model: &Model) {
         let links = links(model);
         let start = first_node(model);
@@ -82,7 +82,7 @@ impl Builder {
         }
         for (index, link) in links.iter().enumerate() {
             let (a, b) = link.ends;
-            // A link that closes a loop stands in a lane of its own beside the nearer of its ends.
+            // A link that closes a loop has a lane of its own, in the column after that of its end nearer to the start.
             let (before, after, lane) = match tree.child_of_link[index] {
                 Some(child) => (a + b - child, child, tree.lane[child]),
                 None if tree.depth[b] < tree.depth[a] => (b, a, self.lanes),
@@ -103,7 +103,7 @@ impl Builder {
         }
     }
 
-    /// Bearings and springs to the ground.
+    /// Adds bearings and springs to the ground.
     pub(super) fn grounded(&mut self, model: &Model) {
         for bearing in &model.bearings {
             let kind = ElementKind::Bearing { damped: bearing.damping.is_some() };
@@ -135,7 +135,7 @@ impl Builder {
         }
     }
 
-    /// Counts rows: a band of rows for each lane of each line of columns, as high as what stands there.
+    /// Assigns rows: each lane of each line has as many rows as its elements above and below the chain need.
     pub(super) fn finish(self, columns: usize) -> Layout {
         let line = |placed: &Placed| placed.element.column / columns;
         let lines = self.placed.iter().map(line).max().map_or(0, |last| last + 1);

@@ -1,11 +1,11 @@
-//! What a drawing consists of: elements on a grid, and joints between them.
+//! Elements of a drawing on a grid, and joints between them.
 
 use crate::{Quantity, Role};
 
-/// What an element of the drawing is.
+/// Kind of an element of the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementKind {
-    /// The node that is driven.
+    /// The node at which the drawing starts, if an input drives it.
     Motor,
     /// A node with inertia (mass).
     Inertia,
@@ -20,7 +20,7 @@ pub enum ElementKind {
     },
     /// A rigid reduction.
     Gear {
-        /// How many times slower its driven side turns, at the file's values.
+        /// Speed of the `from` side divided by that of the `to` side, at the file's value.
         ratio: f64,
     },
     /// A rigid shaft.
@@ -39,9 +39,9 @@ pub enum ElementKind {
     Servo,
     /// A channel.
     Sensor {
-        /// Whether it drives the model or judges it.
+        /// Input or output of the model.
         role: Role,
-        /// What it measures.
+        /// Measured quantity.
         quantity: Quantity,
     },
 }
@@ -49,21 +49,21 @@ pub enum ElementKind {
 /// One element of the drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// What it is.
+    /// Its kind.
     pub kind: ElementKind,
     /// Place or channel name.
     pub name: String,
-    /// Grid column, from the left.
+    /// Grid column from the left, from 0.
     pub column: usize,
-    /// Grid row, from the top.
+    /// Grid row from the top, from 0.
     pub row: usize,
-    /// Line of a wrapped chain, from 0: joints between lines are continuations.
+    /// Line of a wrapped chain, from 0. A joint between elements of different lines continues the chain.
     pub line: usize,
-    /// Ids of the effects that the model has there.
+    /// Ids of the model's effects at this place.
     pub effects: Vec<&'static str>,
 }
 
-/// Two elements that touch: indices into [`Layout::elements`]. Along the chain, `from` is at the driving end; a channel or a
+/// Two joined elements: indices into [`Layout::elements`]. Along the chain, `from` is at the driving end; a channel or a
 /// bearing is `to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Joint {
@@ -73,12 +73,12 @@ pub struct Joint {
     pub to: usize,
 }
 
-/// Where everything stands.
+/// The layout of a model's drawing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layout {
-    /// All elements; no two share a place on the grid.
+    /// All elements; no two have the same column and row.
     pub elements: Vec<Element>,
-    /// What is joined.
+    /// Joined pairs of elements.
     pub joints: Vec<Joint>,
     /// Columns of the grid.
     pub columns: usize,
@@ -87,7 +87,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The element of a place or channel name; a place comes before a channel of the same name.
+    /// Index of the element of a place or channel name; the place if a channel has the same name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.elements.iter().position(|element| element.name == name)
     }

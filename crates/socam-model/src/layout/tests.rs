@@ -5,7 +5,7 @@ use crate::{Quantity, Role};
 
 const AALTO: &str = include_str!("../../../../tests/models/aalto.toml");
 
-/// The layout as text, a name per place: what a reader of the drawing sees.
+/// The grid of the layout with the elements' names.
 fn text(layout: &Layout) -> Vec<Vec<&str>> {
     let mut grid = vec![vec![""; layout.columns]; layout.rows];
     for element in &layout.elements {
@@ -96,7 +96,7 @@ fn a_long_chain_is_wrapped() {
 }
 
 #[test]
-fn every_place_and_channel_is_there_once() {
+fn every_place_and_channel_has_one_element() {
     let builtin = crate::BUILTIN.iter().map(|(name, _)| Model::builtin(name).unwrap());
     for model in builtin.chain([Model::parse(AALTO).unwrap(), Model::parse(BRANCHES).unwrap()]) {
         let layout = Layout::wrapped(&model, 5);

@@ -1,20 +1,20 @@
-//! A network as a tree that is drawn from left to right: depth is the column, lane the line.
+//! A breadth-first spanning tree of a network; depths give columns, branches give lanes.
 
-/// How nodes hang together.
+/// A spanning forest of the network.
 #[derive(Debug)]
 pub(super) struct Tree {
-    /// Links from the start to each node.
+    /// Number of links from the root to each node.
     pub(super) depth: Vec<usize>,
-    /// Line of each node: a node's longest branch goes on in its own lane, others get new ones.
+    /// Lane of each node: a node's longest branch stays in the node's lane, each other branch gets a new one.
     pub(super) lane: Vec<usize>,
-    /// Whether nothing hangs on the node.
+    /// Whether each node has no children.
     pub(super) is_leaf: Vec<bool>,
-    /// The node that each link leads to; `None` for one that closes a loop.
+    /// The node that each link leads to, away from the root; `None` for a link that closes a loop.
     pub(super) child_of_link: Vec<Option<usize>>,
 }
 
 impl Tree {
-    /// Grows the tree from a node; what does not hang together with it starts further trees below.
+    /// The tree from the node `start`; nodes that are not connected to it form further trees in lanes of their own.
     pub(super) fn grow(nodes: usize, links: &[(usize, usize)], start: usize) -> Self {
         let mut child_of_link = vec![None; links.len()];
         let mut children = vec![Vec::new(); nodes];

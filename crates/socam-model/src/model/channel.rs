@@ -11,37 +11,46 @@ pub struct Channel {
     pub column: String,
     /// Input or output.
     pub role: Role,
-    /// What it measures.
+    /// Measured or commanded quantity.
     pub quantity: Quantity,
-    /// Where: a node, a spring or the servo.
+    /// Place name: a node, a spring or the servo.
     pub at: String,
-    /// What it takes of the column.
+    /// Transform from the column's values, before `scale` and `offset`.
     pub transform: ChannelTransform,
-    /// SI value = scale * what is taken + offset.
+    /// SI value = scale * transformed value + offset.
     pub scale: f64,
     /// See `scale`.
     pub offset: f64,
-    /// Parameter that multiplies it: an input acts `gain` times as measured, an output reads `gain` times what is there.
+    /// Index of the gain parameter, if it has one. An input acts by gain times its SI value; an output reads gain times the true value.
     pub gain: Option<usize>,
-    /// Standard deviation of its noise where known, SI.
+    /// Standard deviation of its noise, SI; `None` where the file gives none.
     pub noise_std: Option<f64>,
     /// Whether its offset is to be estimated for each recording.
     pub estimate_offset: bool,
-    /// How it moves between its samples, where the file says so; inputs only.
+    /// Intersample behaviour, where the file gives one; inputs only.
     pub between: Option<Intersample>,
     /// SI unit.
     pub unit: &'static str,
 }
 
 impl Channel {
-    /// How it moves between its samples, as an input.
+    /// Intersample behaviour: `between`, or [`Intersample::of`] its quantity and transform.
     #[must_use]
     pub fn intersample(&self) -> Intersample {
         self.between.unwrap_or(Intersample::of(self.quantity, self.transform))
     }
 
-    /// SI values of consecutive samples of its column, NaN where one is missing. Those closer than [`ChannelTransform::reach`] to an end
-    /// are less exact.
+    /// SI values of consecutive samples of its column (the gain is not applied). A NaN gives NaN in all values that use it. Values closer
+    /// than [`ChannelTransform::reach`] samples to an end are less accurate.
+    ///
+    /// ```
+    /// use socam_model::{Model, TransformStart};
+    ///
+    /// let model = Model::builtin("two-mass").expect("an embedded model");
+    /// let mut torque = model.inputs().next().unwrap().clone();
+    /// (torque.scale, torque.offset) = (2.0, 0.5);
+    /// assert_eq!(torque.read(&[1.0, 3.0], 1e-3, TransformStart::default()), [2.5, 6.5]);
+    /// ```
     #[must_use]
     pub fn read(&self, column: &[f64], sample_time_s: f64, start: TransformStart) -> Vec<f64> {
         let mut values = self.transform.apply(column, sample_time_s, start);

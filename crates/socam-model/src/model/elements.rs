@@ -1,9 +1,9 @@
-//! The elements of a drivetrain: nodes and what joins, holds or drives them. Integers are indices into the lists of
-//! [`Model`](crate::Model).
+//! The elements of a drivetrain. Integer fields are indices into the lists of [`Model`](crate::Model): a field named for a node into
+//! `nodes`, one named for a parameter (inertia, stiffness, damping, ratio, gains) into `parameters`.
 
 use crate::effects::Effect;
 
-/// A point of the drivetrain.
+/// A node: a point with one coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
     /// Place name.
@@ -23,11 +23,11 @@ pub struct Spring {
     pub to: Option<usize>,
     /// Stiffness parameter.
     pub stiffness: usize,
-    /// Damping parameter, if it damps.
+    /// Damping parameter; `None` for a spring without a damper.
     pub damping: Option<usize>,
 }
 
-/// A rigid reduction: `to` turns `ratio` times slower than `from`.
+/// A rigid gear: speed of `from` = ratio times speed of `to`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gear {
     /// Place name.
@@ -40,7 +40,7 @@ pub struct Gear {
     pub ratio: usize,
 }
 
-/// A rigid shaft: a place where compliance was neglected.
+/// A rigid shaft between two nodes, which then have the same motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     /// Place name.
@@ -49,7 +49,7 @@ pub struct Shaft {
     pub nodes: (usize, usize),
 }
 
-/// A bearing: drag between a node and the ground.
+/// A bearing: viscous damping between a node and the ground, and the place of friction effects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bearing {
     /// Place name.
@@ -68,35 +68,35 @@ pub struct Servo {
     pub name: String,
     /// Node that is driven and measured.
     pub node: usize,
-    /// Parameters: 1/s, V per speed, N m (N) per V.
+    /// Parameter: position gain, 1/s.
     pub position_gain: usize,
-    /// See `position_gain`.
+    /// Parameter: velocity gain, V s/rad (V s/m).
     pub velocity_gain: usize,
-    /// See `position_gain`.
+    /// Parameter: drive gain, N m/V (N/V).
     pub drive_gain: usize,
 }
 
-/// An effect of the catalogue at work in the model.
+/// An effect of the catalogue at a place of the model.
 #[derive(Debug, Clone)]
 pub struct EffectUse {
     /// The effect.
     pub effect: &'static Effect,
     /// Place name as given.
     pub place: String,
-    /// Where that is.
+    /// The place as indices.
     pub at: Site,
-    /// Parameters of the model, in the order of the effect's, the borrowed one last.
+    /// Indices of its parameters: those of the effect in their order, then the borrowed ones.
     pub parameters: Vec<usize>,
 }
 
-/// Where an effect acts: indices into the model.
+/// The place of an effect, as indices into the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
     /// A node.
     Node(usize),
     /// A spring.
     Spring(usize),
-    /// A gear: the nodes of its fast and slow side, and the spring that stands in for its mesh.
+    /// A gear: its nodes, and the spring that models the contact of its teeth.
     Gear {
         /// Node on the fast side.
         fast: usize,

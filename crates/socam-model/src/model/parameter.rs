@@ -1,11 +1,11 @@
 //! Physical parameters of a model, their priors, and new values for them.
 
-/// A quantity known beforehand, for instance from a catalogue.
+/// A normal prior of a parameter, for instance from a catalogue.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
     /// Expected value, SI.
     pub value: f64,
-    /// Its standard uncertainty, SI.
+    /// Standard deviation, SI.
     pub std: f64,
 }
 
@@ -18,17 +18,17 @@ pub struct Parameter {
     pub value: f64,
     /// SI unit.
     pub unit: String,
-    /// Unit of the file.
+    /// Unit in the model file.
     pub file_unit: String,
-    /// What one `file_unit` is worth in SI.
+    /// Size of `file_unit` in `unit`.
     pub file_factor: f64,
-    /// Least and greatest value that makes sense, SI.
+    /// Least and greatest possible value, SI.
     pub bounds: (f64, f64),
-    /// Known exactly, not to be estimated.
+    /// Whether it is taken as exact and is not estimated.
     pub fixed: bool,
     /// Where the value comes from.
     pub source: String,
-    /// What is known of it beforehand.
+    /// Prior, where the file gives one.
     pub prior: Option<Prior>,
 }
 
@@ -39,7 +39,7 @@ pub struct Update {
     pub name: String,
     /// Value, SI.
     pub value: f64,
-    /// 95 % interval, SI, where there is one.
+    /// 95 % interval, SI; `None` removes the file's.
     pub ci95: Option<[f64; 2]>,
     /// Where the value comes from.
     pub source: String,

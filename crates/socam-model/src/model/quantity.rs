@@ -1,47 +1,53 @@
-//! What a channel measures, and whether the model reads it as an input or predicts it.
+//! Quantity and role of a channel.
 
-/// What a channel measures or commands.
+/// The quantity that a channel measures or commands.
+///
+/// ```
+/// use socam_model::Quantity;
+///
+/// assert!(Quantity::Time.is_clock() && !Quantity::Speed.is_clock());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quantity {
     /// Speed of a node.
     Speed,
-    /// Angle of a node. As an input, an angle that is added to the twist of a spring, which its damper does not feel: a
-    /// mesh that does not roll true.
+    /// Angle of a node. As an input, an angle that is added to the twist of a spring and not to the rate of its damper, such as the
+    /// transmission error of a mesh.
     #[serde(alias = "position")]
     Angle,
     /// Angular acceleration of a node.
     Acceleration,
-    /// Torque through a spring, on a node from outside, or of a servo.
+    /// Torque: as an input, on a node from outside; as an output, through a spring or of a servo.
     #[serde(alias = "force")]
     Torque,
-    /// Where a servo is told to go.
+    /// Position reference of a servo.
     Reference,
-    /// Time since the recording began; beside the motion, for laws that depend on it.
+    /// Time since the start of the recording, s: an input of laws only.
     #[serde(skip)]
     Time,
-    /// Angle through which a node has turned since the recording began; likewise.
+    /// Angle through which a node has turned since the start of the recording, rad: an input of laws only.
     #[serde(skip)]
     Turned,
-    /// Rate at which another input changes, by its column; likewise.
+    /// Time derivative of another input, computed from its column: an input of laws only.
     #[serde(skip)]
     Change,
 }
 
 impl Quantity {
-    /// Whether an input of this kind moves nothing, but is only seen by laws; known exactly.
+    /// Whether an input of this quantity is added for laws and exerts no torque itself. Its values are taken as exact.
     #[must_use]
     pub fn is_clock(self) -> bool {
         matches!(self, Self::Time | Self::Turned | Self::Change)
     }
 }
 
-/// Whether the model reads a channel to move or to be judged.
+/// Role of a channel in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Drives the model.
+    /// The model reads it: a prescribed speed, a torque, a reference.
     Input,
-    /// Is predicted by it.
+    /// The model predicts it.
     Output,
 }

@@ -16,7 +16,7 @@ pub(super) enum Class {
     Static,
 }
 
-/// What angles are measured against.
+/// The origin of angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reference {
     /// The prescribed coordinate.
@@ -31,15 +31,16 @@ pub(super) struct Assembly<'m> {
     pub(super) model: &'m Model,
     pub(super) values: &'m [f64],
     pub(super) wrt: &'m [usize],
-    /// Group of each node, and its motion per motion of the group.
+    /// Group of each node.
     pub(super) group: Vec<usize>,
+    /// Motion of each node divided by the motion of its group.
     pub(super) lever: Vec<Scalar>,
     pub(super) inertia: Jet,
     pub(super) damping: Jet,
     pub(super) stiffness: Jet,
     pub(super) class: Vec<Class>,
     pub(super) reference: Reference,
-    /// Free rotation of the whole drivetrain, as motion of each group per motion of the reference.
+    /// Motion of each group divided by the motion of the reference while no spring twists.
     pub(super) rigid: Vec<Scalar>,
 }
 
@@ -70,13 +71,14 @@ impl<'m> Assembly<'m> {
         Scalar::parameter(self.values, self.wrt, parameter)
     }
 
-    /// Motion of node `node` per motion of each group, as a row.
+    /// Row that gives the motion of a node from the motions of the groups (1 x groups).
     pub(super) fn node_row(&self, node: usize) -> Jet {
         let mut row = Jet::zeros(1, self.class.len(), self.wrt.len());
         row.add_at(0, self.group[node], &self.lever[node]);
         row
     }
 
+    /// Row that gives the twist between two nodes (`None`: the ground).
     pub(super) fn twist_row(&self, from: usize, to: Option<usize>) -> Jet {
         match to {
             Some(to) => self.node_row(from).minus(&self.node_row(to)),
@@ -115,7 +117,7 @@ impl<'m> Assembly<'m> {
         }
     }
 
-    /// A servo is a spring and a damper to where it is told to go: node row, N m per rad, N m per rad/s.
+    /// A servo acts as a spring and a damper between its node and its reference: row of the node, stiffness (N m/rad), damping (N m s/rad).
     pub(super) fn servo_terms(&self) -> Option<(Jet, Scalar, Scalar)> {
         let servo = self.model.servo.as_ref()?;
         let derivative = self.scalar(servo.drive_gain).times(&self.scalar(servo.velocity_gain));
@@ -137,7 +139,7 @@ impl<'m> Assembly<'m> {
         }
     }
 
-    /// The node whose shaft a channel's sensor sits on: its own, or the driving end of a spring.
+    /// The node of a channel's sensor: the channel's node, or the driving end of its spring.
     pub(super) fn shaft_of(&self, channel: &Channel) -> Option<usize> {
         let named = |name: &str| self.model.nodes.iter().position(|node| node.name == name);
         named(&channel.at).or_else(|| {

@@ -1,4 +1,4 @@
-//! How each group of a network moves: prescribed by an input, by its inertia, by its damping, or by none of these.
+//! The class of each group of a network: prescribed by an input, massive, damped, or static.
 
 use super::assembly::{Assembly, Class};
 use crate::{Channel, ModelError, Quantity, Site, effects::Form};

@@ -37,7 +37,11 @@ impl MotionMaps<'_, '_> {
                         force.add_block(0, column, &twist.transpose().scaled(&torque));
                     }
                 }
-                _ => {}
+                Quantity::Speed
+                | Quantity::Acceleration
+                | Quantity::Time
+                | Quantity::Turned
+                | Quantity::Change => {}
             }
         }
         for (index, used) in self.a.model.effects.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Nodes that rigid gears and shafts tie together move as one group.
+//! Groups of nodes that rigid gears and shafts join: each group has one coordinate.
 
 use crate::{Model, ModelError, jet::Scalar};
 
-/// Joins nodes that gears and shafts tie rigidly: group of each node, its lever, number of groups.
+/// The group of each node, its lever (motion of the node divided by that of the group), and the number of groups.
 pub(super) fn tie_nodes(
     model: &Model,
     values: &[f64],

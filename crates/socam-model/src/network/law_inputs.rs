@@ -1,10 +1,10 @@
-//! What laws see: a row over states, inputs and ports for each port.
+//! The inputs of laws: for each port a row over states, inputs and ports.
 
 use super::motion::MotionMaps;
 use crate::{EffectUse, ModelError, Quantity, Site, effects::LawInput, file, jet::Jet};
 
 impl MotionMaps<'_, '_> {
-    /// What the law of a port sees.
+    /// The row that gives the input of a port.
     pub(super) fn seen(&self, port: usize) -> Result<Jet, ModelError> {
         let effect = self.port_owner[port];
         let used = &self.a.model.effects[effect];
@@ -45,7 +45,7 @@ impl MotionMaps<'_, '_> {
                 Site::Channel(channel) => self.true_reading(&self.a.model.channels[channel])?,
                 _ => self.nothing(),
             },
-            _ => self.nothing(),
+            (LawInput::Speed | LawInput::Angle | LawInput::Twist | LawInput::TwistRate, ..) => self.nothing(),
         })
     }
 
@@ -69,7 +69,7 @@ impl MotionMaps<'_, '_> {
         row
     }
 
-    /// Angle through which a node has turned: that of the shaft whose turning is an input, and what springs between wind up.
+    /// Angle through which a node has turned: that of the shaft whose turned angle is an input, plus the twist of the springs between.
     fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
         let angle = |node: usize| self.a.node_row(node).times(&self.angle);
         let Some(clock) = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned) else {

@@ -1,4 +1,4 @@
-//! How all groups move: their velocities and accelerations as linear maps of states, inputs and what laws answer.
+//! Velocities and accelerations of all groups as linear maps of states, inputs and the forces of ports.
 
 use super::{
     assembly::{Assembly, Class, Reference},
@@ -17,7 +17,7 @@ pub(super) struct MotionMaps<'a, 'm> {
     pub(super) massive: Vec<usize>,
     /// Groups whose angle is a state.
     pub(super) angles: Vec<usize>,
-    /// First column of each effect's own states, and how many it has.
+    /// First column and number of the states of each effect.
     pub(super) owned: Vec<(usize, usize)>,
     pub(super) inputs: usize,
     pub(super) ports: Vec<Port>,
@@ -82,7 +82,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         self.first_input() + self.inputs
     }
 
-    /// Columns of the ports of an effect's laws that act in some way.
+    /// Columns of the ports of an effect whose laws act as `acts`.
     pub(super) fn acting(&self, effect: usize, acts: Acts) -> impl Iterator<Item = usize> {
         let ports = self.ports.iter().zip(&self.port_owner).enumerate();
         ports
@@ -98,7 +98,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
     }
 
-    /// SI value that acts per unit read, of an input; that is read per unit there is, of an output.
+    /// Gain of a channel: of an input, the acting value divided by its SI value; of an output, its reading divided by the true value.
     pub(super) fn gain(&self, channel: &Channel) -> Scalar {
         let own = channel.gain.map_or_else(|| self.one(), |parameter| self.a.scalar(parameter));
         let effects = self.a.model.effects.iter().filter(|used| matches!(used.effect.form, Form::Gain));
@@ -108,14 +108,14 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         })
     }
 
-    /// Columns of the ports that are added to what a channel reads.
+    /// Columns of the ports whose forces are added to the reading of a channel.
     pub(super) fn read_beside(&self, channel: &Channel) -> Vec<usize> {
         let effects = self.a.model.effects.iter().enumerate();
         let own = effects.filter(|(_, used)| used.place == channel.name);
         own.flat_map(|(index, _)| self.acting(index, Acts::Reading)).collect()
     }
 
-    /// An input's column, and those of the ports that tell how much it reads too much: with their signs.
+    /// Columns and signs that give the true value of an input: its own column, minus those of the ports that are added to its reading.
     pub(super) fn driving(&self, index: usize, channel: &Channel) -> Vec<(usize, f64)> {
         let beside = self.read_beside(channel).into_iter().map(|column| (column, -1.0));
         std::iter::once((self.first_input() + index, 1.0)).chain(beside).collect()
@@ -160,10 +160,10 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         let names =
             self.a.model.nodes.iter().enumerate().filter(|(node, _)| groups.contains(&self.a.group[*node]));
         let names: Vec<_> = names.map(|(_, node)| node.name.as_str()).collect();
-        format!("nothing decides how {} moves; {advice}", names.join(", "))
+        format!("nothing determines how {} moves; {advice}", names.join(", "))
     }
 
-    /// Inputs that prescribe a speed; a gear between the sensor's node and its group is undone here.
+    /// Sets the velocities that inputs prescribe. The lever between the input's node and its group is divided out.
     fn set_prescribed(&mut self, prescribed: &[usize]) {
         let inputs: Vec<_> =
             self.a.model.inputs().enumerate().filter(|(_, c)| c.quantity == Quantity::Speed).collect();

@@ -1,4 +1,4 @@
-//! What sensors read: rows of the output equation, and the filters of slow and late sensors.
+//! Readings of sensors: rows of the output equation, and the filters of lags and delays.
 
 use super::{assembly::Class, motion::MotionMaps};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 };
 
 impl MotionMaps<'_, '_> {
-    /// Speeds of static groups are not states and would need derivatives of the input.
+    /// Refuses the speed of a static group: it depends on derivatives of the inputs.
     pub(super) fn require_speed(&self, node: usize, who: &str) -> Result<(), ModelError> {
         if self.statics.contains(&self.a.group[node]) {
             let place = &self.a.model.nodes[node].name;
@@ -96,7 +96,7 @@ impl MotionMaps<'_, '_> {
         }
     }
 
-    /// What a channel would read were its sensor true but for its gain; its filter and what is added to it come after.
+    /// The reading of a channel with its gain, before its lag or delay and before additions to its reading.
     pub(super) fn true_reading(&self, channel: &Channel) -> Result<Jet, ModelError> {
         if channel.role == Role::Input {
             let mut row = self.nothing();
@@ -107,7 +107,7 @@ impl MotionMaps<'_, '_> {
         Ok(self.output_row(channel)?.scaled(&self.gain(channel)))
     }
 
-    /// The sensor's filter: rates of its states in `rates`, and what comes out.
+    /// Applies the lag or delay of a channel: writes the rates of its states to `rates` and returns the filtered reading.
     pub(super) fn filtered(&self, channel: &Channel, rates: &mut Jet, mut reading: Jet) -> Jet {
         let effects = self.a.model.effects.iter().zip(&self.owned);
         for (used, (first, _)) in effects.filter(|(used, _)| used.place == channel.name) {
@@ -120,7 +120,7 @@ impl MotionMaps<'_, '_> {
                     reading = self.nothing();
                     reading.add_at(0, *first, &self.one());
                 }
-                // Each section: a' = b, b' = q (y - a)/d² - p b/d; out comes y - 2 p/q d b. Scaled: b is stored as d b.
+                // Each section: a' = b, b' = q (y - a)/d² - p b/d; output y - 2 p/q d b. Scaled: b is stored as d b.
                 Form::Delay => {
                     let rate = self.one().over(&self.a.scalar(used.parameters[0]));
                     for (section, (p, q)) in sensor_delay::SECTIONS.into_iter().enumerate() {
@@ -132,7 +132,7 @@ impl MotionMaps<'_, '_> {
                         reading.add_at(0, later, &constant(-2.0 * p / q));
                     }
                 }
-                _ => {}
+                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Gain => {}
             }
         }
         reading

@@ -5,7 +5,7 @@ use crate::{
     effects::{Acts, Form, Law, sensor_delay},
 };
 
-/// States that an effect has of its own.
+/// Number of states that an effect adds.
 pub(super) fn states_of(used: &EffectUse) -> usize {
     match used.effect.form {
         Form::Laws(laws) => laws.iter().filter(|law| law.acts == Acts::State).count(),

@@ -1,10 +1,10 @@
-//! Motion of the whole drivetrain without twist, and what angles are measured against.
+//! Rigid motion of the drivetrain, and the origin of angles.
 
 use super::assembly::{Assembly, Class, Reference};
 use crate::{Quantity, jet::Scalar};
 
 impl Assembly<'_> {
-    /// Angles are taken relative to a node of the drivetrain unless something knows absolute ones.
+    /// Angles are relative to a node of the drivetrain, unless a sensor, servo or spring to the ground requires absolute ones.
     pub(super) fn choose_reference(&mut self) {
         let absolute = self.model.springs.iter().any(|spring| spring.to.is_none())
             || self.model.servo.is_some()
@@ -27,8 +27,8 @@ impl Assembly<'_> {
         }
     }
 
-    /// Motion of each group when everything turns with `root` and no spring twists; `None` if springs form a
-    /// loop that prevents it, or if a group is not connected to the root.
+    /// Motion of each group divided by that of `root` while no spring twists. `None` if springs form a loop that prevents it, or if a group is
+    /// not connected to `root`.
     pub(super) fn rigid_mode(&self, root: usize) -> Option<Vec<Scalar>> {
         let mut mode: Vec<Option<Scalar>> = vec![None; self.class.len()];
         mode[root] = Some(Scalar::constant(1.0, self.wrt.len()));

@@ -1,4 +1,4 @@
-//! The equations of motion, taken from the maps of velocities and accelerations.
+//! State-space matrices from the maps of velocities and accelerations.
 
 use super::{assembly::Reference, motion::MotionMaps, ports::states_of};
 use crate::{

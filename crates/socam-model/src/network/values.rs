@@ -1,4 +1,4 @@
-//! Parameter values for which equations can be formed.
+//! Conditions on parameter values for equations to exist.
 
 use crate::{Model, ModelError, effects::Kind};
 
@@ -33,7 +33,7 @@ impl Model {
         }
         for used in &self.effects {
             for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
-                // Laws divide by these; a time of either sign is none of them.
+                // Laws divide by these. A time that may be negative is the delay of an input, which is not a divisor.
                 let scale = matches!(parameter.kind, Kind::Speed)
                     || (parameter.kind == Kind::Time && parameter.bounds.0 >= 0.0)
                     || matches!(parameter.name, "deflection" | "limit");

@@ -1,14 +1,23 @@
-//! What is odd about a network: it can be computed, and hardly what was meant.
+//! Warnings of networks that have equations but are probably mistakes.
 
 use super::assembly::{Assembly, Class};
 use crate::{Channel, Model, Motion, Quantity, Role};
 
-/// Relative difference of two motions that is more than rounding.
+/// Relative difference from which on two motions count as different.
 const ROUNDING: f64 = 1e-9;
 
 impl Model {
-    /// What is odd about the model, a sentence each: parameters that nothing uses, parts that carry no torque, loops that cannot
-    /// turn, channels that tell nothing. All of it can be computed, and most of it is a slip of the pen.
+    /// Probable mistakes in the model, one sentence each: unused parameters, parts that carry no torque, loops that cannot turn, channels
+    /// without information. Equations exist nevertheless.
+    ///
+    /// ```
+    /// use socam_model::{BUILTIN, Model};
+    ///
+    /// let text = BUILTIN[1].1.replacen("[parameters]", "[parameters]\nspare = { value = 1, unit = \"1\" }", 1);
+    /// let warnings = Model::parse(&text)?.warnings();
+    /// assert!(warnings.len() == 1 && warnings[0].contains("spare"));
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.unused_parameters();
@@ -47,7 +56,7 @@ impl Model {
 }
 
 impl Assembly<'_> {
-    /// Massless nodes on one gear or shaft with nothing behind them.
+    /// Massless nodes with one gear or shaft and no other element.
     fn dead_ends(&self) -> Vec<String> {
         let model = self.model;
         let is_dead = |node: usize| {
@@ -83,7 +92,8 @@ impl Assembly<'_> {
         bearing || servo || driven || effect
     }
 
-    /// Springs with nothing behind them that could load them. A bearing without a law loads nothing, but holds a place for one.
+    /// Springs that carry no torque, because the nodes behind them have no inertia and no load. A bearing without damping or effect is no
+    /// load, but is no mistake either: it is a place for an effect.
     fn springs_without_load(&self) -> Vec<String> {
         let model = self.model;
         let mut heavy = vec![false; self.class.len()];
@@ -117,13 +127,13 @@ impl Assembly<'_> {
         }
     }
 
-    /// Springs that close a loop whose two ways have different ratios: they hold the drivetrain still.
+    /// Springs that close a loop whose two paths have different ratios, which prevents motion.
     fn locked_loops(&self) -> Vec<String> {
         let model = self.model;
         if model.motion != Motion::Rotation || model.springs.iter().any(|spring| spring.to.is_none()) {
             return Vec::new();
         }
-        // Motion of each group when the first of its part moves by one; each spring either hands it on or closes a loop.
+        // Motion of each group for a unit motion of the first group of its part. Each spring either extends the part or closes a loop.
         let mut motion: Vec<Option<f64>> = vec![None; self.class.len()];
         let mut open: Vec<usize> = (0..model.springs.len()).collect();
         let end =
@@ -148,7 +158,7 @@ impl Assembly<'_> {
                 (Some(a), Some(b)) if (a - b).abs() > ROUNDING * a.abs().max(b.abs()) => {
                     let [from, to] = [spring.from, to].map(|node| &model.nodes[node].name);
                     found.push(format!(
-                        "nothing can turn: the spring {} asks {from} and {to} to turn alike, but by the other way {from} turns {} times as fast; one spring of this loop is tied to the wrong side of a gear",
+                        "nothing can turn: the spring {} makes {from} and {to} turn at one speed, but through the rest of its loop {from} turns {} times as fast; one spring of this loop is tied to the wrong side of a gear",
                         spring.name,
                         (1e4 * a / b).round() / 1e4
                     ));
@@ -159,7 +169,7 @@ impl Assembly<'_> {
         found
     }
 
-    /// Channels that cannot matter, since a prescribed speed decides everything at their place.
+    /// Channels without influence or information, because an input prescribes the speed at their place.
     fn idle_channels(&self) -> Vec<String> {
         let group_of = |channel: &Channel| {
             let node = self.model.nodes.iter().position(|node| node.name == channel.at)?;
@@ -184,9 +194,11 @@ impl Assembly<'_> {
                     channel.at
                 )),
                 (Role::Output, Quantity::Speed | Quantity::Angle | Quantity::Acceleration) => found.push(format!(
-                    "channel {name} says nothing of the drivetrain: it measures what channel {by} prescribes; leave it out, or measure elsewhere"
+                    "channel {name} contains no information on the drivetrain: it measures what channel {by} prescribes; leave it out, or measure elsewhere"
                 )),
-                _ => {}
+                (Role::Input, Quantity::Speed | Quantity::Angle | Quantity::Acceleration)
+                | (Role::Output, Quantity::Torque)
+                | (_, Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change) => {}
             }
         }
         found

@@ -8,6 +8,22 @@ use crate::{Channel, Unit};
 pub(super) const COMMAND: &str = "command";
 
 /// A bench's calibration, all in SI.
+///
+/// ```
+/// use socam_recording::{Calibration, Unit};
+///
+/// let bench = Calibration::parse(Calibration::default_text())?;
+/// let channels = bench.recorded_channels();
+/// assert_eq!((channels[0].name.as_str(), channels[0].unit), ("command", Unit::V));
+/// // Counts of a 16-bit converter to V, rad/s and N m.
+/// let counts = vec![0; bench.channels.len()];
+/// let sample: Vec<f64> = bench.values(16384, &counts).collect();
+/// assert_eq!(sample.len(), channels.len());
+/// assert!((sample[0] - 5.0).abs() < 0.01);
+/// assert!(bench.config(1000).is_ok());
+/// assert!(Calibration::open("absent.toml".as_ref()).is_err());
+/// # Ok::<(), socam_recording::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     /// The input converter.

@@ -1,7 +1,7 @@
 //! Flat parts of a channel: where it is clipped at its least or greatest value, or stuck at one between, told from the data alone.
 //!
-//! A noisy channel that repeats one value for many samples has lost its noise: only a limit or a dead sensor does that. The longest
-//! run that chance explains follows from how often the channel repeats a value elsewhere. A channel without noise counts as
+//! A noisy channel that repeats one value for many samples has lost its noise, which only a limit or a dead sensor causes. The longest
+//! run that chance explains follows from the share of repeated values elsewhere in the channel. A channel without noise counts as
 //! clipped only if it reaches and leaves the value with a corner (a motion that reverses makes a parabola) and does not rest there.
 
 use super::runs::{Flat, Runs};

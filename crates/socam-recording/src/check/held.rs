@@ -25,6 +25,21 @@ pub struct Held {
 /// Finds where channels (by index) are clipped or stuck, by the rules of [`check`](super::check()). A channel that is at rest (also
 /// at an end of its travel), reverses, or moves by few steps of its resolution is neither.
 ///
+/// ```
+/// use socam_recording::check::{HeldAt, held};
+///
+/// # use socam_recording::{Channel, Dataset, Unit};
+/// # let time_s: Vec<f64> = (0..2000).map(|k| 1e-3 * f64::from(k)).collect();
+/// # let noise = |t: f64| 0.02 * (1.7e6 * t * t).sin();
+/// // A noisy sine of amplitude 1 that is limited to 0.8.
+/// let clipped = time_s.iter().map(|t| ((std::f64::consts::TAU * 2.0 * t).sin() + noise(*t)).clamp(-0.8, 0.8)).collect();
+/// let data = Dataset::from_columns("run", vec![Channel::new("torque", Unit::Nm)], time_s, vec![clipped])?;
+/// let found = held(&data, &[0])?;
+/// assert_eq!(found.len(), 2);
+/// assert!(found.iter().any(|held| held.at == HeldAt::Greatest && held.value == 0.8));
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read again.
 pub fn held(data: &Dataset, channels: &[usize]) -> Result<Vec<Held>> {
@@ -58,6 +73,21 @@ pub struct Saturation {
 }
 
 /// Where channels (by index) are clipped at an extreme: what [`held`] finds, without [`HeldAt::Between`].
+///
+/// ```
+/// use socam_recording::check::saturations;
+///
+/// # use socam_recording::{Channel, Dataset, Unit};
+/// # let time_s: Vec<f64> = (0..2000).map(|k| 1e-3 * f64::from(k)).collect();
+/// # let noise = |t: f64| 0.02 * (1.7e6 * t * t).sin();
+/// // A noisy sine of amplitude 1 that is limited to 0.8.
+/// let clipped = time_s.iter().map(|t| ((std::f64::consts::TAU * 2.0 * t).sin() + noise(*t)).clamp(-0.8, 0.8)).collect();
+/// let data = Dataset::from_columns("run", vec![Channel::new("torque", Unit::Nm)], time_s, vec![clipped])?;
+/// let mut limits: Vec<f64> = saturations(&data, &[0])?.iter().map(|found| found.limit).collect();
+/// limits.sort_by(f64::total_cmp);
+/// assert_eq!(limits, [-0.8, 0.8]);
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 ///
 /// # Errors
 /// When the file cannot be read again.

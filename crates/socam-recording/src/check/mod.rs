@@ -38,6 +38,19 @@ const JITTER_SHARE: f64 = 0.1;
 
 /// Checks a recording.
 ///
+/// ```
+/// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+/// use socam_recording::check::{CheckOptions, Severity, Verdict, check};
+///
+/// let found = check(&data, &CheckOptions { channels: vec!["motor_speed".into(), "load_speed".into()], ..CheckOptions::default() })?;
+/// assert_eq!(found.verdict, Verdict::Unfit);
+/// let worst = &found.findings[0];
+/// assert_eq!(worst.severity(), Severity::Prevents);
+/// assert!(worst.sentence().contains("`load_speed`"));
+/// assert!(!worst.remedy().is_empty());
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
+///
 /// # Errors
 /// When the input does not exist and is none of the model's channels, or the file cannot be read again.
 pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {

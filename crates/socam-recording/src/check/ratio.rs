@@ -1,17 +1,17 @@
-//! The average ratio of two speeds that a gear ties together.
+//! The average ratio of two speeds that a gear joins.
 
 use super::finding::Finding;
 use super::options::FixedRatio;
 use crate::dataset::Block;
 
-/// Length of the averages that are compared, s: it evens out springs and lags between the two shafts.
+/// Length of the averages that are compared, s; it is long compared with oscillations and lags between the two shafts.
 const WINDOW_S: f64 = 1.0;
 
-/// Standard errors that a deviation must exceed to be a finding: chance exceeds three in one of 370 recordings.
+/// Standard errors that a deviation must exceed to be a finding. By chance, one in 370 recordings exceeds three.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// Least-squares slope of the fast speed's averages over the slow one's. Where the shaft turns one way this is the ratio of the
-/// means; where it reverses, means vanish and the slope does not.
+/// Least-squares slope of the averages of the fast speed over those of the slow speed. For a shaft that turns one way this is the ratio of
+/// their means; for one that reverses, the means are near zero and the slope is still determined.
 pub(super) struct RatioFit {
     fixed: FixedRatio,
     fast: usize,

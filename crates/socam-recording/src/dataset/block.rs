@@ -4,6 +4,17 @@
 ///
 /// A missing value is held as NaN. Since readers refuse NaN in files, NaN means "missing" and nothing else; ask
 /// [`Column::is_complete`] before using [`Column::values`] as plain numbers.
+///
+/// ```
+/// use socam_recording::{Channel, Dataset, Unit};
+///
+/// let torque = vec![Channel::new("torque", Unit::Nm)];
+/// let data = Dataset::from_columns("run", torque, vec![0.0, 0.1, 0.2], vec![vec![1.0, f64::NAN, 3.0]])?;
+/// let column = &data.load(&["torque"])?.columns[0];
+/// assert_eq!((column.get(0), column.get(1), column.get(3)), (Some(1.0), None, None));
+/// assert_eq!((column.values().len(), column.missing(), column.is_complete()), (3, 1, false));
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     values: Vec<f64>,

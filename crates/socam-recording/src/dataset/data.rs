@@ -18,6 +18,27 @@ use crate::warning::{Cut, Warning};
 /// again from the recording's own file on each pass. The three differ only in time.
 ///
 /// All values are SI. Times are those of the recording (a selection does not shift them) and increase strictly.
+///
+/// ```
+/// use socam_recording::{Channel, Dataset, Unit};
+///
+/// // 3 s at 10 Hz with a gap of 1 s.
+/// let time_s: Vec<f64> = (0..30).filter(|k| !(10..20).contains(k)).map(|k| 0.1 * f64::from(k)).collect();
+/// let speed = time_s.iter().map(|t| 2.0 * t).collect();
+/// let data = Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], time_s, vec![speed])?;
+/// assert_eq!((data.name(), data.rows(), data.segments().len()), ("run", 20, 2));
+/// assert!((data.sample_time_s() - 0.1).abs() < 1e-9);
+/// assert_eq!((data.segments()[0].end_row(), data.start_s()), (10, 0.0));
+/// assert_eq!(data.channels()[0].column_name(), "speed_rad_s");
+/// assert_eq!(data.statistics()[0].count, 20);
+/// assert_eq!((data.lost_samples(), data.cut(), data.warnings().len()), (0, None, 0));
+/// // Samples in blocks, none of which contains a gap.
+/// for block in data.blocks()? {
+///     let block = block?;
+///     assert_eq!((block.rows(), block.columns[0].missing()), (10, 0));
+/// }
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Dataset {
     pub(super) name: String,

@@ -17,6 +17,19 @@ use crate::{Channel, legacy};
 impl Dataset {
     /// Opens `RUN` or `RUN@FROM..TO` of any format (detected by its content, not its extension).
     ///
+    /// ```
+    /// use socam_recording::Dataset;
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = folder.path().join("run.csv");
+    /// # let path = path.display();
+    /// std::fs::write(path.to_string(), "t_s,speed_rad_s\n0,1.5\n0.1,\n0.2,1.7\n").unwrap();
+    /// let data = Dataset::open(&format!("{path}@0..0.15"))?;
+    /// assert_eq!((data.rows(), data.channels()[0].name.as_str()), (2, "speed"));
+    /// assert_eq!(data.load(&["speed"])?.columns[0].get(1), None);
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
     /// # Errors
     /// When the file cannot be read or does not hold a usable recording; each error is one sentence with the place.
     pub fn open(text: &str) -> Result<Self> {
@@ -25,6 +38,13 @@ impl Dataset {
 
     /// Opens the selected part of a recording.
     ///
+    /// ```
+    /// use socam_recording::{Dataset, Selection};
+    ///
+    /// let absent = Dataset::open_selection(&Selection::whole("absent.csv")).unwrap_err();
+    /// assert!(absent.to_string().contains("there is no such file"));
+    /// ```
+    ///
     /// # Errors
     /// As [`Dataset::open`].
     pub fn open_selection(selection: &Selection) -> Result<Self> {
@@ -32,6 +52,16 @@ impl Dataset {
     }
 
     /// Opens the selected part of a legacy log and converts its volts to SI by a calibration, whose first channel is input 0.
+    ///
+    /// ```
+    /// use socam_recording::{Calibration, Dataset, Selection};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = folder.path().join("run.csv");
+    /// std::fs::write(&path, "t_s,speed_rad_s\n0,1.5\n0.1,1.6\n").unwrap();
+    /// let refused = Dataset::open_calibrated(&Selection::whole(path), &Calibration::default()).unwrap_err();
+    /// assert!(refused.to_string().contains("in SI already"));
+    /// ```
     ///
     /// # Errors
     /// As [`Dataset::open`]; also when it is no legacy log (only those are in volts), or the calibration has more channels
@@ -60,11 +90,23 @@ impl Dataset {
                 dataset.format = Format::LegacyM;
                 Ok(dataset)
             }
-            format => Self::scan(selection, format, Keeping::with_columns),
+            format @ (Format::Csv | Format::Mcap | Format::Memory) => {
+                Self::scan(selection, format, Keeping::with_columns)
+            }
         }
     }
 
     /// A dataset from columns in memory (NaN for a missing value), for simulations and tests.
+    ///
+    /// ```
+    /// use socam_recording::{Channel, Dataset, Unit};
+    ///
+    /// let torque = || vec![Channel::new("torque", Unit::Nm)];
+    /// let data = Dataset::from_columns("run", torque(), vec![0.0, 0.1], vec![vec![1.0, f64::NAN]])?;
+    /// assert_eq!(data.statistics()[0].missing, 1);
+    /// assert!(Dataset::from_columns("run", torque(), vec![0.1, 0.1], vec![vec![1.0, 2.0]]).is_err());
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
     ///
     /// # Errors
     /// When lengths differ, times do not increase strictly or are not finite, a value is infinite, or there is no row.
@@ -79,11 +121,8 @@ impl Dataset {
         if channels.len() != columns.len() {
             return problem(format!("{} columns for {} channels", columns.len(), channels.len()));
         }
-        if let Some(row) = (1..time_s.len()).find(|&row| time_s[row] <= time_s[row - 1]) {
-            return problem(format!("time does not increase at row {row}"));
-        }
-        if time_s.is_empty() || !time_s.iter().all(|t| t.is_finite()) {
-            return problem("it needs finite times, at least one".into());
+        if time_s.is_empty() {
+            return problem("it has no row; give at least one".into());
         }
         for (channel, column) in channels.iter().zip(&columns) {
             if column.len() != time_s.len() {
@@ -103,12 +142,16 @@ impl Dataset {
     }
 
     /// A dataset of the selected part of a table in memory.
-    fn from_table(
+    ///
+    /// # Errors
+    /// [`RecordingError::Table`] when a time is not finite or does not increase; [`RecordingError::NoSamples`] when no row is selected.
+    pub(super) fn from_table(
         name: String,
         channels: Vec<Channel>,
         mut table: Table,
         selection: &Selection,
     ) -> Result<Self> {
+        check_times(&name, &table.time_s)?;
         table.retain_span(selection.span);
         let mut tally = Tally::new(channels.len());
         tally.append(&table);
@@ -131,5 +174,22 @@ impl Dataset {
             warnings: Vec::new(),
             source: Source::Memory(Arc::new(Memory::existing(table))),
         })
+    }
+}
+
+/// Refuses times that are not finite or do not increase from row to row. Rows count from 0.
+fn check_times(name: &str, time_s: &[f64]) -> Result<()> {
+    let problem = |problem: String| Err(RecordingError::Table { name: name.to_owned(), problem });
+    if let Some(row) = time_s.iter().position(|time| !time.is_finite()) {
+        return problem(format!("the time of row {row} is {} s; times must be finite", time_s[row]));
+    }
+    match time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(row) => problem(format!(
+            "time goes from {} s to {} s at row {}; it must increase from row to row",
+            time_s[row],
+            time_s[row + 1],
+            row + 1
+        )),
+        None => Ok(()),
     }
 }

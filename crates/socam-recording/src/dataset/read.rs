@@ -11,6 +11,14 @@ use crate::error::{RecordingError, Result};
 impl Dataset {
     /// Index of a channel, by its name (`motor_speed`) or, where two share it, by its column's name (`motor_speed_rad_s`).
     ///
+    /// ```
+    /// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+    /// assert_eq!(data.channel_index("torque")?, 1);
+    /// assert_eq!(data.channel_index("torque_Nm")?, 1);
+    /// assert!(data.channel_index("force").is_err());
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
     /// # Errors
     /// When there is none of this name, or several.
     pub fn channel_index(&self, name: &str) -> Result<usize> {
@@ -38,6 +46,16 @@ impl Dataset {
     /// A pass over some rows and some channels (by index, in this order). Rows before them are not read, and every pass has its own
     /// handle of the file.
     ///
+    /// ```
+    /// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+    /// let mut largest = 0.0_f64;
+    /// for block in data.blocks_in(100..200, &[1])? {
+    ///     largest = block?.columns[0].values().iter().fold(largest, |most, value| most.max(value.abs()));
+    /// }
+    /// assert!((largest - 1.0).abs() < 1e-3);
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Dataset::blocks`].
     ///
@@ -52,6 +70,14 @@ impl Dataset {
 
     /// All rows of the named channels, in memory. Suits short recordings; a method that works on one block at a time
     /// should use [`Dataset::blocks`].
+    ///
+    /// ```
+    /// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+    /// let loaded = data.load(&["torque", "motor_speed"])?;
+    /// assert_eq!((loaded.time_s.len(), loaded.columns.len()), (1000, 2));
+    /// assert!(loaded.columns[0].is_complete());
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
     ///
     /// # Errors
     /// When a channel does not exist or the file cannot be read again.

@@ -43,6 +43,13 @@ impl Steps {
 impl Dataset {
     /// Statistics of its time steps, in one pass.
     ///
+    /// ```
+    /// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+    /// let steps = data.steps()?;
+    /// assert_eq!((steps.count, steps.irregular, steps.are_irregular()), (999, 0, false));
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
     /// # Errors
     /// When the file cannot be read again.
     pub fn steps(&self) -> Result<Steps> {
@@ -69,6 +76,19 @@ impl Dataset {
     }
 
     /// The recording on a regular grid of `parts` points per median step; `carry` says how each channel is resampled.
+    ///
+    /// ```
+    /// use socam_recording::{Carry, Channel, Dataset, Unit};
+    ///
+    /// // Samples that are late by up to a third of a step.
+    /// let time_s: Vec<f64> = (0..100).map(|k| 0.01 * (f64::from(k) + f64::from(k % 3) / 9.0)).collect();
+    /// let speed = time_s.iter().map(|t| 3.0 * t).collect();
+    /// let data = Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], time_s, vec![speed])?;
+    /// let regular = data.on_regular_grid(2, |_| Carry::Linear)?;
+    /// assert!(data.steps()?.are_irregular() && !regular.steps()?.are_irregular());
+    /// assert_eq!(regular.rows_per_sample(), 2);
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
     ///
     /// # Errors
     /// When the recording cannot be read again, or there is room for the grid neither in memory nor on disk.

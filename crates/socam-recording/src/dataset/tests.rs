@@ -1,4 +1,4 @@
-//! Any part of a recording, from memory or from its file, is the same.
+//! Any part of a recording is the same from memory and from its file.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -220,8 +220,25 @@ fn what_outgrows_memory_goes_on_in_a_temporary_file() {
             assert!(values.iter().copied().eq(rows.map(|row| sign * row as f64)));
         }
     }
-    // There is no room for this many.
+    // More values than the limit.
     let mut keeping = Keeping::with_columns(1);
     keeping.leave_memory(u64::MAX / 100);
     assert!(matches!(keeping.finish(), Kept::Nothing));
+}
+
+#[test]
+fn a_table_needs_finite_times_that_increase() {
+    let refused = |time_s: &[f64]| {
+        let table = Table { time_s: time_s.to_vec(), columns: vec![vec![0.0; time_s.len()]] };
+        let whole = Selection::whole("run");
+        let made = Dataset::from_table("run".into(), vec![Channel::new("u", Unit::V)], table, &whole);
+        made.err().map(|error| error.to_string())
+    };
+    assert_eq!(refused(&[0.0, 0.1, 0.2]), None);
+    for still in [[0.0, 0.2, 0.2], [0.0, 0.2, 0.1]] {
+        let message = refused(&still).unwrap();
+        assert!(message.starts_with("recording `run`: time goes from 0.2 s to 0."), "{message}");
+        assert!(message.contains("at row 2; it must increase"), "{message}");
+    }
+    assert!(refused(&[0.0, f64::NAN, 0.2]).unwrap().contains("the time of row 1 is NaN s"));
 }

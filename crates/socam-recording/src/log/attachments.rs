@@ -20,6 +20,21 @@ pub struct Attachment {
 
 /// Attachments of a log, with their content, in the file's order.
 ///
+/// ```
+/// use socam_recording::{Attachment, Channel, Recorder, RecordingHeader, SampleRow, Unit, read_attachments};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("run.mcap");
+/// let mut header = RecordingHeader::new(vec![Channel::new("torque", Unit::Nm)]);
+/// let model = Attachment { name: "model.toml".into(), media_type: "application/toml".into(), data: b"x = 1".to_vec() };
+/// header.attachments.push(model.clone());
+/// let mut recorder = Recorder::create(&path, &header)?;
+/// recorder.push_samples(&[SampleRow { device_time_ns: 0, sequence: 0, flags: 0, raw_counts: &[], values: &[1.0] }]);
+/// recorder.finish()?;
+/// assert_eq!(read_attachments(&path)?, [model]);
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read or is no MCAP log. Attachments after a cut are not there.
 pub fn read_attachments(path: &Path) -> Result<Vec<Attachment>> {

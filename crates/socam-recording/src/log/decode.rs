@@ -52,7 +52,7 @@ impl SampleDecoder {
         let start = self.rows.len();
         self.rows.resize(start + 1 + columns.len(), f64::NAN);
         let row = &mut self.rows[start..];
-        // Fields come in the order of their numbers, mostly all of them.
+        // Fields are usually complete and in the order of their numbers.
         let mut next = 0;
         let whole = fields(content, |number, field| match field {
             Field::Varint(value) if number == DEVICE_TIME_NS => device_time_ns = value as i64,

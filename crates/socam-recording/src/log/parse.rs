@@ -1,4 +1,4 @@
-//! Decodes records, fenced against a panic of the decoder.
+//! Decodes records, and refuses those at which the decoder panics.
 
 use mcap::records::{Record, op};
 

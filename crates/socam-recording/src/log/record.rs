@@ -15,6 +15,31 @@ use super::writer::{LogWriter, RecordingHeader, Topic};
 use crate::error::{RecordingError, Result};
 
 /// A running recording. Dropping it finishes the file as [`Recorder::finish`] does, but cannot report.
+///
+/// ```
+/// use socam_recording::{Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("run.mcap");
+/// let header = RecordingHeader::new(vec![Channel::new("torque", Unit::Nm)]);
+/// let mut recorder = Recorder::create(&path, &header)?;
+/// for sequence in [0, 1, 3] {
+///     let device_time_ns = 1_000_000 * sequence as i64;
+///     let row = SampleRow { device_time_ns, sequence, flags: 0, raw_counts: &[], values: &[0.5] };
+///     assert_eq!(recorder.push_samples(&[row]), 1);
+/// }
+/// assert!(recorder.event(&Event { device_time_ns: 3_000_000, kind: "note".into(), text: "warm".into() }));
+/// let status = Status { device_time_ns: 3_000_000, state: "running".into(), overruns: 0, lost: 1, link_errors: 0 };
+/// assert!(recorder.status(&status));
+/// // The sequence number 2 never arrived.
+/// assert!(recorder.lost() == 1 && recorder.has_room() && !recorder.has_failed());
+/// let summary = recorder.finish()?;
+/// assert_eq!((summary.written, summary.missed), (3, 1));
+/// let data = Dataset::open(path.to_str().unwrap())?;
+/// assert_eq!((data.rows(), data.lost_samples()), (3, 1));
+/// assert!(data.contents().expect("a log").events.iter().any(|event| event.text == "warm"));
+/// # Ok::<(), socam_recording::RecordingError>(())
+/// ```
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,

@@ -139,7 +139,7 @@ pub(crate) fn fields(mut bytes: &[u8], mut take: impl FnMut(u32, Field<'_>)) -> 
     Some(())
 }
 
-/// A varint of up to ten bytes; mostly it is one or two.
+/// A varint of up to ten bytes; most have one or two.
 #[inline]
 fn varint(bytes: &mut &[u8]) -> Option<u64> {
     let (first, rest) = bytes.split_first()?;

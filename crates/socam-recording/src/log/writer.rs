@@ -30,7 +30,7 @@ pub struct RecordingHeader {
     pub metadata: BTreeMap<String, String>,
     /// Calibration, model, profile.
     pub attachments: Vec<Attachment>,
-    /// Planned duration, s: by it a reader says how much of a cut recording is missing.
+    /// Planned duration, s, from which a reader computes how much of a cut recording is missing.
     pub planned_duration_s: Option<f64>,
     /// Whether a file of this name is replaced; otherwise it is an error.
     pub replace: bool,

@@ -14,6 +14,19 @@ use course::{LARGEST, LONGEST_S, SHORTEST_S, read_course, us, word, write_course
 
 /// A profile in physical units. Levels, amplitudes and [`Self::limit`] are in V, or in rad/s of the motor shaft, as
 /// [`Self::command`] says.
+///
+/// ```
+/// use socam_recording::ProfileFile;
+///
+/// assert!(ProfileFile::built_in_names().any(|name| name == "steps"));
+/// let steps = ProfileFile::open("steps")?;
+/// assert_eq!((steps.duration_s, steps.limit), (20.0, 1.8));
+/// assert_eq!(ProfileFile::parse(&steps.to_toml())?, steps);
+/// assert_eq!(Some(ProfileFile::text_of("steps")?.as_str()), ProfileFile::built_in_text("steps"));
+/// // For a board that samples every 1000 us.
+/// assert!(steps.profile(1000).is_ok());
+/// # Ok::<(), socam_recording::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileFile {
     /// When to use it, in one sentence.

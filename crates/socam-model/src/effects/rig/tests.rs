@@ -1,9 +1,9 @@
-//! The rig of an embedded model.
+//! Scales of an embedded model.
 
 use super::*;
 
 #[test]
-fn a_model_in_other_units_of_force_has_a_contact_in_the_same() {
+fn the_rigid_stiffness_scales_with_the_unit_of_force() {
     let model = Model::builtin("speed-o-cam").unwrap();
     let values = model.values();
     let own = Rig::of_model(&model, &values).rigid_stiffness();
@@ -14,7 +14,7 @@ fn a_model_in_other_units_of_force_has_a_contact_in_the_same() {
 }
 
 #[test]
-fn torques_are_known_across_gears_and_shafts() {
+fn torques_propagate_through_gears_and_shafts() {
     let model = Model::builtin("speed-o-cam").unwrap();
     let mut rig = Rig::of_model(&model, &model.values());
     let at = |name: &str| model.nodes.iter().position(|node| node.name == name).unwrap();
@@ -26,7 +26,7 @@ fn torques_are_known_across_gears_and_shafts() {
 }
 
 #[test]
-fn a_time_constant_is_shorter_than_what_the_machine_does() {
+fn the_longest_time_constant_follows_from_modes_and_length() {
     let mut rig = Rig { longest_s: 10.0, modes_hz: vec![5.0, 40.0], ..Rig::default() };
     assert!((rig.longest_time_constant_s("speed") - 0.0318).abs() < 1e-4);
     rig.longest_s = 0.1;

@@ -1,4 +1,4 @@
-//! What real rigs need of the catalogue.
+//! Laws that real rigs required, against closed forms.
 
 use crate::{
     Model, Quantity,
@@ -9,7 +9,7 @@ fn evaluate(effect: &Effect, law_inputs: &[f64], parameters: &[f64]) -> f64 {
     (effect.laws()[0].evaluate)(law_inputs, parameters).torque
 }
 
-/// BAM's servo loses 0.272 (|torque of the motor| + |torque of the arm|): as a share of what enters, 0.428 either way.
+/// The servo of the BAM data set loses 0.272 (|T_motor| + |T_arm|), which is a fraction of 0.428 of the entering torque in either direction.
 #[test]
 fn a_mesh_loses_the_same_share_of_what_enters_whichever_side_drives() {
     let loss = effects::find("mesh_loss").unwrap();
@@ -44,7 +44,7 @@ fn friction_that_falls_with_speed_does_not_jump_at_standstill() {
     assert!((at(1e-9) - at(-1e-9)).abs() < 1e-9 && (at(0.0) + 0.4).abs() < 1e-12 && at(20.0).abs() < 1e-12);
 }
 
-/// A bench that turns one way.
+/// Scales of a bench with a given `reverse_share`.
 fn one_way(model: &Model, reverse_share: f64) -> Rig {
     let mut rig = Rig::of_model(model, &model.values());
     for node in &mut rig.nodes {
@@ -66,7 +66,7 @@ fn laws_are_looked_for_only_where_the_motion_shows_them() {
     assert!(starts(sticking, &rig) > 0);
 }
 
-/// A clipped input acts by more than it reads, a late one as it will read later.
+/// A limited input acts by more than it reads; an early or late one acts by its reading at another time.
 #[test]
 fn inputs_clip_and_are_late() {
     let base = Model::builtin("speed-o-cam").unwrap();
@@ -85,7 +85,7 @@ fn inputs_clip_and_are_late() {
     );
     let law = late.effects[0].effect;
     assert_eq!(10.0 - evaluate(law, &[300.0], &[-2e-3]), 9.4);
-    // At an output it is what it was.
+    // A negative delay is possible at inputs only.
     assert!(base.with_effect("sensor_delay", "output_speed", &[("delay", -2e-3)]).is_err());
     assert!((law.sentence)(&FittedValues(&[("delay", -2e-3)])).contains("early"));
 }

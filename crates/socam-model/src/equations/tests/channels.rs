@@ -3,7 +3,7 @@
 use super::p;
 use crate::{ChannelTransform, Model, Quantity};
 
-/// A gain counts once on the way in and once on the way out, and its derivatives are what it multiplies.
+/// A gain scales the column of its input or the row of its output once; its derivative is the unscaled matrix.
 #[test]
 fn a_gain_multiplies_its_channel_alone() {
     let plain = Model::builtin("two-mass").unwrap();
@@ -40,7 +40,7 @@ fn an_input_may_be_made_of_an_angle() {
     let model = with("column = \"encoder_rad\"\ntake = \"rate\"").unwrap();
     let input = model.inputs().next().unwrap();
     assert_eq!((input.column.as_str(), input.transform), ("encoder_rad", ChannelTransform::Rate));
-    // Angles that laws ask for are then the encoder's own, and count on from one recording to the next.
+    // The angle of a law is then the column of the encoder, without integration.
     let eccentric = [("order", 1.0), ("amplitude", 1e-3), ("phase", 0.0)];
     let clock = |model: &Model| {
         let grown = model.with_effect("kinematic_error", "mesh", &eccentric).unwrap();
@@ -52,7 +52,7 @@ fn an_input_may_be_made_of_an_angle() {
     let wave = with("column = \"encoder_rad\"\ntake = { sin = 2 }").unwrap();
     assert_eq!(wave.inputs().next().unwrap().transform, ChannelTransform::Sin(2.0));
     assert_eq!(clock(&wave), ("output_speed_rad_s".into(), ChannelTransform::Integral));
-    // A model that is written keeps it.
+    // A file with updated values keeps the transform.
     let update = crate::Update { name: "k4".into(), value: 100.0, ci95: None, source: "test".into() };
     let written = Model::parse(&model.text_with(&[update]).unwrap()).unwrap();
     assert_eq!(written.channels, model.channels);
@@ -91,7 +91,7 @@ fn an_angle_that_is_put_into_a_spring_twists_it() {
         assert!((e.input[(row, 1)] - expected).abs() < 1e-9 * pull / 1e-3, "{row}: {}", e.input);
     }
     assert_eq!(e.feedthrough[(2, 1)], pull);
-    // Twist by wind-up or by the input is the same to the shaft.
+    // Twist by wind-up and twist by the input give the same torque.
     assert!((e.output[(2, 0)] * 0.5 + e.feedthrough[(2, 1)]).abs() < 1e-12 * pull, "{}", e.output);
     assert_eq!((derivatives[0].feedthrough[(2, 1)], derivatives[1].feedthrough[(2, 1)]), (0.5, 2.0 * pull));
     assert!((derivatives[1].input.column(1) * 0.5 - e.input.column(1)).amax() < 1e-9);

@@ -1,4 +1,4 @@
-//! Files and values from which no equations can be formed.
+//! Files and parameter values for which no equations exist.
 
 use crate::Model;
 
@@ -47,7 +47,7 @@ fn a_wrong_file_gets_line_key_and_what_was_expected() {
 }
 
 #[test]
-fn a_node_that_nothing_holds_is_named() {
+fn a_node_without_inertia_or_element_is_named() {
     let loose = crate::BUILTIN[1].1.replace("[[springs]]", "[[nodes]]\nname = \"adrift\"\n\n[[springs]]");
     let text = Model::parse(&loose).unwrap_err().to_string();
     assert!(text.contains("adrift"), "{text}");
@@ -58,7 +58,7 @@ fn values_and_channels_that_cannot_be_are_refused() {
     let two_mass = crate::BUILTIN[1].1;
     let refused =
         |from: &str, to: &str| Model::parse(&two_mass.replacen(from, to, 1)).unwrap_err().to_string();
-    // A torque that acts on a spring would be lost without a word.
+    // A torque input at a spring has no influence and is refused.
     let torque = "quantity = \"torque\"\nat = \"motor\"";
     assert!(two_mass.contains(torque));
     assert!(refused(torque, "quantity = \"torque\"\nat = \"shaft\"").contains("needs a node"));
