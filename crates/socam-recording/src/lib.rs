@@ -7,6 +7,7 @@
 //! Conventions: all values are SI, times are seconds, a missing value is a missing value (never zero), and an error is one
 //! sentence that names the file, the place and the remedy. Nothing here prints.
 
+mod beside;
 mod calibration_edit;
 mod calibration_file;
 pub mod check;
@@ -34,6 +35,7 @@ mod unit;
 mod warning;
 mod welch;
 
+pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
@@ -46,7 +48,9 @@ pub use legacy::LegacyLog;
 pub use line_problem::LineProblem;
 pub use log::attachments::{Attachment, read_attachments};
 pub use log::contents::{AttachmentInfo, LogContents};
-pub use log::names::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
+pub use log::names::{
+    EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
+};
 pub use log::record::{Recorder, RecordingSummary};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;

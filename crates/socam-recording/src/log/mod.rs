@@ -3,6 +3,7 @@
 pub(crate) mod attachments;
 pub(crate) mod contents;
 pub(crate) mod decode;
+mod file;
 #[cfg(target_arch = "wasm32")]
 mod inflate;
 pub(crate) mod names;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod damage;
+mod replaced;
 
 use std::collections::BTreeMap;
 
