@@ -49,9 +49,10 @@ pub use line_problem::LineProblem;
 pub use log::attachments::{Attachment, read_attachments};
 pub use log::contents::{AttachmentInfo, LogContents};
 pub use log::names::{
-    EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
+    EVENT_TOPIC, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
 };
 pub use log::record::{Recorder, RecordingSummary};
+pub use log::recover::{Recovered, recover};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;

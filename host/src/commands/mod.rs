@@ -16,6 +16,7 @@ mod identify;
 mod import;
 mod info;
 mod record;
+mod recover;
 mod simulate;
 mod template;
 mod thesis;
@@ -73,6 +74,7 @@ commands! {
     Design => design,
     Demo => demo,
     Record => record,
+    Recover => recover,
     Simulate => simulate,
     Challenge => challenge,
     VirtualBoard => virtual_board,
