@@ -242,3 +242,24 @@ fn a_board_serves_one_host_that_knows_its_token_and_says_something() {
     let result = record(&known);
     assert!(result.status.success(), "{}", String::from_utf8_lossy(&result.stderr));
 }
+
+#[test]
+fn the_first_interrupt_ends_a_simulation_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    let arguments = ["simulate", "--profile", "prbs", "--duration", "20h", "-o", text(&path)];
+    let process = command(&arguments).spawn().expect("it starts");
+    let files = || std::fs::read_dir(folder.path()).expect("a folder").count();
+    while files() == 0 {
+        sleep(Duration::from_millis(20));
+    }
+    sleep(Duration::from_millis(300));
+    interrupt(&process);
+    let output = process.wait_with_output().expect("its end");
+    assert_eq!(
+        (output.status.code(), files()),
+        (Some(130), 0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}

@@ -211,6 +211,23 @@ fn what_is_no_readable_file_is_refused_at_once() {
 }
 
 #[test]
+fn a_model_that_would_be_fitted_for_minutes_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (run, model) = (write_run(folder.path()), folder.path().join("chain.toml"));
+    let template = String::from_utf8(socam(&["template", "model"]).stdout).expect("text");
+    let chain: String = (0..50)
+        .map(|n| {
+            let from = if n == 0 { "load".to_owned() } else { format!("n{}", n - 1) };
+            format!(
+                "[[nodes]]\nname = \"n{n}\"\ninertia = \"J4\"\n[[springs]]\nname = \"s{n}\"\nfrom = \"{from}\"\nto = \"n{n}\"\nstiffness = \"k4\"\n"
+            )
+        })
+        .collect();
+    std::fs::write(&model, format!("{template}\n{chain}")).expect("a model");
+    refused(&["identify", &run, "--model", text(&model)], 1, "at most 40");
+}
+
+#[test]
 fn noise_that_is_given_on_every_channel_is_no_panic() {
     let folder = tempfile::tempdir().expect("a folder");
     let [model, log] = ["model.toml", "run.mcap"].map(|name| folder.path().join(name));
