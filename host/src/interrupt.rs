@@ -1,13 +1,17 @@
-//! Ctrl-C: the first asks for an end, the last that is waited for ends the process at once.
+//! Ctrl-C: ends the process at once, unless a command answers it: a search ends with what it has, a bench is stopped.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 
 use crate::output;
 
 /// Exit code of whoever did not want to wait: that of a program without a handler, as shells tell it.
 const ENDED_AT_ONCE: i32 = 130;
+
+/// Longest time that a search takes to end with what it has.
+const SEARCH_ENDS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The process has one handler.
 static LISTENER: OnceLock<Interrupt> = OnceLock::new();
@@ -21,15 +25,20 @@ struct State {
     count: AtomicU32,
     /// At this count the process ends; zero is never.
     last: AtomicU32,
+    /// Counts changes of `last`.
+    changes: AtomicU32,
+    /// Whether the command says what it does at the wishes before.
+    is_answered: AtomicBool,
     /// A file that would be left behind half-written then.
     unfinished: Mutex<Option<PathBuf>>,
 }
 
 impl Interrupt {
-    /// Listens to Ctrl-C and to a request to terminate.
+    /// Listens to Ctrl-C and to a request to terminate. The first one ends the process at once, unless the command says otherwise.
     pub(crate) fn listen() -> Self {
         let start = || {
             let interrupt = Self::default();
+            interrupt.end_after(0);
             let own = interrupt.clone();
             // Without a handler Ctrl-C ends the process at once: the board's watchdog stops the bench then.
             let _ = ctrlc::set_handler(move || own.take());
@@ -43,9 +52,21 @@ impl Interrupt {
         self.0.count.load(Ordering::Relaxed)
     }
 
-    /// From now on the operator's next wish but `patience` ends the process at once.
+    /// From now on the operator's next wish but `patience` ends the process at once. This handler tells of it.
     pub(crate) fn end_after(&self, patience: u32) {
-        self.0.last.store(self.count() + patience + 1, Ordering::Relaxed);
+        self.0.is_answered.store(false, Ordering::Relaxed);
+        self.set_last(patience + 1);
+    }
+
+    /// From now on the command answers the operator's next wishes, `times` of them; the one after them ends the process at once.
+    pub(crate) fn answer(&self, times: u32) {
+        self.0.is_answered.store(true, Ordering::Relaxed);
+        self.set_last(times + 1);
+    }
+
+    fn set_last(&self, more: u32) {
+        self.0.changes.fetch_add(1, Ordering::Relaxed);
+        self.0.last.store(self.count() + more, Ordering::Relaxed);
     }
 
     /// A file to be removed in that case.
@@ -53,17 +74,37 @@ impl Interrupt {
         *self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner) = file.map(Into::into);
     }
 
+    /// Ends the process when a search has not come to its end in time.
+    fn end_late(&self) {
+        let own = self.clone();
+        let changes = self.0.changes.load(Ordering::Relaxed);
+        let wait = move || {
+            std::thread::sleep(SEARCH_ENDS_WITHIN);
+            if own.0.changes.load(Ordering::Relaxed) == changes {
+                own.end(&format!("the search did not end within {} s; ended", SEARCH_ENDS_WITHIN.as_secs()));
+            }
+        };
+        // Without a thread the next wish ends it.
+        let _ = std::thread::Builder::new().name("interrupt".into()).spawn(wait);
+    }
+
+    /// Ends the process, and removes its unfinished file.
+    fn end(&self, why: &str) -> ! {
+        // Held until the end, so that nobody puts another there.
+        let unfinished = self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner);
+        unfinished.iter().for_each(|file| drop(std::fs::remove_file(file)));
+        output::say(why);
+        std::process::exit(ENDED_AT_ONCE);
+    }
+
     fn take(&self) {
         let count = self.0.count.fetch_add(1, Ordering::Relaxed) + 1;
         let last = self.0.last.load(Ordering::Relaxed);
         if last > 0 && count >= last {
-            // Held until the end, so that nobody puts another there.
-            let unfinished = self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner);
-            unfinished.iter().for_each(|file| drop(std::fs::remove_file(file)));
-            output::say("ended at once");
-            std::process::exit(ENDED_AT_ONCE);
+            self.end("ended at once");
         }
-        if last > 0 {
+        if last > 0 && !self.0.is_answered.load(Ordering::Relaxed) {
+            self.end_late();
             output::say("\nending with what there is; Ctrl-C once more ends at once");
         }
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
-use socam_model::{BUILTIN, Intersample, Model};
+use socam_model::{BUILTIN, Intersample, LARGEST_VALUE, Model};
 
 use crate::output::WrongArguments;
 
@@ -26,7 +26,8 @@ pub(crate) fn text(name: &str) -> anyhow::Result<String> {
             format!("there is no model file `{name}`, and embedded models are {}", names.join(", "));
         return Err(WrongArguments(message).into());
     }
-    std::fs::read_to_string(name).with_context(|| format!("cannot read the model file `{name}`"))
+    socam_recording::read_text(Path::new(name))
+        .with_context(|| format!("cannot read the model file `{name}`"))
 }
 
 /// Help of every `--between`.
@@ -83,11 +84,13 @@ pub(crate) fn set(model: &mut Model, settings: &[String], fix: bool) -> anyhow::
         };
         let parameter = &mut model.parameters[index];
         if let Some(text) = value {
-            let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
+            let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.abs() <= LARGEST_VALUE);
             let Some(number) = number else {
-                return Err(
-                    wrong(format!("expected a number in {} after the equals sign", parameter.unit)).into()
-                );
+                return Err(wrong(format!(
+                    "expected a number of at most {LARGEST_VALUE:e} in {} after the equals sign",
+                    parameter.unit
+                ))
+                .into());
             };
             parameter.value = number;
         }

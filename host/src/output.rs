@@ -1,5 +1,6 @@
 //! What every command says, and how: results on stdout, talk on stderr, an error as one sentence.
 
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -33,8 +34,22 @@ impl std::fmt::Display for NobodyListens {
 
 impl std::error::Error for NobodyListens {}
 
+/// Text in which control characters are written as `\u{1b}`: names of files, boards and models must not command the terminal.
+fn printable(text: &str) -> Cow<'_, str> {
+    let is_plain = |c: char| !c.is_control() || matches!(c, '\n' | '\t');
+    if text.chars().all(is_plain) {
+        return text.into();
+    }
+    let mut plain = String::new();
+    for c in text.chars() {
+        if is_plain(c) { plain.push(c) } else { plain.extend(c.escape_default()) }
+    }
+    plain.into()
+}
+
 /// Prints text to stdout.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let text = printable(text);
     let mut stdout = io::stdout().lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|e| match e.kind() {
         io::ErrorKind::BrokenPipe => NobodyListens.into(),
@@ -51,13 +66,18 @@ pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
 
 /// Says something on stderr.
 pub(crate) fn say(text: impl std::fmt::Display) {
+    say_after("", text);
+}
+
+/// The same after a painted word.
+fn say_after(word: &str, text: impl std::fmt::Display) {
     // When stderr is gone there is nobody to tell.
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{word}{}", printable(&text.to_string()));
 }
 
 /// Says a warning on stderr.
 pub(crate) fn warn(text: impl std::fmt::Display) {
-    say(format_args!("{} {text}", painted("warning:", "33")));
+    say_after(&painted("warning: ", "33"), text);
 }
 
 /// Opens a recording (`RUN` or `RUN@FROM..TO`) and says its warnings.
@@ -144,7 +164,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if nobody_listens(error) {
         return ExitCode::SUCCESS;
     }
-    say(format_args!("{} {}", painted("error:", "31"), sentence(error)));
+    say_after(&painted("error: ", "31"), sentence(error));
     let wrong_arguments = error.is::<WrongArguments>()
         || matches!(error.downcast_ref(), Some(RecordingError::Selection { .. }));
     ExitCode::from(if wrong_arguments { 2 } else { 1 })
@@ -208,6 +228,12 @@ pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        assert_eq!(printable("a\tb\n"), "a\tb\n");
+        assert_eq!(printable("\u{1b}[2Jrun\r\u{9b}"), "\\u{1b}[2Jrun\\r\\u{9b}");
+    }
 
     #[test]
     fn an_error_is_one_sentence_with_the_systems_reason() {

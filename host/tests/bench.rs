@@ -108,7 +108,9 @@ fn an_interrupted_run_ramps_down_and_a_killed_one_leaves_a_log() {
     let mut process = begin(&killed);
     process.kill().expect("it can be killed");
     process.wait().expect("it ends");
-    let info = json(&socam(&["info", "--json", text(&killed)]));
+    let info = socam(&["info", "--json", text(&killed)]);
+    assert_eq!(info.status.code(), Some(3));
+    let info: serde_json::Value = serde_json::from_slice(&info.stdout).expect("one JSON document");
     let recording = &info["recordings"][0];
     let seconds = recording["duration_s"].as_f64().expect("a duration");
     assert!(seconds > 0.5, "{seconds}");
@@ -204,4 +206,60 @@ fn a_peer_of_another_protocol_is_told_apart_from_silence() {
         sleep(Duration::from_millis(600));
     }
     peer.join().expect("a peer");
+}
+
+#[test]
+fn a_board_serves_one_host_that_knows_its_token_and_says_something() {
+    use std::io::Write;
+    let wide = socam(&["virtual-board", "--listen", "0.0.0.0:0"]);
+    assert_eq!(wide.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&wide.stderr).contains("--token-file"));
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let [path, secret] = ["run.mcap", "secret.txt"].map(|name| folder.path().join(name));
+    std::fs::write(&secret, "correct-horse\n").expect("a file");
+    let board = Board::start(&["--token-file", text(&secret), "--fast"]);
+    let record = |more: &[&str]| {
+        let arguments = ["record", "-o", text(&path), "--profile", "steps", "--duration", "3s", "--device"];
+        socam(&[&arguments[..], &[&board.device], more].concat())
+    };
+    let refused = |more: &[&str], why: &str| {
+        let result = record(more);
+        let stderr = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(result.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains("refuses") && stderr.contains(why), "{stderr}");
+    };
+    refused(&[], "asks for its token");
+    refused(&["--token", "incorrect-horse"], "asks for its token");
+    let address = board.device.strip_prefix("tcp:").expect("an address");
+    let mut idle = std::net::TcpStream::connect(address).expect("a connection");
+    idle.write_all(b"socam-token correct-horse\nand nothing that is a frame").expect("a line");
+    sleep(Duration::from_millis(300));
+    let known = ["--token-file", text(&secret)];
+    refused(&known, "another host");
+    // The silent host is dropped after five seconds.
+    sleep(Duration::from_millis(5500));
+    let result = record(&known);
+    assert!(result.status.success(), "{}", String::from_utf8_lossy(&result.stderr));
+}
+
+#[test]
+fn the_first_interrupt_ends_a_simulation_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    let arguments = ["simulate", "--profile", "prbs", "--duration", "20h", "-o", text(&path)];
+    let process = command(&arguments).spawn().expect("it starts");
+    let files = || std::fs::read_dir(folder.path()).expect("a folder").count();
+    while files() == 0 {
+        sleep(Duration::from_millis(20));
+    }
+    sleep(Duration::from_millis(300));
+    interrupt(&process);
+    let output = process.wait_with_output().expect("its end");
+    assert_eq!(
+        (output.status.code(), files()),
+        (Some(130), 0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }

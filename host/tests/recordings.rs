@@ -64,7 +64,9 @@ fn a_recording_goes_to_mcap_and_back() {
     // A log that lost its end is exported as far as it goes, and the exit code says so.
     let bytes = std::fs::read(&log).expect("the log");
     std::fs::write(&log, &bytes[..bytes.len() / 2]).expect("a cut log");
-    assert_eq!(socam(&["info", text(&log)]).status.code(), Some(0));
+    for command in ["info", "check"] {
+        assert_eq!(socam(&[command, text(&log)]).status.code(), Some(3), "{command}");
+    }
     assert!(String::from_utf8_lossy(&socam(&["info", text(&log)]).stdout).contains("cut off"));
 }
 
@@ -170,4 +172,73 @@ fn templates_are_files_that_commands_take() {
     let output = socam(&[&record[..], &files].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     refused(&["template", "calibration", "mine"], 2, "needs no name");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_readable_file_is_refused_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = write_run(folder.path());
+    let at = |name: &str| folder.path().join(name).to_str().expect("a plain path").to_owned();
+    let (pipe, out) = (at("pipe.csv"), at("out.mcap"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    let directory = at("");
+    for (file, said) in
+        [(pipe.as_str(), "pipe or a device"), ("/dev/zero", "pipe or a device"), (&directory, "directory")]
+    {
+        for arguments in [
+            vec!["info", file],
+            vec!["identify", file],
+            vec!["check", "--model", file, &run],
+            vec!["identify", "--model", file, &run],
+            vec!["simulate", "--profile", file, "-o", &out],
+            vec!["record", "--device", "sim", "--profile", "steps", "--calibration", file, "-o", &out],
+            vec!["calibrate", file],
+        ] {
+            refused(&arguments, 1, said);
+        }
+    }
+    let utf16: Vec<u8> = "t_s,a_1\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    std::fs::write(at("utf16.csv"), [b"\xff\xfe", utf16.as_slice()].concat()).expect("a file");
+    std::fs::write(at("utf16.toml"), [b"\xff\xfe", utf16.as_slice()].concat()).expect("a file");
+    refused(&["info", &at("utf16.csv")], 1, "UTF-16");
+    refused(&["check", "--model", &at("utf16.toml"), &run], 1, "UTF-16");
+    let header: String = (0..1_000_000).map(|column| format!(",c{column}_1")).collect();
+    std::fs::write(at("wide.csv"), format!("t_s{header}\n")).expect("a file");
+    let begin = std::time::Instant::now();
+    refused(&["info", &at("wide.csv")], 1, "names 1000001 columns; at most 10000");
+    assert!(begin.elapsed().as_secs() < 5, "it took {:?}", begin.elapsed());
+}
+
+#[test]
+fn a_model_that_would_be_fitted_for_minutes_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (run, model) = (write_run(folder.path()), folder.path().join("chain.toml"));
+    let template = String::from_utf8(socam(&["template", "model"]).stdout).expect("text");
+    let chain: String = (0..50)
+        .map(|n| {
+            let from = if n == 0 { "load".to_owned() } else { format!("n{}", n - 1) };
+            format!(
+                "[[nodes]]\nname = \"n{n}\"\ninertia = \"J4\"\n[[springs]]\nname = \"s{n}\"\nfrom = \"{from}\"\nto = \"n{n}\"\nstiffness = \"k4\"\n"
+            )
+        })
+        .collect();
+    std::fs::write(&model, format!("{template}\n{chain}")).expect("a model");
+    refused(&["identify", &run, "--model", text(&model)], 1, "at most 40");
+}
+
+#[test]
+fn noise_that_is_given_on_every_channel_is_no_panic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [model, log] = ["model.toml", "run.mcap"].map(|name| folder.path().join(name));
+    let template = String::from_utf8(socam(&["template", "model"]).stdout).expect("text");
+    let noisy = template.replace("role = ", "noise_std = 0.01\nrole = ");
+    assert!(noisy.matches("noise_std").count() >= 4);
+    std::fs::write(&model, noisy).expect("a model");
+    let simulated = ["simulate", "--profile", "multisine", "--duration", "3s", "-o", text(&log)];
+    assert!(socam(&simulated).status.success());
+    for command in ["identify", "diagnose"] {
+        let output = socam(&[command, text(&log), "--model", text(&model)]);
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }

@@ -69,13 +69,15 @@ impl VirtualBoard<'_> {
         self.board.status().state
     }
 
-    /// Takes bytes from the host and appends the answers to `out`.
-    pub fn receive(&mut self, mut bytes: &[u8], out: &mut Vec<u8>) {
+    /// Takes bytes from the host and appends the answers to `out`. Says whether a message was among them.
+    pub fn receive(&mut self, mut bytes: &[u8], out: &mut Vec<u8>) -> bool {
+        let before = out.len();
         let mut frame = [0; MAX_FRAME];
         let Self { board, link, .. } = self;
         while let Some(len) = link.receive(&mut bytes, &mut frame, |request| board.handle(request)) {
             out.extend_from_slice(&frame[..len]);
         }
+        out.len() > before
     }
 
     /// Advances the board's time to `until_us` and appends the bytes that it sends to `out`.

@@ -42,7 +42,12 @@ fn virtual_board(more: &[&str]) -> (Running, String) {
 }
 
 fn info(log: &str) -> Value {
-    run(["info", "--json", log]).json()["recordings"][0].clone()
+    let ran = run(["info", "--json", log]);
+    let document: Value = serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"));
+    let recording = document["recordings"][0].clone();
+    let is_lossy = !recording["cut"].is_null() || recording["lost_samples"] != 0;
+    assert_eq!(ran.code, Some(if is_lossy { 3 } else { 0 }), "{ran:?}");
+    recording
 }
 
 #[test]

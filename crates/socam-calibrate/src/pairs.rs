@@ -56,14 +56,9 @@ impl Pairs {
     /// When it cannot be read, or a cell under a unit is no number.
     pub fn open(path: &Path) -> Result<Self, CalibrateError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| CalibrateError::Read {
-            file: file.clone(),
-            problem: if error.kind() == std::io::ErrorKind::NotFound {
-                "there is no such file; check the path".into()
-            } else {
-                error.to_string()
-            },
-        })?;
+        let unread =
+            |error: std::io::Error| CalibrateError::Read { file: file.clone(), problem: error.to_string() };
+        let text = socam_recording::read_text(path).map_err(unread)?;
         Self::parse(file, &text)
     }
 

@@ -12,6 +12,10 @@ use crate::job::Handle;
 use crate::parameters::Identification;
 use crate::recording::Recording;
 
+/// Longest document, bytes.
+#[cfg(not(target_arch = "wasm32"))]
+const LONGEST_DOCUMENT: u64 = 256 << 20;
+
 /// An opened document.
 #[derive(Debug)]
 pub enum Document {
@@ -47,7 +51,8 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
     if extension != "toml" && extension != "json" {
         return Recording::open(path, handle).map(Document::Recording);
     }
-    let bytes = std::fs::read(place).map_err(|error| format!("cannot read {path}: {error}"))?;
+    let bytes = socam_recording::read_regular(place, LONGEST_DOCUMENT)
+        .map_err(|error| format!("cannot read {path}: {error}"))?;
     let no_text =
         |_| format!("{path} is no text; expected a socam model, profile, identification or diagnosis");
     let mut document = parse(path, &String::from_utf8(bytes).map_err(no_text)?)?;
@@ -61,7 +66,7 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
 /// The model in the folder of a diagnosis' report.
 #[cfg(not(target_arch = "wasm32"))]
 fn beside(diagnosis: &Path) -> Option<Model> {
-    Model::parse(&std::fs::read_to_string(diagnosis.with_file_name("model.toml")).ok()?).ok()
+    Model::parse(&socam_recording::read_text(&diagnosis.with_file_name("model.toml")).ok()?).ok()
 }
 
 /// Parses a JSON or TOML document, recognised by its `schema`.

@@ -45,6 +45,22 @@ pub enum IdentifyError {
         /// Model name.
         model: String,
     },
+    /// A model that would be fitted for minutes.
+    #[error(
+        "the model {model} has {nodes} nodes and {free} free parameters; at most {most_nodes} and {most_free} are fitted: lump nodes, or fix parameters"
+    )]
+    TooLarge {
+        /// Model name.
+        model: String,
+        /// Its nodes.
+        nodes: usize,
+        /// Its free parameters.
+        free: usize,
+        /// Most nodes.
+        most_nodes: usize,
+        /// Most free parameters.
+        most_free: usize,
+    },
     /// A free parameter starts outside its bounds.
     #[error("{name} starts at {value}, outside its bounds {low} to {high}; fix it there, or move its bounds")]
     StartOutOfBounds {

@@ -15,6 +15,11 @@ use crate::{
     progress::ProgressMonitor,
 };
 
+/// Most nodes and free parameters of a model that is fitted. On one core, a recording of 3000 samples and a chain of 30 nodes take 4 s, of
+/// 50 nodes 23 s; 10 nodes and 100 free parameters 4 s, 300 more than half a minute.
+const MOST_NODES: usize = 40;
+const MOST_FREE: usize = 100;
+
 /// Levels of the sensor noise, which is assumed to be white and independent between channels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Noise {
@@ -132,6 +137,16 @@ impl<'a> Problem<'a> {
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
         if free.is_empty() {
             return Err(IdentifyError::NothingFree { model: model.name.clone() });
+        }
+        let (nodes, free_count) = (model.nodes.len(), free.len());
+        if nodes > MOST_NODES || free_count > MOST_FREE {
+            return Err(IdentifyError::TooLarge {
+                model: model.name.clone(),
+                nodes,
+                free: free_count,
+                most_nodes: MOST_NODES,
+                most_free: MOST_FREE,
+            });
         }
         Self::bound(model, datasets, options, free)
     }

@@ -24,6 +24,7 @@ mod wiring;
 
 pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
+pub use parameters::LARGEST_VALUE;
 
 const SCHEMA: &str = "socam.model/1";
 

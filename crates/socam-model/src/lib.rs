@@ -52,7 +52,7 @@ pub mod units;
 pub use builtin::BUILTIN;
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
-pub use file::{COLUMN_UNITS, column_unit};
+pub use file::{COLUMN_UNITS, LARGEST_VALUE, column_unit};
 pub use intersample::Intersample;
 pub use model::{
     Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo, Shaft,

@@ -1,5 +1,6 @@
 //! Lines and cells of CSV files.
 
+use std::collections::HashSet;
 use std::io::{BufReader, Read, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,9 @@ use crate::part::Place;
 
 /// Bytes asked from the system at a time.
 const BUFFER_BYTES: usize = 1 << 18;
+
+/// Most columns of a file.
+const MOST_COLUMNS: usize = 10_000;
 
 /// A cell's number, `None` when it is empty.
 pub(crate) fn number(cell: &[u8], column: &str) -> Result<Option<f64>, LineProblem> {
@@ -74,6 +78,10 @@ impl CsvLines {
     /// Reads the header; its first column must be `first`.
     pub(crate) fn header(&mut self, first: &str) -> Result<Vec<String>> {
         self.advance()?;
+        let found = self.record.len();
+        if found > MOST_COLUMNS {
+            return Err(self.error(LineProblem::TooManyColumns { found, most: MOST_COLUMNS }));
+        }
         let header: Option<Vec<String>> =
             self.record.iter().map(|cell| Some(std::str::from_utf8(cell).ok()?.trim().to_owned())).collect();
         let header = header.ok_or_else(|| self.error(LineProblem::NotText))?;
@@ -81,8 +89,9 @@ impl CsvLines {
             let found = excerpt(self.record.get(0).unwrap_or_default());
             return Err(self.error(LineProblem::WrongHeader { found }));
         }
-        for (index, column) in header.iter().enumerate() {
-            if header[..index].contains(column) {
+        let mut names = HashSet::new();
+        for column in &header {
+            if !names.insert(column) {
                 return Err(self.error(LineProblem::DuplicateColumn { column: column.clone() }));
             }
         }

@@ -15,6 +15,58 @@ pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
     Ok((file, length))
 }
 
+/// Longest text file that is read whole: a model, a profile, a calibration, a table of pairs.
+const TEXT_BYTES: u64 = 64 << 20;
+
+/// Reads a text file whole: a regular file of at most 64 MiB in UTF-8. Anything else is an error at once, in words that follow "cannot
+/// read FILE:".
+///
+/// # Errors
+/// When it is no such file, or cannot be read.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read_regular(path, TEXT_BYTES)?;
+    let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    String::from_utf8(bytes).map_err(|_| {
+        let found =
+            if is_utf16 { "it is text in UTF-16; save it as UTF-8" } else { "it is not text in UTF-8" };
+        io::Error::new(io::ErrorKind::InvalidData, found)
+    })
+}
+
+/// Reads a regular file of at most `most` bytes.
+///
+/// # Errors
+/// As [`read_text`].
+#[cfg(not(target_arch = "wasm32"))]
+pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    use std::io::Read;
+
+    let refuse = |kind, text: String| Err(io::Error::new(kind, text));
+    // Opening a pipe would block until another process writes, and a device may never end.
+    let there = match path.metadata() {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => {
+            return refuse(e.kind(), "there is no such file; check the path".into());
+        }
+        there => there?,
+    };
+    if there.is_dir() {
+        return refuse(io::ErrorKind::InvalidInput, "it is a directory; name a file in it".into());
+    }
+    if !there.is_file() {
+        return refuse(io::ErrorKind::InvalidInput, "it is a pipe or a device; name a file".into());
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return refuse(
+            io::ErrorKind::FileTooLarge,
+            format!("it is longer than {most} bytes, the most that is read"),
+        );
+    }
+    Ok(bytes)
+}
+
 #[cfg(target_arch = "wasm32")]
 pub use handed_over::hand_over;
 #[cfg(target_arch = "wasm32")]

@@ -39,7 +39,9 @@ impl std::fmt::Display for Format {
 const MCAP_MAGIC: &[u8] = mcap::MAGIC;
 
 /// First bytes of files of other kinds, with their names for the error.
-const FOREIGN: [(&[u8], &str); 8] = [
+const FOREIGN: [(&[u8], &str); 10] = [
+    (b"\xff\xfe", "is text in UTF-16 (save it as UTF-8)"),
+    (b"\xfe\xff", "is text in UTF-16 (save it as UTF-8)"),
     (
         b"MATLAB 5.0 MAT-file",
         "is a MATLAB .mat file, which this version does not read (save the columns as .csv)",

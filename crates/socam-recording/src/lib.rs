@@ -25,6 +25,7 @@
 //! # Ok::<(), socam_recording::RecordingError>(())
 //! ```
 
+mod beside;
 mod calibration_edit;
 mod calibration_file;
 pub mod check;
@@ -52,6 +53,7 @@ mod unit;
 mod warning;
 mod welch;
 
+pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
@@ -59,13 +61,18 @@ pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Steps};
 pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;
+#[cfg(not(target_arch = "wasm32"))]
+pub use files::{read_regular, read_text};
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
 pub use line_problem::LineProblem;
 pub use log::attachments::{Attachment, read_attachments};
 pub use log::contents::{AttachmentInfo, LogContents};
-pub use log::names::{EVENT_TOPIC, METADATA_NAME, PROFILE, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME};
+pub use log::names::{
+    EVENT_TOPIC, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
+};
 pub use log::record::{Recorder, RecordingSummary};
+pub use log::recover::{Recovered, recover};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;

@@ -12,6 +12,14 @@ pub enum LineProblem {
         /// First cell found.
         found: String,
     },
+    /// More columns than are read.
+    #[error("the header names {found} columns; at most {most} are read: split the file")]
+    TooManyColumns {
+        /// Columns in the header.
+        found: usize,
+        /// Most columns that are read.
+        most: usize,
+    },
     /// Two columns of one name.
     #[error("two columns are named `{column}`; rename one")]
     DuplicateColumn {

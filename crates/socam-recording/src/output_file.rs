@@ -4,10 +4,13 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::TempPath;
+
+use crate::beside::create_beside;
 use crate::error::{RecordingError, Result};
 
-/// A file that is written as `NAME.part` in the same folder and renamed by [`OutputFile::commit`]; dropping it before removes it.
-/// A target that is not a regular file (a pipe, a terminal) is written directly.
+/// A file that is written as `NAME.XXXXXX.part` in the same folder, with random letters for `XXXXXX`, and renamed by
+/// [`OutputFile::commit`]; dropping it before removes it. A target that is not a regular file (a pipe, a terminal) is written directly.
 ///
 /// ```
 /// use std::io::Write;
@@ -26,7 +29,7 @@ use crate::error::{RecordingError, Result};
 #[derive(Debug)]
 pub struct OutputFile {
     target: PathBuf,
-    temporary: Option<PathBuf>,
+    temporary: Option<TempPath>,
     file: BufWriter<File>,
 }
 
@@ -48,10 +51,7 @@ impl OutputFile {
             let file = File::options().write(true).open(target).map_err(fail)?;
             return Ok(Self { target: target.into(), temporary: None, file: BufWriter::new(file) });
         }
-        let mut name = target.file_name().unwrap_or_default().to_owned();
-        name.push(".part");
-        let temporary = target.with_file_name(name);
-        let file = File::create(&temporary).map_err(fail)?;
+        let (file, temporary) = create_beside(target).map_err(fail)?.into_parts();
         Ok(Self {
             target: target.into(),
             temporary: Some(temporary),
@@ -76,16 +76,11 @@ impl OutputFile {
     /// When the content could not be written; no file is left then.
     pub fn commit(mut self) -> Result<()> {
         self.file.flush().map_err(|e| self.fail(e))?;
-        let Some(temporary) = &self.temporary else {
+        let Some(temporary) = self.temporary.take() else {
             return Ok(());
         };
-        self.file
-            .get_ref()
-            .sync_all()
-            .and_then(|()| std::fs::rename(temporary, &self.target))
-            .map_err(|e| self.fail(e))?;
-        self.temporary = None;
-        Ok(())
+        self.file.get_ref().sync_all().map_err(|e| self.fail(e))?;
+        temporary.persist(&self.target).map_err(|e| self.fail(e.error))
     }
 
     fn fail(&self, e: io::Error) -> RecordingError {
@@ -100,13 +95,5 @@ impl Write for OutputFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
-    }
-}
-
-impl Drop for OutputFile {
-    fn drop(&mut self) {
-        if let Some(temporary) = &self.temporary {
-            let _ = std::fs::remove_file(temporary);
-        }
     }
 }

@@ -45,8 +45,11 @@ impl std::error::Error for SettingsError {}
 
 /// Reads a settings file as text.
 pub(crate) fn read(path: &Path) -> Result<String, SettingsError> {
-    std::fs::read_to_string(path)
-        .map_err(|e| SettingsError::new(format!("cannot be read: {e}")).in_file(path))
+    #[cfg(not(target_arch = "wasm32"))]
+    let text = crate::files::read_text(path);
+    #[cfg(target_arch = "wasm32")]
+    let text = std::fs::read_to_string(path);
+    text.map_err(|e| SettingsError::new(format!("cannot be read: {e}")).in_file(path))
 }
 
 /// One table of a settings file. Its getters record errors and return a default; [`Fields::finish`] returns the first error.

@@ -140,7 +140,8 @@ fn is_recording(file: &str) -> anyhow::Result<bool> {
     if path.extension().is_none_or(|extension| extension != "csv") {
         return Ok(true);
     }
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text =
+        socam_recording::read_text(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
     let head = text.lines().find(|line| !line.starts_with('#'));
     Ok(head.is_some_and(|head| head.split(',').next().is_some_and(|first| first.trim() == "t_s")))
 }
@@ -237,7 +238,7 @@ fn text(found: &[Task]) -> String {
 fn corrected(args: &Args, found: &[Task]) -> anyhow::Result<String> {
     let text = match &args.calibration {
         Some(path) => {
-            std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?
+            socam_recording::read_text(path).with_context(|| format!("cannot read `{}`", path.display()))?
         }
         None => Calibration::default_text().to_owned(),
     };

@@ -16,7 +16,7 @@ use crate::{model_file, table};
 /// Check whether recordings are fit for identification, what is wrong, and what to record instead
 ///
 /// Checks the channels of the model: excitation of the input in amplitude, over frequency and near the model's resonances; speed ratios;
-/// saturated, stuck, noisy or humming sensors; missing rows. Findings are results: the exit code is 0 even if a recording is not fit for use.
+/// saturated, stuck, noisy or humming sensors; missing rows. Findings are results: the exit code is 0 even if a recording is not fit for use, and 3 if samples of it are missing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host check RUN.mcap
@@ -53,10 +53,14 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         Some(model) => socam_expectation::of_model(model, args.ratio_tolerance / 100.0),
         None => CheckOptions { input: args.input.clone(), ..CheckOptions::default() },
     };
+    let mut outcome = Outcome::Done;
     let check_one = |run: &String| {
         let data = output::open_regular(run)?;
         if let Some(model) = &model {
             require_common_ground(&data, model)?;
+        }
+        if Outcome::on([&data]) == Outcome::LostSamples {
+            outcome = Outcome::LostSamples;
         }
         Ok(check(&data, &options)?)
     };
@@ -68,7 +72,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let texts: Vec<String> = checks.iter().map(text).collect();
         output::print(&texts.join("\n"))?;
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 /// A recording with none of the model's channels is one of another bench.

@@ -87,7 +87,6 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return steady::run(&args, &model);
     }
     let interrupt = Interrupt::listen();
-    interrupt.end_after(0);
     let target = args.write_model.as_deref().map(output::create).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     let open = |runs: &[String]| {

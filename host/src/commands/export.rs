@@ -76,8 +76,7 @@ fn export(run: &str, output: Option<&Path>, replace: bool) -> anyhow::Result<Out
         }
         None => selection.path.with_extension("csv"),
     };
-    let outcome =
-        if data.cut().is_some() || data.lost_samples() > 0 { Outcome::LostSamples } else { Outcome::Done };
+    let outcome = Outcome::on([&data]);
     if target.as_os_str() == "-" {
         write_csv(&data, &mut io::stdout().lock(), Path::new("stdout"))?;
         return Ok(outcome);

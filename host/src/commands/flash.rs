@@ -34,8 +34,12 @@ const CHIP: &str = "RPI-RP2";
 /// Folders in which systems mount drives, directly or in a folder per user.
 const MOUNTS: [&str; 4] = ["/media", "/run/media", "/Volumes", "/mnt"];
 
+/// Longest image, bytes; the chip has 2 MiB of flash.
+const LONGEST_IMAGE: u64 = 64 << 20;
+
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let image = std::fs::read(&args.image).with_context(|| format!("`{}`", args.image.display()))?;
+    let image = socam_recording::read_regular(&args.image, LONGEST_IMAGE)
+        .with_context(|| format!("`{}`", args.image.display()))?;
     let uf2 = uf2::of(image).with_context(|| format!("`{}`", args.image.display()))?;
     if args.probe {
         return by_probe(&args.image);

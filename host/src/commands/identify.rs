@@ -55,7 +55,6 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     let mut options = options(&args, &model)?;
     let interrupt = Interrupt::listen();
-    interrupt.end_after(0);
     // The output file is created before the fit, so that an error is reported before it.
     let target = args.write_model.as_deref().map(output::create).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
@@ -85,7 +84,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         result.warnings.iter().for_each(output::warn);
         output::print(&report(&result, &validation, &force_errors))?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(datasets.iter().chain(&held_out)))
 }
 
 /// Refuses options that the method does not use.

@@ -50,7 +50,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 /// A calibration with the text of its file, which is stored in the log.
 fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1])> {
     let calibration = Calibration::open(path)?;
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text =
+        socam_recording::read_text(path).with_context(|| format!("cannot read `{}`", path.display()))?;
     Ok((calibration, record::attachment("calibration.toml", text)))
 }
 

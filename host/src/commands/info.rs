@@ -32,7 +32,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let texts: Vec<String> = infos.iter().map(Info::to_text).collect();
         output::print(&texts.join("\n"))?;
     }
-    Ok(Outcome::Done)
+    let is_lossy = |info: &Info| info.cut.is_some() || info.lost_samples.is_some_and(|lost| lost > 0);
+    Ok(if infos.iter().any(is_lossy) { Outcome::LostSamples } else { Outcome::Done })
 }
 
 #[derive(Serialize)]

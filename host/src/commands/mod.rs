@@ -16,12 +16,15 @@ mod identify;
 mod import;
 mod info;
 mod record;
+mod recover;
 mod simulate;
 mod template;
 mod thesis;
 mod virtual_board;
 
 use std::process::ExitCode;
+
+use socam_recording::Dataset;
 
 /// How a command that did not fail ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +33,14 @@ pub(crate) enum Outcome {
     Done,
     /// Done, but samples were lost.
     LostSamples,
+}
+
+impl Outcome {
+    /// Of a command that did its work on these recordings: whether they are cut off, damaged, or lack samples.
+    pub(crate) fn on<'d>(recordings: impl IntoIterator<Item = &'d Dataset>) -> Self {
+        let is_lossy = |data: &Dataset| data.cut().is_some() || data.lost_samples() > 0;
+        if recordings.into_iter().any(is_lossy) { Self::LostSamples } else { Self::Done }
+    }
 }
 
 impl From<Outcome> for ExitCode {
@@ -73,6 +84,7 @@ commands! {
     Design => design,
     Demo => demo,
     Record => record,
+    Recover => recover,
     Simulate => simulate,
     Challenge => challenge,
     VirtualBoard => virtual_board,

@@ -10,6 +10,7 @@ use socam_recording::{Attachment, Calibration, ProfileFile};
 
 use super::Outcome;
 use crate::device::run::{self, End, Plan, Report};
+use crate::device::token::TokenArgs;
 use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
 use crate::interrupt::Interrupt;
@@ -17,9 +18,15 @@ use crate::model_file;
 use crate::output::{self, WrongArguments};
 pub(crate) use result::{outcome, tell};
 
+/// Longest run, s: the board's counter of ticks wraps after 59 h at the highest rate.
+const LONGEST_RUN_S: f64 = 24.0 * 3600.0;
+
 /// Run a profile on the bench and record it
 ///
-/// Ctrl-C ramps the bench down, a second Ctrl-C stops it at once; the samples recorded until then are kept.
+/// Ctrl-C ramps the bench down, a second Ctrl-C stops it at once; the samples recorded until then are kept. A third one ends the program
+/// without waiting for the board, whose watchdog stops the bench then. With --force, an older recording is replaced when the first second of
+/// the new one is in its file, and not before: if the run does not start, the old recording stays as it was. Until then the new one is
+/// called RUN.mcap.XXXXXX.part; what a kill leaves under that name is read by `info` and `recover`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host record --list-profiles
@@ -51,6 +58,8 @@ pub(crate) struct Args {
     #[arg(long)]
     realtime: bool,
     #[command(flatten)]
+    token: TokenArgs,
+    #[command(flatten)]
     bench: BenchArgs,
     /// Print one JSON document instead of text
     #[arg(long)]
@@ -80,6 +89,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return Err(WrongArguments("record needs --output and --device".into()).into());
     };
     check_output(path, args.force)?;
+    let device = &device.clone().with_token(args.token.read()?);
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
     if *device != Device::Sim && args.bench.describes_a_bench() {
         return Err(WrongArguments(format!(
@@ -97,9 +107,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
     let rate_hz = args.course.rate;
     let interrupt = Interrupt::listen();
+    // Stopped, stopped at once; then the board's watchdog stops the bench of a process that has ended.
+    interrupt.answer(2);
     let bench = setup.as_ref().map(|setup| (setup.clone(), pace));
     let mut session = device::open(device, bench)?;
-    let text = args.calibration.as_ref().map(std::fs::read_to_string).transpose()?;
+    let text = args.calibration.as_deref().map(socam_recording::read_text).transpose()?;
     calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
     let report = run::record(&mut session, plan, &interrupt)?;
     tell(path, &report, rate_hz, args.json)?;
@@ -156,6 +168,14 @@ pub(crate) fn plan(course: &CourseArgs, path: PathBuf) -> anyhow::Result<Plan> {
         }
         // The profile fades out after its own duration.
         file.duration_s = duration_s - file.ramp_s;
+    }
+    if file.duration_s > LONGEST_RUN_S {
+        return Err(WrongArguments(format!(
+            "the profile `{name}` would last {:.1} h; a run lasts at most {} h: record longer jobs in several runs",
+            file.duration_s / 3600.0,
+            LONGEST_RUN_S / 3600.0
+        ))
+        .into());
     }
     Ok(Plan {
         profile: file.profile(period_us)?,

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 use socam_identify::{Local, Options, Problem};
-use socam_recording::{Dataset, OutputFile, Selection, export_csv, import_mcap};
+use socam_recording::{Dataset, Selection, export_csv, import_mcap, temporary_beside};
 use socam_sim::{Begin, Disturbance, OutputError, Replay, Replayed, Start, Truth};
 
 use super::Outcome;
 use super::record::{self, CourseArgs, attachment};
-use crate::device::run::{self, Plan, Report};
+use crate::device::run::{self, End, Plan, Report};
 use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace};
 use crate::interrupt::Interrupt;
@@ -87,25 +87,21 @@ impl Kind {
 
 /// Records the virtual bench into a temporary file, which is moved to its path once it is complete.
 fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    // The name must differ from the temporary file of a conversion.
-    name.push(".mcap.part");
-    let part = path.with_file_name(name);
-    // The error names the requested file, not the temporary one.
-    drop(OutputFile::create(path)?);
-    let report = simulate_into(&args.course, &args.bench, &part);
-    let placed = report.and_then(|report| {
-        record::outcome(&part, &report)?;
-        match kind {
-            Kind::Mcap => {
-                std::fs::rename(&part, path).with_context(|| format!("cannot write `{}`", path.display()))?
-            }
-            Kind::Csv => export_csv(&Dataset::open_selection(&Selection::whole(&part))?, path)?,
+    let part = temporary_beside(path)?;
+    // The recorder creates it anew, under this name.
+    std::fs::remove_file(&part).with_context(|| format!("cannot write `{}`", path.display()))?;
+    Interrupt::listen().unfinished(Some(&part));
+    let report = simulate_into(&args.course, &args.bench, &part)?;
+    if let End::Fault(reason) | End::Broken(reason) = &report.end {
+        anyhow::bail!("the virtual board ended the run: {reason}; `{}` is not written", path.display());
+    }
+    match kind {
+        Kind::Mcap => {
+            part.persist(path).with_context(|| format!("cannot write `{}`", path.display()))?;
         }
-        Ok(report)
-    });
-    let _ = std::fs::remove_file(&part);
-    let report = placed?;
+        Kind::Csv => export_csv(&Dataset::open_selection(&Selection::whole(&part))?, path)?,
+    }
+    Interrupt::listen().unfinished(None);
     record::tell(path, &report, args.course.rate, args.json)?;
     record::outcome(path, &report)
 }
@@ -120,7 +116,8 @@ pub(crate) fn simulate_into(course: &CourseArgs, bench: &BenchArgs, path: &Path)
     plan.attachments.extend(attachment("model.toml", model_file::text(&bench.model)?));
     let plan = Plan { replace: true, ..plan };
     let mut session = device::open(&Device::Sim, Some((setup, Pace::Fast)))?;
-    run::record(&mut session, plan, &Interrupt::listen())
+    // Nothing real moves, so Ctrl-C ends the process.
+    run::record(&mut session, plan, &Interrupt::default())
 }
 
 /// Drives the model by the inputs of a recording.

@@ -7,8 +7,10 @@ mod in_process;
 pub(crate) mod run;
 pub(crate) mod session;
 mod stream;
+pub(crate) mod token;
 pub(crate) mod virtual_bench;
 
+use std::io::Write;
 use std::str::FromStr;
 
 use anyhow::anyhow;
@@ -17,6 +19,7 @@ use socam_sim::Setup;
 pub(crate) use in_process::{InProcess, Pace};
 pub(crate) use session::Session;
 use stream::{Stream, find_board, open_serial, open_tcp};
+use token::Token;
 
 /// Where a board is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,8 +30,18 @@ pub(crate) enum Device {
     Usb,
     /// A serial line, USB included.
     Serial(String),
-    /// A board behind TCP: `HOST:PORT`.
-    Tcp(String),
+    /// A board behind TCP: `HOST:PORT`, and the token that it asks for.
+    Tcp(String, Option<Token>),
+}
+
+impl Device {
+    /// The same device, with the token that it may ask for.
+    pub(crate) fn with_token(self, token: Option<Token>) -> Self {
+        match self {
+            Self::Tcp(address, _) => Self::Tcp(address, token),
+            other => other,
+        }
+    }
 }
 
 impl FromStr for Device {
@@ -39,7 +52,7 @@ impl FromStr for Device {
             None if text == "sim" => Ok(Self::Sim),
             None if text == "serial" => Ok(Self::Usb),
             Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
-            Some(("tcp", address)) if address.contains(':') => Ok(Self::Tcp(address.into())),
+            Some(("tcp", address)) if address.contains(':') => Ok(Self::Tcp(address.into(), None)),
             _ => Err("expected sim, serial (the board on USB), serial:PATH or tcp:HOST:PORT".into()),
         }
     }
@@ -51,7 +64,7 @@ impl std::fmt::Display for Device {
             Self::Sim => f.write_str("sim"),
             Self::Usb => f.write_str("serial"),
             Self::Serial(path) => write!(f, "serial:{path}"),
-            Self::Tcp(address) => write!(f, "tcp:{address}"),
+            Self::Tcp(address, _) => write!(f, "tcp:{address}"),
         }
     }
 }
@@ -64,7 +77,13 @@ pub(crate) fn open(device: &Device, bench: Option<(Setup, Pace)>) -> anyhow::Res
         (Device::Sim, None) => return Err(anyhow!("a virtual board needs a bench")),
         (Device::Usb, _) => Box::new(open_serial(&find_board(&serialport::available_ports()?)?)?),
         (Device::Serial(path), _) => Box::new(open_serial(path)?),
-        (Device::Tcp(address), _) => Box::new(open_tcp(address)?),
+        (Device::Tcp(address, token), _) => {
+            let mut stream = open_tcp(address)?;
+            if let Some(token) = token {
+                stream.write_all(token.line().as_bytes())?;
+            }
+            Box::new(stream)
+        }
     };
     Session::open(stream, device.to_string(), is_patient)
 }

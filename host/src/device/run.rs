@@ -77,7 +77,7 @@ pub(crate) fn record_prepared(
         replace: plan.replace,
     };
     let recorder = Recorder::create(&plan.path, &header)?;
-    let planned_us = plan.profile.duration_us;
+    let planned_us = [plan.profile.duration_us, u64::from(plan.profile.ramp_us)];
     let mut run = Run::new(session, monitor, recorder, columns, plan.calibration, plan.period_us, planned_us);
     let started = run.start();
     let end = started.and_then(|()| run.until_end());

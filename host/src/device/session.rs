@@ -12,6 +12,8 @@ use socam_wire::{
 };
 
 use super::stream::Stream;
+use super::token::{LONGEST_LINE, REFUSAL_LINE};
+use crate::output;
 
 /// Longest time until a board sends its identity, and the interval at which it is asked: requests during its start are lost.
 const HELLO_WITHIN: Duration = Duration::from_secs(3);
@@ -40,6 +42,10 @@ pub(crate) struct Session {
     decoder: Decoder<ToHost>,
     identity: Identity,
     counts: LinkCounts,
+    /// Channels of each sample, once the board has been configured.
+    channels: Option<u8>,
+    /// Batches of another number of channels.
+    misfits: u32,
     requests: u16,
     heard: VecDeque<Heard>,
     answer: Option<(u16, Result<(), Refusal>)>,
@@ -59,6 +65,7 @@ impl Session {
         let begin = Instant::now();
         let mut asked: Option<Instant> = None;
         let mut strange_bytes = 0;
+        let mut refusal = Vec::new();
         while begin.elapsed() < HELLO_WITHIN {
             if asked.is_none_or(|asked| asked.elapsed() >= HELLO_EVERY) {
                 send(&mut *stream, &mut encoder, &ToBoard::Hello, &device)?;
@@ -66,6 +73,10 @@ impl Session {
             }
             let count = receive(&mut *stream, &mut buffer, &device)?;
             strange_bytes += count;
+            refusal.extend(buffer[..count].iter().take(LONGEST_LINE - refusal.len()));
+            if let Some(why) = refused(&refusal) {
+                bail!("{device} refuses: {why}");
+            }
             let mut bytes = &buffer[..count];
             while let Some(item) = decoder.next(&mut bytes) {
                 match item {
@@ -78,6 +89,8 @@ impl Session {
                             decoder,
                             identity,
                             counts: LinkCounts::default(),
+                            channels: None,
+                            misfits: 0,
                             requests: 0,
                             heard: VecDeque::new(),
                             answer: None,
@@ -114,9 +127,9 @@ impl Session {
         self.is_patient
     }
 
-    /// Errors of frames from the board.
-    pub(crate) fn link_counts(&self) -> &LinkCounts {
-        &self.counts
+    /// Number of errors of frames from the board, batches of a wrong number of channels included.
+    pub(crate) fn link_errors(&self) -> u32 {
+        self.counts.total().saturating_add(self.misfits)
     }
 
     /// Sends a request and waits for its answer; other messages meanwhile are kept for [`Self::next`].
@@ -128,6 +141,9 @@ impl Session {
             if let Some((answered, result)) = self.answer.take()
                 && answered == number
             {
+                if let (Request::Configure(config), Ok(())) = (&request, &result) {
+                    self.channels = Some(config.channel_count);
+                }
                 return Ok(result);
             }
         }
@@ -168,7 +184,7 @@ impl Session {
     fn decode(&mut self, mut bytes: &[u8]) {
         while let Some(item) = self.decoder.next(&mut bytes) {
             match item {
-                Ok(ToHost::Samples(batch)) => self.heard.push_back(Heard::Samples(batch)),
+                Ok(ToHost::Samples(batch)) => self.keep(batch),
                 Ok(ToHost::Status(status)) => self.heard.push_back(Heard::Status(status)),
                 Ok(ToHost::Answer { number, result }) => self.answer = Some((number, result)),
                 Ok(ToHost::Hello(identity)) => self.identity = identity,
@@ -176,6 +192,30 @@ impl Session {
             }
         }
     }
+
+    /// Queues a batch, unless its samples have another number of channels than was configured: their values would be in wrong columns.
+    fn keep(&mut self, batch: SampleBatch) {
+        match self.channels {
+            Some(channels) if batch.channels() != usize::from(channels) => {
+                if self.misfits == 0 {
+                    output::warn(format_args!(
+                        "{} sends samples of {} channels, but {channels} are configured: these samples are left out and count as lost",
+                        self.device,
+                        batch.channels()
+                    ));
+                }
+                self.misfits = self.misfits.saturating_add(1);
+            }
+            _ => self.heard.push_back(Heard::Samples(batch)),
+        }
+    }
+}
+
+/// The reason in the line by which a board refuses a host, once it is whole.
+fn refused(bytes: &[u8]) -> Option<String> {
+    let text = bytes.strip_prefix(REFUSAL_LINE.as_bytes())?;
+    let end = text.iter().position(|byte| *byte == b'\n')?;
+    Some(String::from_utf8_lossy(&text[..end]).into_owned())
 }
 
 fn send(

@@ -1,3 +1,5 @@
+mod misbehaving;
+
 use std::io::{self, Read, Write};
 use std::time::Duration;
 
@@ -229,7 +231,7 @@ fn a_board_on_a_serial_line_is_recorded() {
 fn devices_are_read() {
     assert_eq!("sim".parse(), Ok(Device::Sim));
     assert_eq!("serial:/dev/ttyACM0".parse(), Ok(Device::Serial("/dev/ttyACM0".into())));
-    assert_eq!("tcp:127.0.0.1:4000".parse(), Ok(Device::Tcp("127.0.0.1:4000".into())));
+    assert_eq!("tcp:127.0.0.1:4000".parse(), Ok(Device::Tcp("127.0.0.1:4000".into(), None)));
     for text in ["", "sim:", "serial:", "tcp:4000", "usb:1", "SIM"] {
         assert!(text.parse::<Device>().is_err(), "{text}");
     }

@@ -6,6 +6,9 @@ use super::{
 };
 use crate::{ModelError, Parameter, Prior, effects::Kind, units};
 
+/// Largest value of a parameter, SI: the equations of much larger ones overflow.
+pub const LARGEST_VALUE: f64 = 1e30;
+
 impl Reader<'_> {
     pub(super) fn read_parameter(&mut self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
         let label = name.get_ref();
@@ -17,6 +20,14 @@ impl Reader<'_> {
         };
         if !raw.value.get_ref().is_finite() {
             return self.fail(&raw.value, format!("parameters.{label}.value must be a finite number"));
+        }
+        if (raw.value.get_ref() * unit.factor).abs() > LARGEST_VALUE {
+            return self.fail(
+                &raw.value,
+                format!(
+                    "parameters.{label}.value is beyond {LARGEST_VALUE:e} in SI, which nothing mechanical is"
+                ),
+            );
         }
         let [low, high] =
             raw.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| *bounds.get_ref());

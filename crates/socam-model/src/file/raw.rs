@@ -10,6 +10,12 @@ use toml::Spanned;
 
 use crate::{ChannelTransform, Intersample, Motion, Quantity, Role};
 
+/// Most parameters of a model, and most channels.
+const MOST_NAMES: usize = 300;
+
+/// Most nodes, and most elements of each kind. A run of 3 s of a chain of 100 nodes is simulated in 2 s, one of 300 in half a minute.
+const MOST_ITEMS: usize = 100;
+
 /// A table whose entries keep their order and positions in the file.
 pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
 
@@ -27,6 +33,11 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
                 let mut entries = Vec::new();
                 while let Some(entry) = map.next_entry()? {
                     entries.push(entry);
+                    if entries.len() > MOST_NAMES {
+                        return Err(A::Error::custom(format_args!(
+                            "this table has more than {MOST_NAMES} names, the most that are read"
+                        )));
+                    }
                 }
                 Ok(Ordered(entries))
             }
@@ -61,6 +72,12 @@ impl<'de, T: Deserialize<'de> + Listed> Deserialize<'de> for List<T> {
                 let mut list = Vec::new();
                 while let Some(item) = items.next_element()? {
                     list.push(item);
+                    if list.len() > MOST_ITEMS {
+                        let name = T::NAME;
+                        return Err(A::Error::custom(format_args!(
+                            "a model has at most {MOST_ITEMS} [[{name}]]; its equations take the cube of that in time"
+                        )));
+                    }
                 }
                 Ok(List(list))
             }

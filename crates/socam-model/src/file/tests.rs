@@ -172,3 +172,18 @@ fn odd_models_are_warned_of_and_the_embedded_ones_are_not() {
     let both = Model::parse(&changed(&[("[channels.motor_torque]", &speed)])).unwrap().warnings();
     assert!(both[0].contains("channel motor_torque moves nothing"), "{both:?}");
 }
+
+#[test]
+fn a_model_beyond_the_limits_is_refused_in_words() {
+    let text = crate::BUILTIN[0].1;
+    let nodes: String = (0..1000).map(|node| format!("[[nodes]]\nname = \"n{node}\"\n")).collect();
+    let parameters: String = (0..60_000).map(|p| format!("x{p} = {{ value = 1, unit = \"1\" }}\n")).collect();
+    for (text, said) in [
+        (format!("{text}\n{nodes}"), "at most 100 [[nodes]]"),
+        (text.replacen("[parameters]\n", &format!("[parameters]\n{parameters}"), 1), "more than 300 names"),
+        (text.replacen("value = 1.24", "value = 1e308", 1), "k1.value is beyond 1e30"),
+    ] {
+        let problem = Model::parse(&text).unwrap_err().to_string();
+        assert!(problem.contains(said), "{problem}");
+    }
+}

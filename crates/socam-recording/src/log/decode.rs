@@ -16,6 +16,9 @@ use crate::warning::Warning;
 /// Most events kept; a recording with more is still read.
 const EVENTS: usize = 10_000;
 
+/// Most values decoded from a chunk, times included (256 MB): short messages of many channels unpack to far more than the chunk.
+const MOST_VALUES: usize = 32 << 20;
+
 /// Length of the header before a message's content: channel (2 bytes), sequence (4), log time (8), publish time (8).
 const MESSAGE_HEAD: usize = 22;
 
@@ -50,6 +53,9 @@ impl SampleDecoder {
         let (mut device_time_ns, mut exact_s, mut sequence) = (0_i64, None, None);
         let columns = &self.columns;
         let start = self.rows.len();
+        if start > MOST_VALUES {
+            return None;
+        }
         self.rows.resize(start + 1 + columns.len(), f64::NAN);
         let row = &mut self.rows[start..];
         // Fields are usually complete and in the order of their numbers.

@@ -3,18 +3,22 @@
 pub(crate) mod attachments;
 pub(crate) mod contents;
 pub(crate) mod decode;
+mod file;
 #[cfg(target_arch = "wasm32")]
 mod inflate;
+mod landmark;
 pub(crate) mod names;
 mod order;
 mod parse;
 mod queue;
 pub(crate) mod record;
 mod records;
+pub(crate) mod recover;
 pub(crate) mod reread;
 pub(crate) mod sample;
 pub(crate) mod scan;
 pub(crate) mod schema;
 pub(crate) mod sink;
+mod summary;
 mod unpack;
 pub(crate) mod writer;

@@ -17,3 +17,6 @@ pub const METADATA_NAME: &str = "socam";
 
 /// Name of the metadata record written when a recording is finished in order.
 pub const SUMMARY_NAME: &str = "socam.summary";
+
+/// Name of the metadata record of a log that was recovered: its source, and what is missing.
+pub const RECOVERED_NAME: &str = "socam.recovered";

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::file::LogFile;
 use super::writer::{LogWriter, Topic};
 use crate::error::Result;
 
@@ -66,8 +67,12 @@ impl Queue {
     }
 }
 
-/// Empties the queue until the recording ends. Returns samples and bytes written.
-pub(super) fn write_until_ended(mut log: LogWriter, shared: &Shared) -> Result<(u64, u64)> {
+/// Empties the queue until the recording ends, and keeps the file once it has a sample. Returns samples and bytes written.
+pub(super) fn write_until_ended(
+    mut log: LogWriter,
+    mut file: LogFile,
+    shared: &Shared,
+) -> Result<(u64, u64)> {
     let mut batch = Queue::default();
     let mut chunk_opened = Instant::now();
     let mut synced = Instant::now();
@@ -84,6 +89,9 @@ pub(super) fn write_until_ended(mut log: LogWriter, shared: &Shared) -> Result<(
             if chunk_opened.elapsed() >= CHUNK_AGE {
                 chunk_opened = Instant::now();
                 log.flush()?;
+                if log.samples_flushed() > 0 {
+                    file.keep()?;
+                }
             }
             if synced.elapsed() >= SYNC_EVERY {
                 synced = Instant::now();
@@ -99,6 +107,9 @@ pub(super) fn write_until_ended(mut log: LogWriter, shared: &Shared) -> Result<(
             let samples = log.samples();
             let flushed = log.samples_flushed();
             let bytes = log.finish(lost).map_err(|e| e.after(flushed))?;
+            if samples > 0 {
+                file.keep()?;
+            }
             return Ok((samples, bytes));
         }
         std::thread::park_timeout(POLL);

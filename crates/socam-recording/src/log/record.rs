@@ -4,11 +4,11 @@
 //! closes and flushes a chunk twice a second, and syncs to the disk every ten seconds. When the disk is too slow and the queue
 //! is full, samples are dropped, counted and reported.
 
-use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
+use super::file::LogFile;
 use super::queue::{self, Shared, write_until_ended};
 use super::sample::{Event, SampleRow, Status, encode_event, encode_sample, encode_status};
 use super::writer::{LogWriter, RecordingHeader, Topic};
@@ -79,22 +79,20 @@ impl Recorder {
     /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
     pub const QUEUE_BYTES: usize = queue::QUEUE_BYTES;
 
-    /// Creates the file, writes everything known beforehand, and starts the writer's thread.
+    /// Creates the file, writes everything known beforehand, and starts the writer's thread. A file that is replaced is there until
+    /// the first samples are written to the new one, which lies beside it as `NAME.XXXXXX.part` till then.
     ///
     /// # Errors
     /// When the file cannot be created or written; no file is left then.
     pub fn create(path: &Path, header: &RecordingHeader) -> Result<Self> {
-        let file = create_file(path, header.replace)?;
-        let log = LogWriter::begin(path, file, header).inspect_err(|_| remove(path))?;
+        let (file, output) = LogFile::create(path, header.replace)?;
+        let log = LogWriter::begin(path, output, header)?;
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("socam-recorder".into())
-            .spawn(move || write_until_ended(log, &theirs))
-            .map_err(|e| {
-                remove(path);
-                RecordingError::io(path, "record to", e)
-            })?;
+            .spawn(move || write_until_ended(log, file, &theirs))
+            .map_err(|e| RecordingError::io(path, "record to", e))?;
         Ok(Self {
             path: path.into(),
             shared,
@@ -191,7 +189,6 @@ impl Recorder {
             RecordingError::io(&self.path, "record to", std::io::Error::other("the writer stopped"))
         })??;
         if written == 0 {
-            remove(&self.path);
             return Err(RecordingError::NothingRecorded { path: self.path.clone() });
         }
         Ok((written, bytes))
@@ -207,23 +204,5 @@ impl Drop for Recorder {
 impl Counts {
     fn lost(&self) -> u64 {
         self.missed + self.overflowed + self.refused
-    }
-}
-
-fn create_file(path: &Path, replace: bool) -> Result<File> {
-    let mut options = OpenOptions::new();
-    options.write(true);
-    if replace {
-        options.create(true).truncate(true);
-    } else {
-        options.create_new(true);
-    }
-    options.open(path).map_err(|e| RecordingError::io(path, "create", e))
-}
-
-/// Removes a regular file; devices are left.
-fn remove(path: &Path) {
-    if path.metadata().is_ok_and(|metadata| metadata.is_file()) {
-        let _ = std::fs::remove_file(path);
     }
 }

@@ -1,19 +1,21 @@
 //! Whole records of a log file, one at a time, and the records inside its chunks.
 
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use super::landmark;
 use crate::error::{RecordingError, Result};
 use crate::files::{self, File};
 
 /// Size of the read buffer, bytes.
 const BUFFER_BYTES: usize = 1 << 18;
 
-/// Largest record read into memory (chunks are 1 MiB; attachments are small files).
-const RECORD_BYTES: u64 = 128 << 20;
+/// Largest record read into memory, and largest content of a chunk (chunks are 1 MiB; attachments are small files).
+pub(super) const RECORD_BYTES: u64 = 128 << 20;
 
 /// Opcode and length before every record.
 pub(crate) const RECORD_HEAD: u64 = 9;
@@ -32,13 +34,19 @@ pub(crate) struct Records {
 const FOOTER_BYTES: u64 = 20;
 const DATA_END_BYTES: u64 = 4;
 
+/// Opcodes of the format.
+const KNOWN: RangeInclusive<u8> = op::HEADER..=op::DATA_END;
+
+/// Opcodes from this one on are free for anybody's use.
+const FIRST_PRIVATE: u8 = 0x80;
+
 pub(crate) enum Next<'a> {
     Record {
         opcode: u8,
         byte: u64,
         body: &'a mut Vec<u8>,
     },
-    /// A record with the opcode of an end and the length of another record: first byte and length.
+    /// Bytes that are no record, up to the next one that is: first byte and length.
     Damaged(u64, u64),
     /// The regular end.
     End,
@@ -84,14 +92,23 @@ impl Records {
         let opcode = head[0];
         let length =
             u64::from_le_bytes([head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8]]);
-        if opcode == 0 || length > left - RECORD_HEAD {
-            return Ok(Next::Cut(byte));
+        let is_known = KNOWN.contains(&opcode) || opcode >= FIRST_PRIVATE;
+        if !is_known || length > left - RECORD_HEAD {
+            return self.find_next(byte, length);
         }
         if opcode == op::FOOTER && length != FOOTER_BYTES
             || opcode == op::DATA_END && length != DATA_END_BYTES
         {
-            self.seek(byte + RECORD_HEAD + length)?;
-            return Ok(Next::Damaged(byte, RECORD_HEAD + length));
+            return self.leave_out(byte, RECORD_HEAD + length);
+        }
+        if opcode == op::CHUNK {
+            match self.peek(length)? {
+                None => return self.find_next(byte, length),
+                Some(unpacked) if unpacked > RECORD_BYTES => {
+                    return self.leave_out(byte, RECORD_HEAD + length);
+                }
+                Some(_) => {}
+            }
         }
         if opcode == op::FOOTER {
             let end = byte + RECORD_HEAD + length + mcap::MAGIC.len() as u64;
@@ -120,6 +137,54 @@ impl Records {
         }
         self.position = byte + RECORD_HEAD + length;
         Ok(Next::Record { opcode, byte, body: &mut self.body })
+    }
+
+    /// Content size that the head of the chunk at hand says, bytes; `None` where that is no head of a chunk of this length.
+    fn peek(&mut self, length: u64) -> Result<Option<u64>> {
+        let mut head = [0; landmark::CHUNK_HEAD];
+        let head = &mut head[..landmark::CHUNK_HEAD.min(length as usize)];
+        self.read(|file| {
+            file.read_exact(head)?;
+            file.seek_relative(-(head.len() as i64))
+        })?;
+        Ok(landmark::unpacked_bytes(head, length))
+    }
+
+    /// Goes on after a record that is left out.
+    fn leave_out(&mut self, byte: u64, bytes: u64) -> Result<Next<'_>> {
+        self.seek(byte + bytes)?;
+        Ok(Next::Damaged(byte, bytes))
+    }
+
+    /// Goes on after something that is no record: where its length says, if a record is there, or else at the next landmark.
+    fn find_next(&mut self, byte: u64, length: u64) -> Result<Next<'_>> {
+        if let Some(bytes) = RECORD_HEAD.checked_add(length)
+            && self.is_record(byte.saturating_add(bytes))?
+        {
+            return self.leave_out(byte, bytes);
+        }
+        let mut found = None;
+        let length = self.length;
+        self.read(|file| landmark::find(file, byte + 1, length).map(|place| found = place))?;
+        match found {
+            Some(place) => self.leave_out(byte, place - byte),
+            None => Ok(Next::Cut(byte)),
+        }
+    }
+
+    /// Whether a record of the format begins at this byte.
+    fn is_record(&mut self, byte: u64) -> Result<bool> {
+        let left = self.length.saturating_sub(byte);
+        if left < RECORD_HEAD {
+            return Ok(false);
+        }
+        let mut head = [0; RECORD_HEAD as usize];
+        self.read(|file| {
+            file.seek(SeekFrom::Start(byte))?;
+            file.read_exact(&mut head)
+        })?;
+        let [opcode, length @ ..] = head;
+        Ok(KNOWN.contains(&opcode) && u64::from_le_bytes(length) <= left - RECORD_HEAD)
     }
 
     fn read(&mut self, read: impl FnOnce(&mut BufReader<File>) -> io::Result<()>) -> Result<()> {

@@ -16,8 +16,11 @@ use crate::part::{EndOfRows, Part, Place};
 use crate::table::BLOCK_ROWS;
 use crate::warning::{Cut, Warning};
 
-/// Bytes of the chunks unpacked at a time; at most [`BATCH`] chunks.
-const BATCH_BYTES: usize = 8 << 20;
+/// Bytes of the contents of chunks unpacked at a time, and of the rows that they can hold at most; at most [`BATCH`] chunks.
+const BATCH_BYTES: u64 = 32 << 20;
+
+/// Bytes of the shortest message with its head.
+const SHORTEST_MESSAGE: u64 = 31;
 
 /// Most chunks unpacked at a time.
 const BATCH: usize = 64;
@@ -43,9 +46,33 @@ pub(crate) struct LogScan {
 impl LogScan {
     /// Reads up to the first samples.
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let mut scan = Self {
+        let mut scan = Self::start(path, &[])?;
+        while scan.decoder.layout.is_none() && !scan.ended {
+            scan.look_for_samples()?;
+        }
+        if scan.decoder.layout.is_none() && scan.samples_whole {
+            let topics = super::summary::topics(path)?;
+            let from_summary = Self::start(path, &topics)?;
+            if from_summary.decoder.layout.is_some() {
+                return Ok(from_summary);
+            }
+        }
+        if scan.decoder.layout.is_none() {
+            return Err(scan.without_samples());
+        }
+        Ok(scan)
+    }
+
+    /// A reading of which schemas and channels are known beforehand.
+    fn start(path: &Path, topics: &[(u8, Vec<u8>)]) -> Result<Self> {
+        let mut decoder = Decoder::default();
+        // One that cannot be decoded is as good as absent.
+        for (opcode, body) in topics {
+            let _ = decoder.take(*opcode, body);
+        }
+        Ok(Self {
             records: Records::open(path)?,
-            decoder: Decoder::default(),
+            decoder,
             order: SampleOrder::default(),
             rows: 0,
             ready: Vec::new(),
@@ -54,14 +81,7 @@ impl LogScan {
             cut: None,
             damaged: Vec::new(),
             samples_whole: false,
-        };
-        while scan.decoder.layout.is_none() && !scan.ended {
-            scan.look_for_samples()?;
-        }
-        if scan.decoder.layout.is_none() {
-            return Err(scan.without_samples());
-        }
-        Ok(scan)
+        })
     }
 
     pub(crate) fn channels(&self) -> &[Channel] {
@@ -118,9 +138,11 @@ impl LogScan {
     fn batch(&mut self) -> Result<Vec<Group>> {
         let mut groups: Vec<Group> = Vec::new();
         let mut bytes = 0;
+        let row_bytes = 8 * (1 + self.decoder.channels.len() as u64);
         while groups.len() < BATCH && bytes < BATCH_BYTES {
             let Some(record) = self.next_record()? else { break };
-            bytes += record.body.len();
+            let content = record.unpacked_bytes();
+            bytes += content + content / SHORTEST_MESSAGE * row_bytes;
             match groups.last_mut() {
                 Some(Group { records, .. })
                     if record.opcode != op::CHUNK

@@ -3,6 +3,7 @@
 use mcap::records::op;
 
 use super::decode::SampleDecoder;
+use super::landmark;
 use super::order::SampleOrder;
 use super::records::{ChunkOpener, RECORD_HEAD};
 use crate::table::Table;
@@ -19,6 +20,15 @@ pub(super) struct Raw {
     pub(super) opcode: u8,
     pub(super) byte: u64,
     pub(super) body: Vec<u8>,
+}
+
+impl Raw {
+    /// Length of its content when it is unpacked, bytes.
+    pub(super) fn unpacked_bytes(&self) -> u64 {
+        let length = self.body.len() as u64;
+        let is_chunk = self.opcode == op::CHUNK;
+        is_chunk.then(|| landmark::unpacked_bytes(&self.body, length)).flatten().unwrap_or(length)
+    }
 }
 
 /// The contents of a group.

@@ -178,7 +178,7 @@ impl LogWriter {
     }
 }
 
-fn options() -> WriteOptions {
+pub(super) fn options() -> WriteOptions {
     // A chunk is assembled in memory and written at once: the file never holds a partial chunk header.
     let options = WriteOptions::new()
         .profile(PROFILE)

@@ -42,7 +42,7 @@ fn a_log_cut_at_any_byte_opens_to_its_last_whole_chunk() {
 }
 
 /// Where each chunk starts.
-fn chunks(bytes: &[u8]) -> Vec<usize> {
+pub(crate) fn chunks(bytes: &[u8]) -> Vec<usize> {
     let mut starts = Vec::new();
     let mut byte = 8;
     while byte + 9 <= bytes.len() - 8 {

@@ -2,6 +2,8 @@
 
 mod bench;
 mod damage;
+mod recovered;
+mod replaced;
 
 use std::collections::BTreeMap;
 

@@ -46,7 +46,7 @@ impl Folder {
     pub(super) fn read<T: DeserializeOwned>(&self, seed: u64, number: u64, file: File) -> anyhow::Result<T> {
         let path = self.path(seed, number, file);
         let text =
-            std::fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
+            socam_recording::read_text(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
         serde_json::from_str(&text)
             .with_context(|| format!("`{}` is not what a challenge writes", path.display()))
     }

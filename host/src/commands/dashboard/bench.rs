@@ -14,6 +14,7 @@ use super::watcher::{Watcher, ended, health};
 use crate::commands::record::{attachment, now_unix_ns};
 use crate::device::run::{self, Plan};
 use crate::device::session::Heard;
+use crate::device::token::Token;
 use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
 use crate::model_file;
@@ -22,12 +23,17 @@ use crate::model_file;
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
 /// Makes links to boards; the virtual board runs on `bench`.
-pub(super) fn connector(bench: BenchArgs, calibration: Option<Calibration>) -> Connector {
+pub(super) fn connector(
+    bench: BenchArgs,
+    calibration: Option<Calibration>,
+    token: Option<Token>,
+) -> Connector {
     Box::new(move |ctx| {
         let (port, own) = live::link();
         let (bench, calibration, ctx) = (bench.clone(), calibration.clone(), ctx.clone());
+        let token = token.clone();
         let serve = move || {
-            let ended = attend(&own, &bench, calibration);
+            let ended = attend(&own, &bench, calibration, token);
             // The receiver is gone if the window was closed.
             let _ = own.news.send(News::Disconnected(ended.err().map(|error| format!("{error:#}"))));
             ctx.request_repaint();
@@ -40,10 +46,16 @@ pub(super) fn connector(bench: BenchArgs, calibration: Option<Calibration>) -> C
 }
 
 /// Opens the requested link and serves it until it is closed.
-fn attend(own: &Bench, bench: &BenchArgs, calibration: Option<Calibration>) -> anyhow::Result<()> {
+fn attend(
+    own: &Bench,
+    bench: &BenchArgs,
+    calibration: Option<Calibration>,
+    token: Option<Token>,
+) -> anyhow::Result<()> {
     let Ok(Order::Connect(device)) = own.orders.recv() else { return Ok(()) };
     let device: Device =
         device.parse().map_err(|expected| anyhow::anyhow!("`{device}` is no device: {expected}"))?;
+    let device = device.with_token(token);
     let setup = (device == Device::Sim).then(|| bench.setup(calibration.clone())).transpose()?;
     let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
     let mut session = device::open(&device, setup.map(|setup| (setup, Pace::RealTime)))?;
@@ -136,8 +148,7 @@ impl Talk<'_> {
             match self.session.next()? {
                 Some(Heard::Samples(batch)) => self.show.take(&batch),
                 Some(Heard::Status(status)) => {
-                    let errors =
-                        u64::from(status.link.total()) + u64::from(self.session.link_counts().total());
+                    let errors = u64::from(status.link.total()) + u64::from(self.session.link_errors());
                     self.tell(News::Status(health(&status, &self.calibration, errors, None)));
                 }
                 None => {}

@@ -17,6 +17,7 @@ use socam_recording::Calibration;
 
 use self::rehearsal::Rehearsal;
 use super::Outcome;
+use crate::device::token::TokenArgs;
 use crate::device::virtual_bench::BenchArgs;
 use crate::output::{self, WrongArguments};
 
@@ -79,6 +80,8 @@ pub(crate) struct Args {
     /// Folder for recorded runs
     #[arg(long, value_name = "DIR", default_value = ".")]
     record_into: PathBuf,
+    #[command(flatten)]
+    token: TokenArgs,
     #[command(flatten)]
     bench: BenchArgs,
 }
@@ -147,7 +150,7 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     if let Some(rate_hz) = args.rate {
         dashboard.live.sample_at(rate_hz);
     }
-    dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration));
+    dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration, args.token.read()?));
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
     if args.diagnose {
@@ -173,8 +176,8 @@ fn draw(
         dashboard.layout.view = view;
         image = picture(dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     }
-    for problem in dashboard.problems() {
-        output::warn(problem);
+    if let Some(problem) = dashboard.problems().next() {
+        anyhow::bail!("{problem}");
     }
     let bytes = socam_dashboard::draw::raster::png(&image).map_err(|e| anyhow!(e))?;
     let mut file = output::create(target)?;

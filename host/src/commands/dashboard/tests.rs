@@ -27,7 +27,7 @@ fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let mut dashboard = Dashboard::new(layout);
     let bench =
         BenchArgs { model: model.into(), set: Vec::new(), hide: Vec::new(), seed: 1, no_noise: false };
-    dashboard.live.connect_by(bench::connector(bench, None));
+    dashboard.live.connect_by(bench::connector(bench, None, None));
     dashboard.simulate_by(simulated::simulated);
     dashboard.live.record_into(folder.into());
     dashboard.live.sample_at(rate_hz);

@@ -74,7 +74,7 @@ pub(super) fn remembered() -> Layout {
 
 /// The stored layout; the default if there is none, or if it is of another version.
 fn recall(path: &Path) -> Layout {
-    let text = std::fs::read_to_string(path).ok();
+    let text = socam_recording::read_text(path).ok();
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 

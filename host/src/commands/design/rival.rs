@@ -15,7 +15,8 @@ pub(super) struct Rival {
 
 /// The first finding of a diagnosis that has a rival: the model with the finding, and the model with its first rival.
 pub(super) fn of_diagnosis(base: &Model, path: &Path) -> anyhow::Result<(Model, Rival)> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text =
+        socam_recording::read_text(path).with_context(|| format!("cannot read `{}`", path.display()))?;
     let diagnosis: serde_json::Value =
         serde_json::from_str(&text).with_context(|| format!("`{}` is no diagnosis", path.display()))?;
     let Some(findings) = diagnosis["findings"].as_array() else {

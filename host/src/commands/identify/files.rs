@@ -15,7 +15,7 @@ const SMALLEST_STD: f64 = 1e-150;
 /// Reads lines of a CSV with a column `frequency_hz`, ascending; `None` if the file is not one. Without columns `freedom` and `width_hz`,
 /// standard deviations count as known and lines as independent.
 pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<Vec<Line>>> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let Ok(text) = socam_recording::read_text(path) else { return Ok(None) };
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
     let column = |name: &str| head.iter().position(|column| *column == name);
@@ -68,7 +68,7 @@ pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<
 
 /// Reads a transfer function in JSON; `None` if the file is not JSON.
 pub(super) fn transfer_file(path: &Path) -> anyhow::Result<Option<TransferFunction>> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let Ok(text) = socam_recording::read_text(path) else { return Ok(None) };
     if !text.trim_start().starts_with('{') {
         return Ok(None);
     }

@@ -15,8 +15,13 @@ use crate::output;
 /// Interval of heartbeats, by the board's clock and by the host's; the board stops half a second after the last one.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
-/// Longest time without a message; a board that streams sends one every few milliseconds.
+/// Longest time without a new sample of the run; a board sends one every few milliseconds.
 const SILENT_AFTER: Duration = Duration::from_secs(3);
+
+/// How much longer than planned a run may last, by its samples, before the host stops it; and how much longer the board may take to
+/// come to rest after that.
+const OVER_NS: i64 = 2_000_000_000;
+const REST_NS: i64 = 10_000_000_000;
 
 /// Pause for the disk when simulated time is faster than it.
 const DISK_TURN: Duration = Duration::from_millis(5);
@@ -34,10 +39,14 @@ pub(super) struct Run<'s> {
     period_us: u32,
     /// Duration of the profile, ns, without its ramp.
     planned_ns: i64,
-    /// Tick of the first sample of the profile.
-    first_tick: Option<u32>,
-    /// Ticks from it to the last sample.
+    /// Duration of the ramp at its end, ns.
+    ramp_ns: i64,
+    /// Tick of the latest sample of the profile; `None` before the first.
+    tick: Option<u32>,
+    /// Ticks from the first sample to the latest.
     last_tick: u64,
+    /// Whether the host has stopped a run that did not end.
+    is_overdue: bool,
     segment: Option<u16>,
     end: Option<End>,
     /// Whether the profile's last sample has been recorded; the reason of a fault may follow.
@@ -60,8 +69,9 @@ impl<'s> Run<'s> {
         columns: Columns,
         calibration: Calibration,
         period_us: u32,
-        planned_us: u64,
+        [planned_us, ramp_us]: [u64; 2],
     ) -> Self {
+        let ns = |us: u64| i64::try_from(us.saturating_mul(1000)).unwrap_or(i64::MAX);
         Self {
             session,
             monitor,
@@ -69,9 +79,11 @@ impl<'s> Run<'s> {
             columns,
             calibration,
             period_us,
-            planned_ns: i64::try_from(planned_us.saturating_mul(1000)).unwrap_or(i64::MAX),
-            first_tick: None,
+            planned_ns: ns(planned_us),
+            ramp_ns: ns(ramp_us),
+            tick: None,
             last_tick: 0,
+            is_overdue: false,
             segment: None,
             end: None,
             is_over: false,
@@ -116,17 +128,22 @@ impl<'s> Run<'s> {
             if let Some(note) = self.monitor.note() {
                 self.event("note", note);
             }
+            let before = self.tick;
             match self.session.next()? {
                 Some(Heard::Samples(batch)) => {
                     self.monitor.samples(&batch);
                     self.take_samples(&batch);
                 }
                 Some(Heard::Status(status)) => self.take_status(&status),
-                None if heard.elapsed() > SILENT_AFTER => {
-                    bail!("the board fell silent (waited {} s)", SILENT_AFTER.as_secs())
-                }
-                None => continue,
+                None => {}
             }
+            if self.tick == before {
+                if self.end.is_none() && heard.elapsed() > SILENT_AFTER {
+                    bail!("the board fell silent (waited {} s for a sample)", SILENT_AFTER.as_secs())
+                }
+                continue;
+            }
+            self.stop_overdue()?;
             while self.session.is_patient() && !self.recorder.has_room() && !self.recorder.has_failed() {
                 std::thread::sleep(DISK_TURN);
             }
@@ -140,6 +157,10 @@ impl<'s> Run<'s> {
         let end = self.end.take().unwrap_or(End::Finished);
         Ok(match end {
             End::Finished if stops > 0 => End::Stopped,
+            End::Finished if self.is_overdue => End::Broken(format!(
+                "the board went on after the end of its profile of {:.3} s, so the host stopped it",
+                self.planned_ns as f64 * 1e-9
+            )),
             End::Finished if self.now_ns() < self.planned_ns - EARLY_NS && !self.recorder.has_failed() => {
                 End::Broken(self.early_rest())
             }
@@ -154,6 +175,26 @@ impl<'s> Run<'s> {
             "the board went to rest without a reason after {ended_s:.3} s of a profile of {planned_s:.3} s, \
              as after a loss of power: check its supply and cable, then record again"
         )
+    }
+
+    /// Stops a board that goes on after the end of its profile; gives it up if it goes on after that.
+    fn stop_overdue(&mut self) -> anyhow::Result<()> {
+        let over_ns = self.now_ns() - self.planned_ns.saturating_add(self.ramp_ns);
+        if over_ns <= OVER_NS || self.end.is_some() {
+            return Ok(());
+        }
+        let planned_s = self.planned_ns as f64 * 1e-9;
+        if !self.is_overdue {
+            self.is_overdue = true;
+            self.event("stop", "the run lasts longer than planned".to_owned());
+            self.session.post(Request::Stop)?;
+        } else if over_ns > OVER_NS + REST_NS {
+            self.session.post(Request::EmergencyStop)?;
+            self.end = Some(End::Broken(format!(
+                "the board does not end its profile of {planned_s:.3} s and does not stop: use the bench's emergency stop"
+            )));
+        }
+        Ok(())
     }
 
     fn stop(&mut self, times: u32) -> anyhow::Result<()> {
@@ -204,18 +245,21 @@ impl<'s> Run<'s> {
         self.monitor.reached(self.now_ns());
     }
 
-    /// Ticks since the start of the profile; `None` for a sample before it.
+    /// Ticks since the start of the profile; `None` for a sample before it, and for one that is not newer than the latest one: its own
+    /// tick is missing where it should be, and counts as lost there.
     fn place(&mut self, sample: &Sample) -> Option<u64> {
         let is_live = sample.flags.state().is_some_and(State::is_live);
-        let Some(first) = self.first_tick else {
-            if is_live {
-                self.first_tick = Some(sample.tick);
-                self.last_tick = 0;
-            }
+        let Some(latest) = self.tick else {
+            self.tick = is_live.then_some(sample.tick);
             return is_live.then_some(0);
         };
-        // Ticks wrap after days; a run is shorter.
-        self.last_tick = u64::from(sample.tick.wrapping_sub(first));
+        // Ticks wrap after days; the difference of two samples in a row does not.
+        let passed = sample.tick.wrapping_sub(latest);
+        if passed == 0 || passed > u32::MAX / 2 {
+            return None;
+        }
+        self.tick = Some(sample.tick);
+        self.last_tick += u64::from(passed);
         if !is_live {
             // The sample at which the command reaches 0, or is cut, still belongs to the run.
             self.is_over = true;
@@ -238,7 +282,7 @@ impl<'s> Run<'s> {
         // The board counts since power-on; counts before this run are subtracted.
         let before = self.before.get_or_insert(*status);
         let link_errors = u64::from(status.link.total().saturating_sub(before.link.total()))
-            + u64::from(self.session.link_counts().total());
+            + u64::from(self.session.link_errors());
         let lost = u64::from(board.dropped.saturating_sub(before.board.dropped)) + self.recorder.lost();
         self.recorder.status(&Status {
             device_time_ns: self.last_tick as i64 * i64::from(self.period_us) * 1000,
@@ -264,7 +308,7 @@ impl<'s> Run<'s> {
 
     /// Closes the recording. A run without a sample leaves none.
     pub(super) fn finish(mut self, end: anyhow::Result<End>) -> anyhow::Result<Report> {
-        if self.first_tick.is_none() {
+        if self.tick.is_none() {
             match end? {
                 End::Fault(reason) | End::Broken(reason) => bail!("the board did not start: {reason}"),
                 End::Finished | End::Stopped => bail!("stopped before the first sample"),

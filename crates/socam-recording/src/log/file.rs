@@ -1,0 +1,64 @@
+//! The file of a recording, which replaces an older one when its first samples are on the way to the disk, and not before.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
+
+use crate::beside::create_beside;
+use crate::error::{RecordingError, Result};
+
+/// Where a recording is written. Dropping it removes the file, unless [`LogFile::keep`] was called before.
+#[derive(Debug)]
+pub(super) struct LogFile {
+    path: PathBuf,
+    state: State,
+}
+
+#[derive(Debug)]
+enum State {
+    /// Under its own name; empty until now.
+    New,
+    /// Beside an older file, which is not touched yet.
+    Beside(TempPath),
+    /// A file that stays: a recording with samples, or a device.
+    Kept,
+}
+
+impl LogFile {
+    /// Creates a file for a recording at `path`, where there is none, or an older one that it will replace.
+    pub(super) fn create(path: &Path, replace: bool) -> Result<(Self, File)> {
+        let open = || -> io::Result<(State, File)> {
+            match path.metadata() {
+                Ok(there) if replace && there.is_file() => {
+                    let (file, temporary) = create_beside(path)?.into_parts();
+                    Ok((State::Beside(temporary), file))
+                }
+                Ok(_) if replace => Ok((State::Kept, OpenOptions::new().write(true).open(path)?)),
+                _ => Ok((State::New, OpenOptions::new().write(true).create_new(true).open(path)?)),
+            }
+        };
+        let (state, file) = open().map_err(|e| RecordingError::io(path, "create", e))?;
+        Ok((Self { path: path.into(), state }, file))
+    }
+
+    /// Puts the file under its own name, in place of an older one, and keeps it.
+    pub(super) fn keep(&mut self) -> Result<()> {
+        let State::Beside(temporary) = std::mem::replace(&mut self.state, State::Kept) else { return Ok(()) };
+        temporary.persist(&self.path).map_err(|e| {
+            let reason = e.error;
+            let left = e.path.keep().unwrap_or_default();
+            let text = format!("{reason}; what was recorded is in `{}`", left.display());
+            RecordingError::io(&self.path, "replace", io::Error::other(text))
+        })
+    }
+}
+
+impl Drop for LogFile {
+    fn drop(&mut self) {
+        if matches!(self.state, State::New) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
