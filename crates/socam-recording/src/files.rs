@@ -16,6 +16,7 @@ pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
 }
 
 /// Longest text file that is read whole: a model, a profile, a calibration, a table of pairs.
+#[cfg(not(target_arch = "wasm32"))]
 const TEXT_BYTES: u64 = 64 << 20;
 
 /// Reads a text file whole: a regular file of at most 64 MiB in UTF-8. Anything else is an error at once, in words that follow "cannot
