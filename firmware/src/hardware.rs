@@ -3,12 +3,23 @@
 use embassy_rp::gpio::{Input, Output};
 use embassy_rp::pac;
 use socam_converters::{Ad5761r, Ads8688, Order};
-use socam_core::{Average, ConverterSilent, MAX_CHANNELS, Ports};
+use socam_core::{Average, Ceilings, ConverterSilent, MAX_CHANNELS, Ports};
 
 use crate::bus::Chip;
+use crate::drive::Drive;
 
 /// Number of connected inputs.
 pub(crate) const CHANNELS: u8 = 4;
+
+/// What this image never exceeds, for the thesis' bench: the drive's input of +-5 V, and a motor whose tachometer ends at 152 rad/s.
+/// 5 kHz is the fastest rate that leaves time to the link; below 100 Hz a fault would be noticed too late.
+const CEILINGS: Ceilings = Ceilings {
+    output_uv: 5_000_000,
+    speed_urad_s: 200_000_000,
+    run_us: 3_600_000_000,
+    shortest_period_us: 200,
+    longest_period_us: 10_000,
+};
 
 /// Time from the release of the output converter's reset line until it is ready: 1 us.
 const RELEASE_CYCLES: u32 = 125;
@@ -21,13 +32,15 @@ pub(crate) struct Hardware {
     output_answers: bool,
     /// Low: the output converter is in reset. This line and the drive's enable line go low when the processor is reset.
     output_reset: Output<'static>,
-    enable: Output<'static>,
+    drive: Drive,
     /// High while the emergency stop is closed: measured after its contact, at the output converter's reset pin.
     stop: Input<'static>,
     /// High while the cable to the host carries a supply.
     cable: Input<'static>,
     average: Average,
     latest: [i16; MAX_CHANNELS],
+    /// Conversions of each channel, up to the latest, that gave the code of the one before.
+    repeated: [u32; MAX_CHANNELS],
     /// A conversion of the current sample failed.
     failed: bool,
 }
@@ -35,7 +48,7 @@ pub(crate) struct Hardware {
 /// The lines of [`Hardware`].
 pub(crate) struct Lines {
     pub(crate) output_reset: Output<'static>,
-    pub(crate) enable: Output<'static>,
+    pub(crate) drive: Drive,
     pub(crate) stop: Input<'static>,
     pub(crate) cable: Input<'static>,
 }
@@ -49,11 +62,12 @@ impl Hardware {
             output: Ad5761r::new(output),
             output_answers: false,
             output_reset: lines.output_reset,
-            enable: lines.enable,
+            drive: lines.drive,
             stop: lines.stop,
             cable: lines.cable,
             average: Average::new(sample_period_us, CHANNELS),
             latest: [0; MAX_CHANNELS],
+            repeated: [0; MAX_CHANNELS],
             failed: false,
         }
     }
@@ -73,6 +87,7 @@ impl Hardware {
     pub(crate) fn convert(&mut self) -> bool {
         let is_even = self.average.position() & 1 == 0;
         let order = if is_even { Order::Forth } else { Order::Back };
+        let before = self.latest;
         if !self.input_answers {
             self.input_answers = self.input.configure().is_ok();
         }
@@ -80,6 +95,11 @@ impl Hardware {
             self.input_answers = self.input.convert(order, &mut self.latest).is_ok();
         }
         self.failed |= !self.input_answers;
+        for ((repeated, before), latest) in
+            self.repeated.iter_mut().zip(&before).zip(&self.latest).take(usize::from(CHANNELS))
+        {
+            *repeated = if before == latest { repeated.saturating_add(1) } else { 0 };
+        }
         self.average.push(&self.latest)
     }
 
@@ -90,6 +110,8 @@ impl Hardware {
 }
 
 impl Ports for Hardware {
+    const CEILINGS: Ceilings = CEILINGS;
+
     fn now_us(&mut self) -> u64 {
         // Raw registers: the latching pair would disturb code that was interrupted between reading its two halves.
         let timer = pac::TIMER;
@@ -135,7 +157,15 @@ impl Ports for Hardware {
     }
 
     fn enable(&mut self, on: bool) {
-        if on { self.enable.set_high() } else { self.enable.set_low() }
+        self.drive.set(on);
+    }
+
+    fn enable_line(&mut self) -> Option<bool> {
+        Some(self.drive.read())
+    }
+
+    fn repeated(&mut self, channel: u8) -> Option<u32> {
+        self.repeated.get(usize::from(channel)).copied()
     }
 
     fn emergency_stop(&mut self) -> bool {

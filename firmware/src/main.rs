@@ -7,11 +7,14 @@
 #![warn(linker_messages)]
 
 mod bus;
+mod drive;
+mod guard;
 mod hardware;
 mod light;
 mod link;
 mod sampling;
 mod slot;
+mod start;
 mod watchdog;
 
 use embassy_executor::Spawner;
@@ -22,16 +25,19 @@ use embassy_rp::spi::{Phase, Polarity, Spi};
 use embassy_rp::{bind_interrupts, pac, usb};
 use socam_converters::{Ad5761r, Ads8688};
 use socam_core::{Board, Config, Ring};
-use socam_wire::{BoardLink, FrontEnd, Identity, Text};
+use socam_wire::{BoardLink, FrontEnd, Identity, Start, Text};
 use static_cell::StaticCell;
 
 use bus::Chip;
+use drive::Drive;
 use hardware::{Hardware, Lines};
 use sampling::{Answer, Ask, RING_SAMPLES};
 use slot::Slot;
 
 /// The drive's enable line.
 const ENABLE_PIN: u8 = 22;
+/// Changes at every conversion while the program is alive, for a watchdog outside of the board.
+const ALIVE_PIN: u8 = 2;
 /// The output converter's reset line.
 const OUTPUT_RESET_PIN: u8 = 14;
 
@@ -48,7 +54,12 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_rp::init(Default::default());
-    let enable = Output::new(p.PIN_22, Level::Low);
+    // SAFETY: nothing else in this program uses the memory protection unit.
+    let core = unsafe { cortex_m::Peripherals::steal() };
+    guard::set(&core.MPU);
+    let drive = Drive::new(p.PIN_22, p.PIN_20, p.PIN_21);
+    // Never dropped, and so driven from now on.
+    core::mem::forget(Output::new(p.PIN_2, Level::Low));
     let output_reset = Output::new(p.PIN_14, Level::Low);
     let stop = Input::new(p.PIN_15, Pull::Down);
     let cable = Input::new(p.PIN_24, Pull::None);
@@ -58,7 +69,7 @@ async fn main(spawner: Spawner) {
     // Clock 10, data out 11, data in 12, select 13.
     let _outputs = Spi::new_blocking(p.SPI1, p.PIN_10, p.PIN_11, p.PIN_12, spi());
     let output = Chip::new(pac::SPI1, Output::new(p.PIN_13, Level::High));
-    let lines = Lines { output_reset, enable, stop, cable };
+    let lines = Lines { output_reset, drive, stop, cable };
     let hardware = Hardware::new(input, output, lines, Config::default().sample_period_us);
 
     static RING: StaticCell<Ring<RING_SAMPLES>> = StaticCell::new();
@@ -68,7 +79,8 @@ async fn main(spawner: Spawner) {
     let (asks, core_asks) = ASKS.init(Slot::new()).split();
     let (core_answers, answers) = ANSWERS.init(Slot::new()).split();
     let mut board = Board::new(hardware, producer);
-    if let Some(cause) = watchdog::cause() {
+    let (begun, cause) = start::cause();
+    if let Some(cause) = cause {
         board.latch(cause);
     }
 
@@ -80,7 +92,7 @@ async fn main(spawner: Spawner) {
     sampling::start(board, core_asks, core_answers);
 
     let driver = usb::Driver::new(p.USB, Interrupts);
-    let link = BoardLink::new(identity(), samples);
+    let link = BoardLink::new(identity(begun), samples);
     spawner.spawn(light::show(Output::new(p.PIN_25, Level::Low)).expect("spawned once"));
     spawner.spawn(link::run(driver, link, link::Core { asks, answers }).expect("spawned once"));
     core::future::pending().await
@@ -95,7 +107,7 @@ fn spi() -> embassy_rp::spi::Config {
     config
 }
 
-fn identity() -> Identity {
+fn identity(start: Start) -> Identity {
     Identity {
         board: Text::new("Raspberry Pi Pico, ADS8688, AD5761R"),
         firmware: Text::new(concat!(env!("CARGO_PKG_VERSION"), " ", env!("SOCAM_COMMIT"))),
@@ -104,5 +116,6 @@ fn identity() -> Identity {
             output_full_scale_uv: Ad5761r::<Chip>::FULL_SCALE_UV,
             channel_step_ns: CHANNEL_STEP_NS,
         },
+        start,
     }
 }

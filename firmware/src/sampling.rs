@@ -13,6 +13,7 @@ use socam_core::{Board, Refusal, Request, Status, conversions_per_sample};
 
 use crate::hardware::Hardware;
 use crate::slot::{Filler, Taker};
+use crate::start;
 use crate::watchdog;
 
 /// Samples between sampling and sending: 0.2 s at 5 kHz.
@@ -200,6 +201,7 @@ impl Sampler {
     fn tell_mood(&self) {
         let status = self.board.status();
         let fault = status.fault.map_or(0, |fault| fault.code());
+        start::note(status.state.is_live());
         STATE_AND_FAULT.store(u32::from(status.state.code()) | u32::from(fault) << 8, Ordering::Relaxed);
     }
 }

@@ -1,9 +1,8 @@
-//! The hardware watchdog, the panic handler, and the cause of the last reset.
+//! The hardware watchdog, and the handlers of panics and faults.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_rp::pac;
-use socam_core::Fault;
 
 /// Longest time without a conversion; after it the processor is reset and all lines go low. Conversions are at most 0.5 ms apart.
 const BITES_AFTER_US: u32 = 1500;
@@ -17,14 +16,9 @@ const AT_WORK: u32 = 0x50c4_a3be;
 /// Time of the link task's last run.
 static LINK_US: AtomicU32 = AtomicU32::new(0);
 
-/// The cause of the last reset, `None` after power-on. To be called once.
-pub(crate) fn cause() -> Option<Fault> {
-    let bitten = pac::WATCHDOG.reason().read().0 != 0;
-    let at_work = pac::WATCHDOG.scratch0().read() == AT_WORK;
-    if bitten && at_work {
-        return Some(Fault::Watchdog);
-    }
-    pac::VREG_AND_CHIP_RESET.chip_reset().read().had_run().then_some(Fault::Reset)
+/// Whether this program ran before the watchdog reset the processor; the boot ROM uses the watchdog too.
+pub(crate) fn was_at_work() -> bool {
+    pac::WATCHDOG.scratch0().read() == AT_WORK
 }
 
 /// Starts the watchdog.
@@ -35,8 +29,10 @@ pub(crate) fn start() {
     pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_fffc));
     feed();
     pac::WATCHDOG.ctrl().modify(|ctrl| {
-        ctrl.set_pause_dbg0(true);
-        ctrl.set_pause_dbg1(true);
+        // By default it pauses where a debugger halts a core, and a halt in a run would leave the drive enabled.
+        ctrl.set_pause_dbg0(cfg!(debug_assertions));
+        ctrl.set_pause_dbg1(cfg!(debug_assertions));
+        ctrl.set_pause_jtag(cfg!(debug_assertions));
         ctrl.set_enable(true);
     });
 }
@@ -47,6 +43,7 @@ pub(crate) fn feed() {
     if rested_us < LINK_MAY_REST_US {
         // It counts down two per microsecond (erratum RP2040-E1).
         pac::WATCHDOG.load().write_value(pac::watchdog::regs::Load(2 * BITES_AFTER_US));
+        pac::SIO.gpio_out(0).value_xor().write_value(1 << crate::ALIVE_PIN);
     }
 }
 

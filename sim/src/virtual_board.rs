@@ -2,7 +2,7 @@
 
 use socam_core::scaling::Converter;
 use socam_core::{Board, Ring, State};
-use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Text};
+use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Start, Text};
 
 use crate::SimError;
 use crate::plant::Effort;
@@ -47,6 +47,7 @@ impl VirtualBoard<'_> {
                 output_full_scale_uv: full_scale_uv(&setup.calibration.output),
                 channel_step_ns: 0,
             },
+            start: Start::Supply,
         };
         let mut board = VirtualBoard {
             board: Board::new(wiring, producer),

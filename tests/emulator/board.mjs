@@ -3,10 +3,12 @@
 import { Ad5761r, Ads8688 } from './converters.mjs';
 import { Bench } from './bench.mjs';
 import { Cause, Chip, CYCLE_NS, WatchdogBite } from './chip.mjs';
+import { breakProgram } from './program.mjs';
 import { UsbHost } from './usb.mjs';
 
-const PIN = { inputSelect: 17, outputSelect: 13, outputReset: 14, stop: 15, enable: 22, cable: 24, light: 25 };
+const PIN = { inputSelect: 17, outputSelect: 13, outputReset: 14, stop: 15, strap: 20, feedback: 21, enable: 22, cable: 24, light: 25 };
 const SAMPLING = 1;
+const LEVEL = { high: true, low: false, well: null };
 
 export class Board {
   /** `heard(bytes)`: what the board said to its host. */
@@ -18,6 +20,11 @@ export class Board {
     this.output = new Ad5761r(() => this.commanded());
     this.stopClosed = true;
     this.plugged = true;
+    // Where the enable line is held: at the Pico's pad, and at the drive.
+    this.padHeld = null;
+    this.driveHeld = null;
+    // Whether a wire brings the drive's line back.
+    this.hasFeedback = false;
     this.enabled = false;
     this.log = [];
     this.plans = [];
@@ -37,16 +44,21 @@ export class Board {
   boot(cause) {
     if (this.chip) this.epochNs += this.chip.nanos;
     this.chip = new Chip(this.image, cause, this.chip);
+    if (cause === Cause.POWER || cause === Cause.BROWN_OUT) {
+      this.input.reset();
+      this.output.reset();
+    }
     const { rp2040 } = this.chip;
     rp2040.spi[0].chip = this.input;
     rp2040.spi[1].chip = this.output;
-    this.usb = new UsbHost(this.chip, (bytes) => this.heard(bytes));
+    this.usb = new UsbHost(this.chip, (bytes) => this.said(bytes));
     this.lines();
     this.wire(PIN.inputSelect, (high) => this.select(this.input, high));
     this.wire(PIN.outputSelect, (high) => this.output.select(!high));
     this.wire(PIN.outputReset, () => this.lines());
     this.wire(PIN.enable, () => this.lines());
     this.wire(PIN.light, (high) => high !== this.lit && this.note('light', (this.lit = high)));
+    rp2040.gpio[PIN.strap].setInputValue(!this.hasFeedback);
     rp2040.gpio[PIN.cable].setInputValue(this.plugged);
     if (this.plugged) this.usb.plug();
     this.measure();
@@ -69,7 +81,10 @@ export class Board {
     if (released) this.output.release();
     else this.output.reset();
     this.chip.rp2040.gpio[PIN.stop].setInputValue(released);
-    const enabled = this.stopClosed && this.isHigh(PIN.enable);
+    const pad = this.padHeld ?? this.isHigh(PIN.enable);
+    const enabled = this.driveHeld ?? (this.stopClosed && pad);
+    this.chip.rp2040.gpio[PIN.enable].setInputValue(pad);
+    this.chip.rp2040.gpio[PIN.feedback].setInputValue(enabled);
     if (enabled !== this.enabled) {
       this.enabled = enabled;
       this.note('enable', enabled);
@@ -78,8 +93,18 @@ export class Board {
     }
   }
 
+  /** What the board says; where it is to lose its cable within a frame, that happens after a packet that does not end one. */
+  said(bytes) {
+    this.heard(bytes);
+    if (this.pullInFrame && bytes.at(-1) !== 0) {
+      this.pullInFrame = false;
+      this.happen('pull-cable');
+    }
+  }
+
   commanded() {
     this.bench.command(this.seconds, this.output.volts, this.enabled);
+    this.peakV = Math.max(this.peakV ?? 0, Math.abs(this.output.volts));
     if (this.output.volts === 0 || this.wasZero) this.note('volts', this.output.volts);
     this.wasZero = this.output.volts === 0;
   }
@@ -201,11 +226,43 @@ export class Board {
         this.stopClosed = true;
         this.lines();
         break;
+      case 'both':
+        this.input.fault = this.output.fault = value === 'well' ? null : value;
+        break;
+      case 'pad':
+        this.padHeld = LEVEL[value];
+        this.lines();
+        break;
+      case 'drive':
+        this.driveHeld = LEVEL[value];
+        this.lines();
+        break;
+      case 'wire-feedback':
+        this.hasFeedback = true;
+        this.restart = Cause.POWER;
+        break;
+      case 'pull-in-frame':
+        this.pullInFrame = true;
+        break;
       case 'hang':
         this.chip.frozen = true;
         break;
+      case 'halt':
+        this.chip.halt();
+        break;
       case 'press-reset':
-        this.resetAt = this.nanos;
+        this.restart = Cause.PIN;
+        break;
+      case 'brown-out':
+        this.restart = Cause.BROWN_OUT;
+        break;
+      case 'power-off':
+        this.restart = Cause.POWER;
+        break;
+      case 'panic':
+      case 'hard-fault':
+      case 'overflow':
+        breakProgram(this.chip, this.image, kind, value);
         break;
       case 'host':
         this.hostSays = value;
@@ -228,9 +285,10 @@ export class Board {
       try {
         // Short pieces: a reset from outside takes effect between them.
         this.chip.runUntil(Math.min(until - this.epochNs, this.chip.nanos + 10_000));
-        if (this.resetAt !== undefined) {
-          this.resetAt = undefined;
-          this.boot(Cause.PIN);
+        if (this.restart !== undefined) {
+          const cause = this.restart;
+          this.restart = undefined;
+          this.boot(cause);
         }
       } catch (bite) {
         if (!(bite instanceof WatchdogBite)) throw bite;

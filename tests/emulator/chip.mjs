@@ -21,10 +21,13 @@ const PAINT = 0xa5c3_96e1;
 
 const WATCHDOG = 0x40058;
 const TIMER = 0x40054;
+const MPU_CTRL = 0xd94;
+const MPU_RBAR = 0xd9c;
+const MPU_RASR = 0xda0;
 const CHIP_RESET = 0x40064;
 
 /** Why the chip starts. */
-export const Cause = { POWER: 'power', PIN: 'pin', WATCHDOG: 'watchdog' };
+export const Cause = { POWER: 'power', BROWN_OUT: 'brown-out', PIN: 'pin', WATCHDOG: 'watchdog' };
 
 /** Thrown out of the instruction that lets the watchdog bite. */
 export class WatchdogBite extends Error {}
@@ -40,7 +43,9 @@ export class Chip {
     const { rp2040, core } = this;
     rp2040.logger = quiet(core);
     rp2040.clkSys = rp2040.clkPeri = 125e6;
-    for (let address = 0; address < rp2040.sram.length; address += 4) rp2040.sramView.setUint32(address, PAINT, true);
+    // Only a long loss of the supply is lost on the memory.
+    if (before && cause !== Cause.POWER) rp2040.sram.set(before.rp2040.sram);
+    else for (let address = 0; address < rp2040.sram.length; address += 4) rp2040.sramView.setUint32(address, PAINT, true);
     load(image, (address, bytes) => {
       if (address >= FLASH && address < RAM) rp2040.flash.set(bytes, address - FLASH);
     });
@@ -50,6 +55,7 @@ export class Chip {
     this.cureSpi();
     this.cureInterrupts();
     this.cureResets(cause, before);
+    this.cureGuard();
   }
 
   get nanos() {
@@ -73,18 +79,32 @@ export class Chip {
     }
   }
 
-  /** Bytes of the stack that were ever used; it grows down from the end of the memory. */
+  /** Bytes of the stack that were ever used; it grows down to the beginning of the memory. */
   stackUsed() {
-    const { sram, sramView } = this.rp2040;
-    // Statics come first: what lies between them and the stack was never written.
+    const { sramView } = this.rp2040;
     let free = 0;
-    let longest = 0;
-    let end = sram.length;
-    for (let address = 0; address < sram.length; address += 4) {
-      free = sramView.getUint32(address, true) === PAINT ? free + 4 : 0;
-      if (free > longest) [longest, end] = [free, address + 4];
-    }
-    return sram.length - end;
+    while (sramView.getUint32(free, true) === PAINT) free += 4;
+    return this.rp2040.readUint32(VECTORS) - RAM - free;
+  }
+
+  /** A debugger halts the processor. */
+  halt() {
+    const watchdog = this.rp2040.peripherals[WATCHDOG];
+    if (watchdog.pauseDbg0 || watchdog.pauseDbg1 || watchdog.pauseJtag) watchdog.timer.enable = watchdog.alarm.enable = false;
+    this.frozen = true;
+  }
+
+  /** Calls `act()` as soon as the processor is in an exception (by its number), or in none (0). */
+  within(exception, act) {
+    if (this.core.IPSR === exception) act();
+    else this.awaited = { exception, act };
+  }
+
+  arrived() {
+    if (this.awaited?.exception !== this.core.IPSR) return;
+    const { act } = this.awaited;
+    this.awaited = undefined;
+    act();
   }
 
   /** Calls `entered()` and `left(cycles)` around every run of the handler of an interrupt. */
@@ -129,13 +149,39 @@ export class Chip {
         watched.since = this.clock.nanos;
         watched.entered();
       }
+      this.arrived();
     };
     const leave = core.exceptionReturn.bind(core);
     core.exceptionReturn = (value) => {
       const watched = this.interrupts.get(core.IPSR);
       leave(value);
       this.extraCycles += RETURN_CYCLES;
+      this.arrived();
       if (watched) watched.left(Math.round((this.clock.nanos - watched.since) / CYCLE_NS) + ENTRY_CYCLES + RETURN_CYCLES);
+    };
+  }
+
+  /** The memory protection unit, as far as one region without any access goes: writing there locks the processor up. */
+  cureGuard() {
+    const { rp2040 } = this;
+    const registers = new Map();
+    const write = rp2040.ppb.writeUint32.bind(rp2040.ppb);
+    rp2040.ppb.writeUint32 = (offset, value) => {
+      if (offset >= MPU_CTRL && offset <= MPU_RASR) registers.set(offset, value);
+      else write(offset, value);
+    };
+    const [ctrl, rbar, rasr] = [MPU_CTRL, MPU_RBAR, MPU_RASR].map((offset) => () => registers.get(offset) ?? 0);
+    const forbidden = (address) => {
+      const isOn = ctrl() & 1 && rasr() & 1 && ((rasr() >> 24) & 7) === 0;
+      const size = 2 ** (((rasr() >> 1) & 31) + 1);
+      const base = (rbar() & ~31) >>> 0;
+      return isOn && address >= base && address < base + size;
+    };
+    const { warn } = rp2040.logger;
+    rp2040.logger.warn = (name, message) => {
+      const [, address] = /^Write to undefined address: ([0-9a-f]+)/.exec(message) ?? [];
+      if (address !== undefined && forbidden(parseInt(address, 16))) this.frozen = true;
+      warn(name, message);
     };
   }
 
@@ -152,7 +198,7 @@ export class Chip {
       watchdog.scratchData.set(old.scratchData);
     }
     const hadRun = cause === Cause.PIN ? 1 << 16 : 0;
-    const hadPower = cause === Cause.POWER ? 1 << 8 : 0;
+    const hadPower = cause === Cause.POWER || cause === Cause.BROWN_OUT ? 1 << 8 : 0;
     peripherals[CHIP_RESET] = {
       readUint32: (offset) => (offset === 8 ? hadRun | hadPower : 0),
       writeUint32Atomic: () => {},

@@ -1,4 +1,4 @@
-// What of an ELF file goes into the chip's flash.
+// What of an ELF file goes into the chip's flash, and where its symbols are.
 
 const PT_LOAD = 1;
 
@@ -13,4 +13,28 @@ export function load(file, put) {
     const [type, offset, , physical, length] = [0, 4, 8, 12, 16].map((at) => view.getUint32(header + at, true));
     if (type === PT_LOAD && length > 0) put(physical, file.subarray(offset, offset + length));
   }
+}
+
+const SHT_SYMTAB = 2;
+
+/** The value of the first symbol whose name matches. */
+export function symbol(file, name) {
+  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+  const sections = view.getUint32(32, true);
+  const section = (index) => {
+    const at = sections + 40 * index;
+    const [type, offset, size, link] = [4, 16, 20, 24].map((field) => view.getUint32(at + field, true));
+    return { type, offset, size, link };
+  };
+  for (let index = 0; index < view.getUint16(48, true); index += 1) {
+    const { type, offset, size, link } = section(index);
+    if (type !== SHT_SYMTAB) continue;
+    const names = section(link).offset;
+    for (let at = offset; at < offset + size; at += 16) {
+      const start = names + view.getUint32(at, true);
+      const text = file.subarray(start, file.indexOf(0, start)).toString('latin1');
+      if (name.test(text)) return view.getUint32(at + 4, true);
+    }
+  }
+  throw new Error(`the image has no symbol ${name}`);
 }

@@ -9,6 +9,7 @@ import { createServer } from 'node:net';
 import { createInterface } from 'node:readline';
 import { Board } from './board.mjs';
 import { damage } from './damage.mjs';
+import { Flips } from './flips.mjs';
 
 const TURN_NS = 2_000_000;
 // Well before the board misses its host.
@@ -66,6 +67,9 @@ const control = createServer((socket) => {
         return answer({});
       case 'said':
         return answer(Buffer.concat(state.said).toString('hex'));
+      case 'flip':
+        state.flips = { flips: new Flips(board, more), answer };
+        return undefined;
       case 'run':
         state.owed.push({ untilNs: board.nanos + more.forS * 1e9, answer });
         return undefined;
@@ -81,7 +85,11 @@ function turn() {
   const hostKeepsUp = state.host !== null && (!state.patient || board.nanos - state.heardNs < LEAD_NS || !board.enabled);
   if (owes || hostKeepsUp) {
     if (board.hostSays === 'chatter') board.chatter(TURN_NS);
-    board.runFor(TURN_NS);
+    if (!state.flips) board.runFor(TURN_NS);
+    else if (!state.flips.flips.next()) {
+      state.flips.answer(state.flips.flips.outcome);
+      state.flips = undefined;
+    }
     state.owed = state.owed.filter(({ untilNs, answer }) => {
       if (board.nanos < untilNs) return true;
       answer({ ns: board.nanos });

@@ -7,6 +7,17 @@ use std::sync::OnceLock;
 /// What the board's processor is called by the compiler.
 pub const TARGET: &str = "thumbv6m-none-eabi";
 
+/// A limit of the image, by its name in `tests/tables/firmware.toml`.
+///
+/// # Panics
+/// When the table has no such limit.
+#[must_use]
+pub fn limit(name: &str) -> u64 {
+    let table: toml::Table = include_str!("../tables/firmware.toml").parse().expect("the table is TOML");
+    let limit = table[name].as_integer().expect("a limit is a whole number");
+    u64::try_from(limit).expect("a limit is positive")
+}
+
 /// The image as an ELF file, up to date; `None`, with the reason said, where this Rust cannot build it.
 ///
 /// # Panics

@@ -4,11 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use object::read::elf::ProgramHeader;
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
-use socam_tests::{firmware, run};
+use socam_tests::firmware::{self, limit};
+use socam_tests::run;
 
-/// Flash and memory of the board.
-const FLASH: u64 = 2 * 1024 * 1024;
-const RAM: u64 = 264 * 1024;
+mod stack;
+
+/// Where the board's memory begins.
+const MEMORY: u64 = 0x2000_0000;
 
 /// What may not be reached: whatever panics, and any allocator.
 const FORBIDDEN: [&str; 6] =
@@ -163,6 +165,9 @@ fn the_sampling_interrupt_cannot_panic_or_allocate() {
         "measured: the sampling interrupt reaches {} functions, none of which can panic",
         reachable.len()
     );
+    let stack_bytes = stack::EXCEPTION_FRAME + code.deepest(code.named("TIMER_IRQ_1"), &mut BTreeMap::new());
+    println!("measured: the sampling interrupt takes at most {stack_bytes} bytes of stack");
+    assert!((100..limit("interrupt_stack_bytes")).contains(&stack_bytes), "{stack_bytes}");
     // The search sees what there is to see: the program as a whole does panic, by the same calls.
     let panics = code.functions.iter().any(|function| {
         let (targets, _) = code.leads_to(function);
@@ -182,12 +187,9 @@ fn the_image_fits_the_board() {
     let data = size(&[SectionKind::Data]);
     let flash = size(&[SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::ReadOnlyString]) + data;
     let ram = size(&[SectionKind::UninitializedData]) + data;
-    println!(
-        "measured: flash {flash} of {FLASH} bytes, static memory {ram} of {RAM} bytes: {} are left for the stack",
-        RAM - ram
-    );
-    // A fifth of either: a jump would be a mistake.
-    assert!((20_000..FLASH / 5).contains(&flash) && (10_000..RAM / 3).contains(&ram), "{flash}, {ram}");
+    println!("measured: flash {flash} bytes, static memory {ram} bytes");
+    assert!((20_000..limit("flash_bytes")).contains(&flash), "{flash}");
+    assert!((10_000..limit("static_bytes")).contains(&ram), "{ram}");
     let boot = file.section_by_name(".boot2").expect("the second-stage boot loader").data().unwrap();
     assert_eq!(
         u32::from_le_bytes(boot[252..].try_into().unwrap()),
@@ -226,6 +228,21 @@ fn flash_puts_the_image_on_the_boot_drive_and_on_nothing_else() {
         }
     }
     assert!(compared > 20_000, "{compared} bytes");
+}
+
+/// A stack that overflows must leave the memory, not reach statics, and forbid what lies there (`firmware/src/guard.rs`).
+#[test]
+fn the_stack_begins_where_the_memory_does() {
+    let Some(image) = firmware::image() else { return };
+    let data = std::fs::read(image).unwrap();
+    let file = object::File::parse(&*data).unwrap();
+    let vectors = file.section_by_name(".vector_table").expect("vectors").data().unwrap();
+    let top = u64::from(u32::from_le_bytes(vectors[..4].try_into().unwrap()));
+    assert_eq!(top, MEMORY + limit("stack_bytes"));
+    let below = file.sections().filter(|section| section.size() > 0 && section.address() >= MEMORY);
+    let below: Vec<_> =
+        below.filter(|section| section.address() < top).map(|section| section.address()).collect();
+    assert!(below.is_empty(), "{below:x?}");
 }
 
 /// The CRC-32 that the boot ROM expects behind its next stage: polynomial 04c11db7, from the highest bit, not inverted.

@@ -4,6 +4,7 @@ mod aalto;
 mod bad_input;
 mod board;
 mod board_link;
+mod board_memory;
 mod board_safety;
 mod browser;
 mod catalogue;

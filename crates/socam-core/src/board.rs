@@ -9,6 +9,7 @@ use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
 use crate::safety::{State, Watch};
 use crate::schedule::Schedule;
+use crate::sealed::Sealed;
 use crate::status::Status;
 use crate::velocity::SpeedLoop;
 use crate::{Fault, Flags, Sample};
@@ -22,8 +23,8 @@ use crate::{Fault, Flags, Sample};
 pub struct Board<'r, P, const N: usize> {
     ports: P,
     samples: Producer<'r, N>,
-    config: Config,
-    state: State,
+    config: Sealed<Config>,
+    state: Sealed<State>,
     fault: Option<Fault>,
     schedule: Schedule,
     watch: Watch,
@@ -34,6 +35,10 @@ pub struct Board<'r, P, const N: usize> {
     speed_loop: SpeedLoop,
     /// The present command.
     output_uv: i32,
+    /// Whether the drive is enabled.
+    enabled: bool,
+    /// Time at which the run began.
+    began_us: u64,
     /// Time of the host's last request.
     heard_us: u64,
     limited: u32,
@@ -52,7 +57,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         Self {
             ports,
             samples,
-            state: State::Idle,
+            state: Sealed::new(State::Idle),
             fault: None,
             schedule: Schedule::new(config.sample_period_us),
             watch: Watch::new(&config),
@@ -61,11 +66,13 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             ahead: None,
             speed_loop: SpeedLoop::default(),
             output_uv: 0,
+            enabled: false,
+            began_us: 0,
             heard_us,
             limited: 0,
             streaming: false,
             seq: 0,
-            config,
+            config: Sealed::new(config),
         }
     }
 
@@ -81,8 +88,12 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         let now_us = self.ports.now_us();
         let missed = self.schedule.advance(now_us);
 
+        if !self.is_intact() {
+            self.cut(Fault::Corrupted);
+        }
+
         let mut counts = [0; MAX_CHANNELS];
-        let used = counts.get_mut(..usize::from(self.config.channel_count)).unwrap_or_default();
+        let used = counts.get_mut(..usize::from(self.config().channel_count)).unwrap_or_default();
         let read = self.ports.read(used);
         if read.is_err() {
             counts = [0; MAX_CHANNELS];
@@ -102,7 +113,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
 
         if self.streaming {
             let limited = setpoint.limited || clamped;
-            let flags = Flags::new(self.state)
+            let flags = Flags::new(self.state())
                 .with(Flags::LIMITED, limited)
                 .with(Flags::OVERRUN, missed > 0)
                 .with(Flags::NO_READING, read.is_err());
@@ -110,7 +121,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
                 tick: self.schedule.tick(),
                 seq: self.seq,
                 counts,
-                output_count: self.config.output.count(self.output_uv),
+                output_count: self.config().output.count(self.output_uv),
                 setpoint_micro: setpoint.value_micro,
                 segment: setpoint.segment,
                 flags,
@@ -122,7 +133,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     /// Computes the next setpoint before its tick, for a board that has more time between ticks than in one. Samples are the same
     /// without it, except that a stop requested afterwards begins a sample later.
     pub fn prepare(&mut self) {
-        if self.state.is_live() && self.ahead.is_none() {
+        if self.state().is_live() && self.ahead.is_none() {
             self.ahead = self.generator.as_mut().map(Generator::step);
         }
     }
@@ -130,13 +141,13 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     /// What the board is doing.
     pub fn status(&self) -> Status {
         Status {
-            state: self.state,
+            state: self.state(),
             fault: self.fault,
             tick: self.schedule.tick(),
             overruns: self.schedule.overruns(),
             dropped: self.samples.dropped(),
             limited: self.limited,
-            sample_period_us: self.config.sample_period_us,
+            sample_period_us: self.config().sample_period_us,
             profile_loaded: self.loaded.is_some(),
             streaming: self.streaming,
         }
@@ -144,7 +155,21 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
 
     /// The present configuration.
     pub fn config(&self) -> &Config {
-        &self.config
+        self.config.get()
+    }
+
+    fn state(&self) -> State {
+        *self.state.get()
+    }
+
+    fn enter(&mut self, state: State) {
+        self.state = Sealed::new(state);
+    }
+
+    /// Whether memory still holds what was written: before each use, so that no sample is commanded by a broken configuration. In
+    /// other states it commands nothing, and a new one may replace it.
+    fn is_intact(&self) -> bool {
+        self.state.is_intact() && (!self.state().is_watched() || self.config.is_intact())
     }
 
     /// The hardware, for a caller that also owns its other end (a simulated plant, a test).
@@ -154,7 +179,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
 
     /// The reason to cut the output now, if there is one.
     fn cause(&mut self, now_us: u64, counts: &[i16; MAX_CHANNELS]) -> Option<Fault> {
-        if !self.state.is_watched() {
+        if !self.state().is_watched() {
             return None;
         }
         if self.ports.emergency_stop() {
@@ -163,15 +188,21 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         if self.ports.cable_pulled() {
             return Some(Fault::CablePulled);
         }
-        if now_us.saturating_sub(self.heard_us) > u64::from(self.config.host_timeout_us) {
-            return Some(Fault::HostSilent { timeout_us: self.config.host_timeout_us });
+        let timeout_us = self.config().host_timeout_us;
+        if now_us.saturating_sub(self.heard_us) > u64::from(timeout_us) {
+            return Some(Fault::HostSilent { timeout_us });
         }
-        self.watch.check(&self.config, counts, self.output_uv)
+        let limit_us = P::CEILINGS.run_us;
+        if self.state().is_live() && now_us.saturating_sub(self.began_us) > limit_us {
+            return Some(Fault::RunTooLong { limit_us });
+        }
+        let ports = &mut self.ports;
+        self.watch.check(self.config.get(), counts, self.output_uv, |channel| ports.repeated(channel))
     }
 
     /// Enters the fault state; the first cause stays. The caller drives the output afterwards.
     fn cut(&mut self, cause: Fault) {
-        self.state = State::Fault;
+        self.enter(State::Fault);
         self.fault.get_or_insert(cause);
         self.generator = None;
         self.ahead = None;
@@ -179,39 +210,40 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
 
     /// The profile's setpoint at this sample; ends the run at its last sample.
     fn setpoint(&mut self) -> Setpoint {
-        if !self.state.is_live() {
+        if !self.state().is_live() {
             return Setpoint::default();
         }
         let Some(generator) = &mut self.generator else {
-            self.state = State::Idle;
+            self.enter(State::Idle);
             return Setpoint::default();
         };
         let setpoint = self.ahead.take().unwrap_or_else(|| generator.step());
         if setpoint.finished {
-            self.state = State::Idle;
+            self.enter(State::Idle);
             self.generator = None;
         } else if setpoint.stopping {
-            self.state = State::Stopping;
+            self.enter(State::Stopping);
         }
         setpoint
     }
 
     /// Converts the setpoint to the output voltage; returns whether the clamp changed it.
     fn command(&mut self, setpoint: &Setpoint, counts: &[i16; MAX_CHANNELS]) -> bool {
-        if !self.state.is_live() {
+        if !self.state().is_live() {
             self.output_uv = 0;
             return false;
         }
-        let clamp_uv = self.config.output.clamp_uv;
+        let config = self.config.get();
+        let clamp_uv = config.output.clamp_uv.min(P::CEILINGS.output_uv);
         let command = self.loaded.map_or(Command::Voltage, |profile| profile.command);
         let wanted_uv = match command {
             Command::Voltage => setpoint.value_micro,
-            Command::SpeedOpenLoop => self.config.speed.motor.voltage_uv(setpoint.value_micro),
+            Command::SpeedOpenLoop => config.speed.motor.voltage_uv(setpoint.value_micro),
             Command::SpeedClosedLoop => {
-                let measured = counts.get(usize::from(self.config.speed.tachometer)).copied().unwrap_or(0);
+                let measured = counts.get(usize::from(config.speed.tachometer)).copied().unwrap_or(0);
                 let measured_urad_s =
-                    self.config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured));
-                self.speed_loop.step(&self.config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
+                    config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured));
+                self.speed_loop.step(&config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
             }
         };
         self.output_uv = fixed::within(wanted_uv, clamp_uv);
@@ -222,24 +254,36 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         clamped
     }
 
-    /// Writes output and enable line, at every tick. To switch off, the enable line comes first: it acts without a converter.
+    /// Writes output and enable line, at every tick. To switch off, the enable line comes first: it acts without a converter. The
+    /// line is read back after the write, which gives it time to settle, and before it is switched on.
     fn drive(&mut self) {
-        let live = self.state.is_live();
+        let live = self.state().is_live();
         if !live {
-            self.output_uv = 0;
-            self.ports.enable(false);
+            self.switch_off();
         }
-        let count = self.config.output.count(self.output_uv);
-        match self.ports.write(count) {
-            Ok(()) if live => self.ports.enable(true),
-            Ok(()) => {}
-            Err(ConverterSilent) => {
-                // An emergency stop may cut the output converter's supply at any time within a tick.
-                let is_stopped = self.ports.emergency_stop();
-                self.cut(if is_stopped { Fault::EmergencyStopInput } else { Fault::OutputSilent });
-                self.output_uv = 0;
-                self.ports.enable(false);
-            }
+        let count = self.config().output.count(self.output_uv);
+        if self.ports.write(count).is_err() {
+            // An emergency stop may cut the output converter's supply at any time within a tick.
+            let is_stopped = self.ports.emergency_stop();
+            self.cut(if is_stopped { Fault::EmergencyStopInput } else { Fault::OutputSilent });
+            self.switch_off();
+        } else if let Some(is_on) = self.ports.enable_line().filter(|is_on| *is_on != self.enabled) {
+            self.cut(Fault::EnableStuck { is_on });
+            self.switch_off();
+            // If the output does not answer now, the next tick puts it into reset.
+            let _ = self.ports.write(0);
+        } else if live {
+            self.ports.enable(true);
+            self.enabled = true;
         }
     }
+
+    fn switch_off(&mut self) {
+        self.output_uv = 0;
+        self.ports.enable(false);
+        self.enabled = false;
+    }
 }
+
+#[cfg(test)]
+mod tests;

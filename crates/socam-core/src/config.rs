@@ -1,14 +1,17 @@
 //! The bench's configuration on the board: scales, limits, timing. Integers only; the host makes it from a calibration.
 
-use core::fmt;
+mod error;
 
+pub use error::ConfigError;
+
+use crate::ceilings::Ceilings;
 use crate::scaling::{self, Converter, MotorCalibration, MotorLine, Scale, Sensor};
 
 /// Most converter channels that a board can sample.
 pub const MAX_CHANNELS: usize = 8;
 
 /// The configuration of a board.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Time between two ticks.
@@ -32,7 +35,7 @@ pub struct Config {
 }
 
 /// One input channel. "Micro" is a millionth of its SI unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
     /// The kind of quantity; it decides the fault when a limit is exceeded.
@@ -51,7 +54,7 @@ pub struct Channel {
 }
 
 /// What a channel measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ChannelKind {
     /// rad/s.
@@ -63,7 +66,7 @@ pub enum ChannelKind {
 }
 
 /// The command output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Output {
     /// Counts of the output converter per microvolt, in 1/2^32: see [`scaling::counts_per_uv_q32`].
@@ -74,7 +77,7 @@ pub struct Output {
 
 /// The speed controller: feed-forward by the motor's calibration, and in closed loop a PI controller on
 /// one tachometer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedControl {
     /// The motor's calibration.
@@ -108,7 +111,7 @@ impl Default for Config {
             scale: sensor.scale(&converter),
             limit_micro: Some(scaling::micro(limit)),
             saturation_count: Some(converter.highest_count()),
-            stuck_after_us: Some(1_000_000),
+            stuck_after_us: Some(25_000),
             missing_below_micro: None,
         };
         let rpm = scaling::RAD_S_PER_RPM;
@@ -160,48 +163,6 @@ impl SpeedControl {
     }
 }
 
-/// Why a configuration was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum ConfigError {
-    /// The sampling period is not 50 us to 1 s.
-    SamplePeriod(u32),
-    /// More channels than a board has, or none.
-    ChannelCount(u8),
-    /// A scale, limit or gain is zero, negative or beyond what the integers hold: this channel.
-    Channel(u8),
-    /// The output's scale or clamp is not positive, or the clamp exceeds the converter.
-    Output,
-    /// The tachometer is no channel of speed, or a gain of the speed control is negative or huge.
-    SpeedControl,
-    /// The host timeout is not 10 ms to 10 s.
-    HostTimeout(u32),
-    /// `confirm_samples` is 0, or `moving_uv` is negative.
-    Watch,
-}
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::SamplePeriod(us) => write!(f, "sample period is {us} us; it must be 50 us to 1 s"),
-            Self::ChannelCount(n) => write!(f, "{n} channels; there must be 1 to {MAX_CHANNELS}"),
-            Self::Channel(i) => {
-                write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive")
-            }
-            Self::Output => {
-                f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter")
-            }
-            Self::SpeedControl => f.write_str(
-                "speed control: the tachometer is not a speed channel, or a gain is negative or too large",
-            ),
-            Self::HostTimeout(us) => write!(f, "host timeout is {us} us; it must be 10 ms to 10 s"),
-            Self::Watch => f.write_str("confirm_samples must be at least 1 and moving_uv at least 0"),
-        }
-    }
-}
-
-impl core::error::Error for ConfigError {}
-
 impl Config {
     /// The channels that exist.
     pub fn used_channels(&self) -> &[Channel] {
@@ -245,11 +206,36 @@ impl Config {
         if self.confirm_samples == 0 || self.moving_uv < 0 {
             return Err(ConfigError::Watch);
         }
+        if !self.used_channels().iter().any(Channel::is_watched) {
+            return Err(ConfigError::NoLimits);
+        }
+        Ok(())
+    }
+
+    /// Whether a board with these ceilings can run with this.
+    pub(crate) fn check_below(&self, ceilings: &Ceilings) -> Result<(), ConfigError> {
+        self.check()?;
+        let Ceilings { output_uv: ceiling_uv, .. } = *ceilings;
+        let (shortest_us, longest_us) = (ceilings.shortest_period_us, ceilings.longest_period_us);
+        if !(shortest_us..=longest_us).contains(&self.sample_period_us) {
+            return Err(ConfigError::PeriodCeiling { shortest_us, longest_us });
+        }
+        if self.output.clamp_uv > ceiling_uv {
+            return Err(ConfigError::ClampCeiling { ceiling_uv });
+        }
         Ok(())
     }
 }
 
 impl Channel {
+    /// Whether any of its readings can end a run.
+    fn is_watched(&self) -> bool {
+        self.limit_micro.is_some()
+            || self.saturation_count.is_some()
+            || self.stuck_after_us.is_some()
+            || self.missing_below_micro.is_some()
+    }
+
     fn is_sound(&self) -> bool {
         let gain = self.scale.micro_per_count_q16.unsigned_abs();
         // Full scale, which a converter of fewer bits reaches in fewer counts, must stay inside i32: 2^31 micro, in 1/2^16.

@@ -82,6 +82,20 @@ pub enum Fault {
         /// The reading.
         count: i16,
     },
+    /// The drive's enable line is not where the board put it.
+    EnableStuck {
+        /// Where the line is.
+        is_on: bool,
+    },
+    /// The configuration or the state in the board's memory is not what was written there.
+    Corrupted,
+    /// The board lost its supply in a run.
+    PowerLost,
+    /// A run lasted longer than the board allows.
+    RunTooLong {
+        /// What it allows.
+        limit_us: u64,
+    },
 }
 
 impl Fault {
@@ -103,6 +117,10 @@ impl Fault {
             Self::Watchdog => 13,
             Self::Reset => 14,
             Self::ConverterStuck { .. } => 15,
+            Self::EnableStuck { .. } => 16,
+            Self::Corrupted => 17,
+            Self::PowerLost => 18,
+            Self::RunTooLong { .. } => 19,
         }
     }
 
@@ -180,6 +198,20 @@ impl fmt::Display for Sentence<'_> {
                 f,
                 "all inputs read the same {count} counts: the input converter repeats itself, or its inputs are tied together"
             ),
+            Fault::EnableStuck { is_on } => {
+                let (is, set) = if is_on { ("high", "low") } else { ("low", "high") };
+                write!(
+                    f,
+                    "the drive's enable line is {is} although the board set it {set}: switch the drive off, then check the line"
+                )
+            }
+            Fault::Corrupted => f.write_str(
+                "the board's memory lost a bit of its configuration or state: record again, and replace the board if it recurs",
+            ),
+            Fault::PowerLost => f.write_str("the board lost its supply in a run: check supply and wiring"),
+            Fault::RunTooLong { limit_us } => {
+                write!(f, "the run lasted longer than the {} s that the board allows", limit_us / 1_000_000)
+            }
         }
     }
 }

@@ -31,6 +31,7 @@ extern crate std;
 
 mod average;
 mod board;
+mod ceilings;
 mod config;
 mod fault;
 mod fixed;
@@ -42,11 +43,13 @@ mod safety;
 mod sample;
 pub mod scaling;
 mod schedule;
+mod sealed;
 mod status;
 mod velocity;
 
 pub use average::{Average, conversions_per_sample};
 pub use board::Board;
+pub use ceilings::Ceilings;
 pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
 pub use fault::Fault;
 pub use ports::{ConverterSilent, Ports};

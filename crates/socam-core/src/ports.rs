@@ -1,5 +1,7 @@
 //! The hardware of a board, as a trait.
 
+use crate::Ceilings;
+
 /// A converter did not answer within its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ConverterSilent;
@@ -7,6 +9,9 @@ pub struct ConverterSilent;
 /// The hardware that a board needs. Every call must return within a bounded time, far below one sampling period: a converter that
 /// does not answer is an error, never a wait.
 pub trait Ports {
+    /// What this board never exceeds.
+    const CEILINGS: Ceilings = Ceilings::WIDEST;
+
     /// Microseconds since power-on; never decreases.
     fn now_us(&mut self) -> u64;
 
@@ -18,6 +23,17 @@ pub trait Ports {
 
     /// Sets the drive's enable line.
     fn enable(&mut self, on: bool);
+
+    /// Reads the drive's enable line back; `None` where nothing can.
+    fn enable_line(&mut self) -> Option<bool> {
+        None
+    }
+
+    /// Number of single conversions of a channel, up to now, that gave the code of the one before; `None` where a reading is one
+    /// conversion or the conversions are unknown.
+    fn repeated(&mut self, _channel: u8) -> Option<u32> {
+        None
+    }
 
     /// Whether the emergency stop at the bench is pressed. Benches without one keep this default.
     fn emergency_stop(&mut self) -> bool {

@@ -129,7 +129,7 @@ impl MotorCalibration {
 }
 
 /// The motor's calibration in integers: `voltage = speed * slope + sign(speed) * offset`, and 0 V for standstill.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotorLine {
     /// uV per urad/s, in 1/2^32.
@@ -147,7 +147,7 @@ impl MotorLine {
 }
 
 /// A channel's integer conversion: `value_micro = offset_micro + counts * micro_per_count_q16 / 2^16`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scale {
     /// Millionths of the channel's SI unit per count, in 1/65536.

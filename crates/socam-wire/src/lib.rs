@@ -27,8 +27,8 @@ pub use batch::{BATCH_SAMPLES, SampleBatch};
 pub use decoder::{Decoder, LinkCounts, LinkError};
 pub use encoder::{BufferTooSmall, Encoder, MAX_FRAME};
 pub use link::BoardLink;
-pub use message::{BoardStatus, FrontEnd, Identity, ToBoard, ToHost};
+pub use message::{BoardStatus, FrontEnd, Identity, Start, ToBoard, ToHost};
 pub use text::Text;
 
 /// Version of the messages and of everything that they contain. Any change to a transmitted type raises it.
-pub const SCHEMA_VERSION: u8 = 3;
+pub const SCHEMA_VERSION: u8 = 4;

@@ -1,5 +1,7 @@
 //! The messages.
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize};
 use socam_core::{Refusal, Request, Status};
 
@@ -49,6 +51,32 @@ pub struct Identity {
     pub firmware: Text<24>,
     /// Its converters.
     pub front_end: FrontEnd,
+    /// Why its program started last.
+    pub start: Start,
+}
+
+/// Why a board's program started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Start {
+    /// The board was switched on, or its supply came back.
+    Supply,
+    /// Its reset pin.
+    Pin,
+    /// Its watchdog.
+    Watchdog,
+    /// A debugger.
+    Debugger,
+}
+
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Supply => "supply switched on",
+            Self::Pin => "reset pin",
+            Self::Watchdog => "watchdog",
+            Self::Debugger => "debugger",
+        })
+    }
 }
 
 /// The converters between a board and its bench.

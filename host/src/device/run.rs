@@ -89,6 +89,7 @@ fn metadata(session: &Session, plan: &Plan) -> BTreeMap<String, String> {
     let known = [
         ("board", identity.board.to_string()),
         ("firmware", identity.firmware.to_string()),
+        ("board_start", identity.start.to_string()),
         ("sampling", sampling(identity.front_end.channel_step_ns, plan.period_us)),
         ("host", env!("CARGO_PKG_VERSION").to_owned()),
     ];

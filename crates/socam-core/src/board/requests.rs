@@ -5,6 +5,7 @@ use crate::config::Config;
 use crate::ports::Ports;
 use crate::profile::{Generator, Profile};
 use crate::safety::{State, Watch};
+use crate::sealed::Sealed;
 use crate::velocity::SpeedLoop;
 use crate::{Fault, Refusal, Request};
 
@@ -25,16 +26,16 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
                 Ok(())
             }
             Request::Stop => {
-                match self.state {
-                    State::Armed => self.state = State::Idle,
+                match self.state() {
+                    State::Armed => self.enter(State::Idle),
                     State::Running => self.stop(),
                     State::Idle | State::Stopping | State::Fault => {}
                 }
                 Ok(())
             }
             Request::ClearFault => {
-                if self.state == State::Fault {
-                    self.state = State::Idle;
+                if self.state() == State::Fault {
+                    self.enter(State::Idle);
                     self.fault = None;
                 }
                 Ok(())
@@ -49,16 +50,16 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
     fn expect(&self, needs: State) -> Result<(), Refusal> {
         match self.fault {
             Some(fault) => Err(Refusal::Faulted(fault)),
-            None if self.state == needs => Ok(()),
-            None => Err(Refusal::WrongState { state: self.state, needs }),
+            None if self.state() == needs => Ok(()),
+            None => Err(Refusal::WrongState { state: self.state(), needs }),
         }
     }
 
     fn configure(&mut self, config: Config) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
-        config.check()?;
+        config.check_below(&P::CEILINGS)?;
         self.schedule.set_period(config.sample_period_us);
-        self.config = config;
+        self.config = Sealed::new(config);
         self.loaded = None;
         Ok(())
     }
@@ -66,7 +67,8 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
     fn load(&mut self, profile: Profile) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
         self.loaded = None;
-        Generator::new(&profile, self.config.sample_period_us)?;
+        profile.check_below(&P::CEILINGS)?;
+        Generator::new(&profile, self.config().sample_period_us)?;
         self.loaded = Some(profile);
         Ok(())
     }
@@ -74,23 +76,24 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
     fn arm(&mut self) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
         let profile = self.loaded.ok_or(Refusal::NoProfile)?;
-        self.generator = Some(Generator::new(&profile, self.config.sample_period_us)?);
+        self.generator = Some(Generator::new(&profile, self.config().sample_period_us)?);
         self.ahead = None;
-        self.speed_loop = SpeedLoop::new(&self.config.speed, self.config.sample_period_us);
-        self.watch = Watch::new(&self.config);
+        self.speed_loop = SpeedLoop::new(&self.config().speed, self.config().sample_period_us);
+        self.watch = Watch::new(self.config());
         self.limited = 0;
-        self.state = State::Armed;
+        self.enter(State::Armed);
         Ok(())
     }
 
     fn run(&mut self) -> Result<(), Refusal> {
         self.expect(State::Armed)?;
-        self.state = State::Running;
+        self.began_us = self.heard_us;
+        self.enter(State::Running);
         Ok(())
     }
 
     fn stop(&mut self) {
-        self.state = State::Stopping;
+        self.enter(State::Stopping);
         if let Some(generator) = &mut self.generator {
             generator.stop();
         }

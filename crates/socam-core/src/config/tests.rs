@@ -15,6 +15,13 @@ fn default_is_sound_and_each_slip_is_named() {
     assert!(check(|c| c.speed.tachometer = 2).unwrap_err().contains("tachometer"));
     assert!(check(|c| c.host_timeout_us = 0).unwrap_err().starts_with("host timeout"));
     assert!(check(|c| c.confirm_samples = 0).is_err());
+    let unwatched = |c: &mut Config| {
+        for channel in &mut c.channels {
+            let Channel { kind, scale, .. } = *channel;
+            *channel = Channel { kind, scale, ..Channel::UNUSED };
+        }
+    };
+    assert!(check(unwatched).unwrap_err().starts_with("no channel has a limit"));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::shape::MAX_LINES;
+use crate::fault::Milli;
 
 /// Why a profile was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +40,16 @@ pub enum ProfileError {
     Order(u8),
     /// No line, or more than [`MAX_LINES`].
     LineCount(u32),
+    /// The profile with its ramp lasts longer than this board allows.
+    DurationCeiling {
+        /// The board's ceiling.
+        ceiling_us: u64,
+    },
+    /// The profile's limit exceeds the speed that this board commands.
+    SpeedCeiling {
+        /// The board's ceiling.
+        ceiling_urad_s: i32,
+    },
 }
 
 /// Names a parameter of a profile in a [`ProfileError`].
@@ -94,6 +105,12 @@ impl fmt::Display for ProfileError {
             }
             Self::Order(order) => write!(f, "order is {order}; it must be 3 to 16"),
             Self::LineCount(count) => write!(f, "{count} lines; there must be 1 to {MAX_LINES}"),
+            Self::DurationCeiling { ceiling_us } => {
+                write!(f, "it lasts longer than the {} s that this board runs", ceiling_us / 1_000_000)
+            }
+            Self::SpeedCeiling { ceiling_urad_s } => {
+                write!(f, "its limit exceeds the {} rad/s that this board commands", Milli(ceiling_urad_s))
+            }
         }
     }
 }

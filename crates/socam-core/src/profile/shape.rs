@@ -1,5 +1,8 @@
 //! A profile as plain data.
 
+use super::error::ProfileError;
+use crate::ceilings::Ceilings;
+
 /// A command over time with its limits. It begins and ends at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,6 +20,19 @@ pub struct Profile {
     pub slew_micro_s: u32,
     /// Time until the profile ends by itself, fade-in included, fade-out not.
     pub duration_us: u64,
+}
+
+impl Profile {
+    /// Whether a board with these ceilings can run this.
+    pub(crate) fn check_below(&self, ceilings: &Ceilings) -> Result<(), ProfileError> {
+        if self.duration_us.saturating_add(self.ramp_us.into()) > ceilings.run_us {
+            return Err(ProfileError::DurationCeiling { ceiling_us: ceilings.run_us });
+        }
+        if self.command != Command::Voltage && self.limit_micro > ceilings.speed_urad_s {
+            return Err(ProfileError::SpeedCeiling { ceiling_urad_s: ceilings.speed_urad_s });
+        }
+        Ok(())
+    }
 }
 
 /// The quantity that a profile commands.

@@ -1,6 +1,6 @@
 //! A bench behind the ports of a board, and runs on it.
 
-use socam_core::{Board, Command, ConverterSilent, MAX_CHANNELS, Ports, Profile, Request, Shape};
+use socam_core::{Board, Ceilings, Command, ConverterSilent, MAX_CHANNELS, Ports, Profile, Request, Shape};
 
 /// A first-order bench behind the converters, with switchable faults.
 #[derive(Debug)]
@@ -15,9 +15,21 @@ pub(crate) struct Bench {
     pub(crate) forced: [Option<i16>; MAX_CHANNELS],
     pub(crate) output: i16,
     pub(crate) enabled: bool,
+    /// Where the enable line is held.
+    pub(crate) line_stuck: Option<bool>,
+    /// Equal codes in a row that the converter has given on channel 2.
+    pub(crate) codes: Option<u32>,
 }
 
 impl Ports for Bench {
+    const CEILINGS: Ceilings = Ceilings {
+        output_uv: 5_000_000,
+        speed_urad_s: 250_000_000,
+        run_us: 10_000_000,
+        shortest_period_us: 200,
+        longest_period_us: 10_000,
+    };
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
@@ -47,6 +59,14 @@ impl Ports for Bench {
         self.enabled = on;
     }
 
+    fn enable_line(&mut self) -> Option<bool> {
+        Some(self.line_stuck.unwrap_or(self.enabled))
+    }
+
+    fn repeated(&mut self, channel: u8) -> Option<u32> {
+        self.codes.filter(|_| channel == 2)
+    }
+
     fn emergency_stop(&mut self) -> bool {
         self.stop_pressed
     }
@@ -65,6 +85,8 @@ pub(crate) fn bench() -> Bench {
         forced: [None; MAX_CHANNELS],
         output: 0x1234,
         enabled: true,
+        line_stuck: None,
+        codes: None,
     }
 }
 

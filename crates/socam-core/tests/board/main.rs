@@ -61,7 +61,7 @@ fn missed_ticks_are_counted_and_marked() {
 #[test]
 fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
     type Provoke = fn(&mut Board<'_, Bench, RING>);
-    let cases: [(Provoke, u32, &str); 11] = [
+    let cases: [(Provoke, u32, &str); 14] = [
         (|b| b.ports_mut().stop_pressed = true, 1, "emergency stop: the contact at the bench is open"),
         (|b| b.ports_mut().converter_silent = true, 1, "the input converter does not answer"),
         (|b| b.ports_mut().output_silent = true, 1, "the output converter does not answer"),
@@ -70,6 +70,17 @@ fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
         (|b| b.ports_mut().forced[2] = Some(i16::MIN), 1, "torque_in is saturated: it reads -32768 counts"),
         (|b| b.ports_mut().forced = [Some(12_000); MAX_CHANNELS], 1, "all inputs read the same 12000 counts"),
         (|b| b.ports_mut().forced[2] = Some(77), 1001, "torque_in is stuck: it read 77 counts for 1000 ms"),
+        (|b| b.ports_mut().codes = Some(100), 1, "torque_in is stuck: it read "),
+        (|b| b.ports_mut().line_stuck = Some(false), 1, "the drive's enable line is low although the board"),
+        (
+            // The line is held high where the run ends, and that is noticed at the same tick.
+            |b| {
+                b.ports_mut().line_stuck = Some(true);
+                b.handle(Request::Stop).unwrap();
+            },
+            75,
+            "the drive's enable line is high although the board set it low",
+        ),
         (
             |b| b.ports_mut().forced[0] = Some(9),
             500,
@@ -93,6 +104,7 @@ fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
         provoke(&mut board);
         for tick in 1..=after_ticks {
             assert_eq!(board.status().fault, None, "{sentence}: at tick {tick} of {after_ticks}");
+            assert_ne!(board.status().state, State::Idle, "{sentence}: taken for the end of the run");
             if !unattended {
                 board.handle(Request::Heartbeat).unwrap();
             }
@@ -114,6 +126,56 @@ fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
         board.handle(Request::ClearFault).unwrap();
         board.handle(Request::Arm).unwrap();
     }
+}
+
+#[test]
+fn an_enable_line_that_is_high_at_rest_is_a_fault_that_comes_back() {
+    let mut ring = Ring::<RING>::new();
+    let (producer, _consumer) = ring.split();
+    let mut board = Board::new(bench(), producer);
+    board.ports_mut().line_stuck = Some(true);
+    for _ in 0..2 {
+        ticks(&mut board, 1);
+        assert_eq!(board.status().fault, Some(Fault::EnableStuck { is_on: true }));
+        board.handle(Request::ClearFault).unwrap();
+    }
+}
+
+#[test]
+fn nothing_asks_a_board_for_more_than_its_ceilings() {
+    let mut ring = Ring::<RING>::new();
+    let (producer, _consumer) = ring.split();
+    let mut board = Board::new(bench(), producer);
+    let config = |change: fn(&mut Config)| {
+        let mut config = Config::default();
+        change(&mut config);
+        Request::Configure(config)
+    };
+    let profile = |change: fn(&mut Profile)| {
+        let mut profile = constant(100_000_000, Command::SpeedOpenLoop);
+        change(&mut profile);
+        Request::Load(profile)
+    };
+    for (request, says) in [
+        (config(|c| c.output.clamp_uv = 5_000_001), "the output's clamp exceeds the 5.000 V"),
+        (config(|c| c.sample_period_us = 100), "this board's sample period is 200 us to 10000 us"),
+        (config(|c| c.sample_period_us = 20_000), "this board's sample period is 200 us to 10000 us"),
+        (config(|c| c.channels = [socam_core::Channel::UNUSED; MAX_CHANNELS]), "no channel"),
+        (profile(|p| p.duration_us = 10_000_001), "it lasts longer than the 10 s"),
+        (profile(|p| p.limit_micro = 250_000_001), "its limit exceeds the 250.000 rad/s"),
+    ] {
+        let refusal = board.handle(request).unwrap_err().to_string();
+        assert!(refusal.contains(says) || says == "no channel", "{refusal}");
+    }
+    // A slew limit stretches the fade-out of a profile of the longest duration beyond it.
+    running(
+        &mut board,
+        Profile { duration_us: 10_000_000, slew_micro_s: 1_000_000, ..constant(1_500_000, Command::Voltage) },
+    );
+    attended(&mut board, 10_000);
+    assert_eq!(board.status().fault, None);
+    attended(&mut board, 100);
+    assert_eq!(board.status().fault, Some(Fault::RunTooLong { limit_us: 10_000_000 }));
 }
 
 #[test]

@@ -102,7 +102,7 @@ impl Default for Calibration {
             channel: Channel::new(name, unit),
             sensor,
             limit: Some(limit),
-            stuck_s: Some(1.0),
+            stuck_s: Some(0.025),
             missing_below,
             gain_std: None,
             offset_std: None,

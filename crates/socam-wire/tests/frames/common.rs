@@ -1,7 +1,7 @@
 //! Frames and messages for the tests.
 
 use socam_core::Request;
-use socam_wire::{Decoder, Encoder, FrontEnd, Identity, LinkError, MAX_FRAME, Text, ToBoard};
+use socam_wire::{Decoder, Encoder, FrontEnd, Identity, LinkError, MAX_FRAME, Start, Text, ToBoard};
 
 pub(crate) fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
     let mut out = [0; MAX_FRAME];
@@ -19,7 +19,12 @@ pub(crate) fn decode<M: serde::de::DeserializeOwned>(
 pub(crate) fn identity() -> Identity {
     let front_end =
         FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
-    Identity { board: Text::new("bench 7, serial 0123456789abcdef"), firmware: Text::new("0.1.0"), front_end }
+    Identity {
+        board: Text::new("bench 7, serial 0123456789abcdef"),
+        firmware: Text::new("0.1.0"),
+        front_end,
+        start: Start::Watchdog,
+    }
 }
 
 pub(crate) fn numbered(number: u16) -> ToBoard {
