@@ -284,4 +284,4 @@ impl Equations {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -37,7 +37,7 @@ impl Code<'_> {
                 _ if word >> 7 == 0b1_0110_0001 => bytes += 4 * u64::from(word & 0x7f),
                 // LDR Rt, [PC, #imm].
                 _ if word >> 11 == 0b01001 => {
-                    let literal = (address + 4 & !3) + 4 * u64::from(word & 0xff);
+                    let literal = ((address + 4) & !3) + 4 * u64::from(word & 0xff);
                     let halves = self.half_word(literal).zip(self.half_word(literal + 2));
                     loaded[register] = halves.map(|(low, high)| (high << 16 | low) as i32);
                 }

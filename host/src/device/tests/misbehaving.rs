@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 
 use socam_core::{Flags, MAX_CHANNELS, Refusal, Sample, State};
-use socam_wire::{Decoder, Encoder, FrontEnd, Identity, MAX_FRAME, SampleBatch, Text, ToBoard, ToHost};
+use socam_wire::{
+    Decoder, Encoder, FrontEnd, Identity, MAX_FRAME, SampleBatch, Start, Text, ToBoard, ToHost,
+};
 
 use super::*;
 
@@ -56,6 +58,7 @@ impl Write for Endless {
                         output_full_scale_uv: 10_000_000,
                         channel_step_ns: 0,
                     },
+                    start: Start::Supply,
                 })),
                 ToBoard::Request { number, request } => {
                     self.state = match request {

@@ -57,60 +57,7 @@ fn text_box(node: &roxmltree::Node<'_, '_>) -> Option<(String, [f64; 4])> {
 }
 
 /// A branch at the hub, two shafts side by side, and a spring to the ground.
-const BRANCHES: &str = r#"
-schema = "socam.model/1"
-name = "branches"
-description = "branches"
-motion = "rotation"
-[parameters]
-J = { value = 1, unit = "kg m2", source = "test" }
-k = { value = 1, unit = "N m/rad", source = "test" }
-[[nodes]]
-name = "motor"
-inertia = "J"
-[[nodes]]
-name = "hub"
-inertia = "J"
-[[nodes]]
-name = "roll"
-inertia = "J"
-[[nodes]]
-name = "fan"
-inertia = "J"
-[[springs]]
-name = "shaft"
-from = "motor"
-to = "hub"
-stiffness = "k"
-[[springs]]
-name = "second_shaft"
-from = "motor"
-to = "hub"
-stiffness = "k"
-[[springs]]
-name = "belt"
-from = "hub"
-to = "roll"
-stiffness = "k"
-[[springs]]
-name = "arm"
-from = "hub"
-to = "fan"
-stiffness = "k"
-[[springs]]
-name = "held"
-from = "hub"
-to = "ground"
-stiffness = "k"
-[channels.drive]
-role = "input"
-quantity = "torque"
-at = "motor"
-[channels.fan_speed]
-role = "output"
-quantity = "speed"
-at = "fan"
-"#;
+const BRANCHES: &str = include_str!("../../../../socam-model/tests/branches.toml");
 
 #[test]
 fn every_place_can_be_marked() {
