@@ -82,6 +82,20 @@ pub enum DiagnoseError {
 ///
 /// # Errors
 /// [`DiagnoseError`] where a recording or the model cannot be used. It is no error that no candidate fits.
+///
+/// ```
+/// use socam_diagnose::{Options, diagnose};
+/// use socam_model::Model;
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
+/// let (training, holdout) = recordings.split_at(3);
+/// let answer = diagnose(&model, training, holdout, &Options { most_effects: 1, ..Options::default() })?;
+/// let friction = &answer.diagnosis.findings[0];
+/// assert_eq!((friction.effect.as_str(), friction.location.as_str()), ("coulomb_friction", "guide"));
+/// assert!((friction.parameters[0].value.unwrap() - 5.0).abs() < 0.2);
+/// assert!(Model::parse(&answer.model_toml)?.effects.len() == 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn diagnose(
     model: &Model,
     training: &[Dataset],

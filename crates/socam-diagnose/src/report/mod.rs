@@ -43,6 +43,19 @@ pub enum ReportError {
 ///
 /// # Errors
 /// [`ReportError`] with the path.
+///
+/// ```
+/// use socam_diagnose::{Options, diagnose, report};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
+/// let answer = diagnose(&model, &recordings[..1], &[], &Options { most_effects: 1, ..Options::default() })?;
+/// # let folder = tempfile::tempdir()?;
+/// # let folder = folder.path();
+/// report::write(folder, &answer.diagnosis, &answer.evidence, &model, Some(&answer.model_toml))?;
+/// assert!(folder.join("index.html").exists() && folder.join("model.toml").exists());
+/// assert!(report::page(&answer.diagnosis, &answer.evidence, &model).contains("guide"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write(
     dir: &Path,
     diagnosis: &Diagnosis,

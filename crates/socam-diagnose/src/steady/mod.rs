@@ -73,6 +73,20 @@ pub enum SteadyError {
 ///
 /// # Errors
 /// [`SteadyError`] where no parity relation can be tested, or where the model contains an effect.
+///
+/// ```
+/// use socam_diagnose::{SteadyOptions, diagnose_steady};
+/// use socam_model::Model;
+/// use socam_recording::Steady;
+///
+/// # let table = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/tables/thesis-5.1.csv");
+/// let speeds = Steady::open(table.as_ref())?;
+/// let model = Model::builtin("speed-o-cam").ok_or("no such model")?;
+/// let (diagnosis, _) = diagnose_steady(&model, &[speeds], SteadyOptions::default())?;
+/// // A mesh eats a fixed share of the torque.
+/// assert!(diagnosis.findings.iter().any(|finding| finding.effect == "mesh_loss"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn diagnose_steady(
     model: &Model,
     tables: &[Steady],
