@@ -1,6 +1,7 @@
 //! A run: a profile on a board, recorded from its first sample to its last.
 
 mod columns;
+mod deadline;
 mod plan;
 mod prepare;
 mod recording;
@@ -20,6 +21,7 @@ use crate::interrupt::Interrupt;
 pub(crate) use columns::Columns;
 #[cfg(feature = "dashboard")]
 pub(crate) use columns::fault_text;
+use deadline::Deadline;
 pub(crate) use plan::{End, Monitor, Plan, Report};
 use prepare::prepare;
 use recording::Run;
@@ -77,8 +79,8 @@ pub(crate) fn record_prepared(
         replace: plan.replace,
     };
     let recorder = Recorder::create(&plan.path, &header)?;
-    let planned_us = [plan.profile.duration_us, u64::from(plan.profile.ramp_us)];
-    let mut run = Run::new(session, monitor, recorder, columns, plan.calibration, plan.period_us, planned_us);
+    let deadline = Deadline::new([plan.profile.duration_us, u64::from(plan.profile.ramp_us)]);
+    let mut run = Run::new(session, monitor, recorder, columns, plan.calibration, plan.period_us, deadline);
     let started = run.start();
     let end = started.and_then(|()| run.until_end());
     run.finish(end)

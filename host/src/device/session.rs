@@ -81,21 +81,8 @@ impl Session {
             while let Some(item) = decoder.next(&mut bytes) {
                 match item {
                     Ok(ToHost::Hello(identity)) => {
-                        let mut session = Self {
-                            stream,
-                            device,
-                            is_patient,
-                            encoder,
-                            decoder,
-                            identity,
-                            counts: LinkCounts::default(),
-                            channels: None,
-                            misfits: 0,
-                            requests: 0,
-                            heard: VecDeque::new(),
-                            answer: None,
-                            buffer: Vec::new(),
-                        };
+                        let link = (stream, encoder, decoder);
+                        let mut session = Self::new(link, device, is_patient, identity);
                         session.decode(bytes);
                         session.buffer = buffer;
                         return Ok(session);
@@ -115,6 +102,29 @@ impl Session {
             "{device} says nothing (waited {} s): is it the right port, does the firmware run, and does no other host hold it?",
             HELLO_WITHIN.as_secs()
         );
+    }
+
+    fn new(
+        (stream, encoder, decoder): (Box<dyn Stream>, Encoder, Decoder<ToHost>),
+        device: String,
+        is_patient: bool,
+        identity: Identity,
+    ) -> Self {
+        Self {
+            stream,
+            device,
+            is_patient,
+            encoder,
+            decoder,
+            identity,
+            counts: LinkCounts::default(),
+            channels: None,
+            misfits: 0,
+            requests: 0,
+            heard: VecDeque::new(),
+            answer: None,
+            buffer: Vec::new(),
+        }
     }
 
     /// The board's identity.

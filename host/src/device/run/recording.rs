@@ -8,6 +8,7 @@ use socam_recording::{Calibration, Event, Recorder, SampleRow, Status};
 use socam_wire::{BoardStatus, SampleBatch};
 
 use super::columns::{Columns, fault_text};
+use super::deadline::{Deadline, Overdue};
 use super::plan::{End, Monitor, Report};
 use crate::device::session::{Heard, Session};
 use crate::output;
@@ -18,16 +19,8 @@ const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 /// Longest time without a new sample of the run; a board sends one every few milliseconds.
 const SILENT_AFTER: Duration = Duration::from_secs(3);
 
-/// How much longer than planned a run may last, by its samples, before the host stops it; and how much longer the board may take to
-/// come to rest after that.
-const OVER_NS: i64 = 2_000_000_000;
-const REST_NS: i64 = 10_000_000_000;
-
 /// Pause for the disk when simulated time is faster than it.
 const DISK_TURN: Duration = Duration::from_millis(5);
-
-/// How much earlier than planned a profile may end, by the last sample that arrived: the samples after it may be lost.
-const EARLY_NS: i64 = 500_000_000;
 
 /// A run that is being recorded.
 pub(super) struct Run<'s> {
@@ -37,16 +30,11 @@ pub(super) struct Run<'s> {
     columns: Columns,
     calibration: Calibration,
     period_us: u32,
-    /// Duration of the profile, ns, without its ramp.
-    planned_ns: i64,
-    /// Duration of the ramp at its end, ns.
-    ramp_ns: i64,
+    deadline: Deadline,
     /// Tick of the latest sample of the profile; `None` before the first.
     tick: Option<u32>,
     /// Ticks from the first sample to the latest.
     last_tick: u64,
-    /// Whether the host has stopped a run that did not end.
-    is_overdue: bool,
     segment: Option<u16>,
     end: Option<End>,
     /// Whether the profile's last sample has been recorded; the reason of a fault may follow.
@@ -69,9 +57,8 @@ impl<'s> Run<'s> {
         columns: Columns,
         calibration: Calibration,
         period_us: u32,
-        [planned_us, ramp_us]: [u64; 2],
+        deadline: Deadline,
     ) -> Self {
-        let ns = |us: u64| i64::try_from(us.saturating_mul(1000)).unwrap_or(i64::MAX);
         Self {
             session,
             monitor,
@@ -79,11 +66,9 @@ impl<'s> Run<'s> {
             columns,
             calibration,
             period_us,
-            planned_ns: ns(planned_us),
-            ramp_ns: ns(ramp_us),
+            deadline,
             tick: None,
             last_tick: 0,
-            is_overdue: false,
             segment: None,
             end: None,
             is_over: false,
@@ -155,44 +140,29 @@ impl<'s> Run<'s> {
             }
         }
         let end = self.end.take().unwrap_or(End::Finished);
-        Ok(match end {
-            End::Finished if stops > 0 => End::Stopped,
-            End::Finished if self.is_overdue => End::Broken(format!(
-                "the board went on after the end of its profile of {:.3} s, so the host stopped it",
-                self.planned_ns as f64 * 1e-9
-            )),
-            End::Finished if self.now_ns() < self.planned_ns - EARLY_NS && !self.recorder.has_failed() => {
-                End::Broken(self.early_rest())
-            }
-            end => end,
+        let broken = self.deadline.broken(self.now_ns()).filter(|_| !self.recorder.has_failed());
+        Ok(match (end, broken) {
+            (End::Finished, _) if stops > 0 => End::Stopped,
+            (End::Finished, Some(reason)) => End::Broken(reason),
+            (end, _) => end,
         })
-    }
-
-    /// A board at rest before the end of its profile names no reason: it has started anew.
-    fn early_rest(&self) -> String {
-        let [ended_s, planned_s] = [self.now_ns(), self.planned_ns].map(|ns| ns as f64 * 1e-9);
-        format!(
-            "the board went to rest without a reason after {ended_s:.3} s of a profile of {planned_s:.3} s, \
-             as after a loss of power: check its supply and cable, then record again"
-        )
     }
 
     /// Stops a board that goes on after the end of its profile; gives it up if it goes on after that.
     fn stop_overdue(&mut self) -> anyhow::Result<()> {
-        let over_ns = self.now_ns() - self.planned_ns.saturating_add(self.ramp_ns);
-        if over_ns <= OVER_NS || self.end.is_some() {
+        if self.end.is_some() {
             return Ok(());
         }
-        let planned_s = self.planned_ns as f64 * 1e-9;
-        if !self.is_overdue {
-            self.is_overdue = true;
-            self.event("stop", "the run lasts longer than planned".to_owned());
-            self.session.post(Request::Stop)?;
-        } else if over_ns > OVER_NS + REST_NS {
-            self.session.post(Request::EmergencyStop)?;
-            self.end = Some(End::Broken(format!(
-                "the board does not end its profile of {planned_s:.3} s and does not stop: use the bench's emergency stop"
-            )));
+        match self.deadline.check(self.now_ns()) {
+            Overdue::No => {}
+            Overdue::Stop => {
+                self.event("stop", "the run lasts longer than planned".to_owned());
+                self.session.post(Request::Stop)?;
+            }
+            Overdue::GiveUp => {
+                self.session.post(Request::EmergencyStop)?;
+                self.end = Some(End::Broken(self.deadline.given_up()));
+            }
         }
         Ok(())
     }
