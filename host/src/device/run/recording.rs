@@ -122,6 +122,11 @@ impl<'s> Run<'s> {
                 Some(Heard::Status(status)) => self.take_status(&status),
                 None => {}
             }
+            if self.recorder.has_failed() {
+                // The bench must not run unrecorded; the failure is reported by `finish`.
+                self.session.post(Request::Stop)?;
+                break;
+            }
             if self.tick == before {
                 if self.end.is_none() && heard.elapsed() > SILENT_AFTER {
                     bail!("the board fell silent (waited {} s for a sample)", SILENT_AFTER.as_secs())
@@ -133,11 +138,6 @@ impl<'s> Run<'s> {
                 std::thread::sleep(DISK_TURN);
             }
             heard = Instant::now();
-            if self.recorder.has_failed() {
-                // The bench must not run unrecorded; the failure is reported by `finish`.
-                self.session.post(Request::Stop)?;
-                break;
-            }
         }
         let end = self.end.take().unwrap_or(End::Finished);
         let broken = self.deadline.broken(self.now_ns()).filter(|_| !self.recorder.has_failed());
