@@ -46,6 +46,24 @@ fn a_log_survives_damage_to_any_chunk_or_its_head_and_is_recovered() {
     }
 }
 
+/// A decompressor notices most flipped bits, but not one in a literal: only the checksum does.
+#[test]
+fn no_flipped_bit_yields_a_wrong_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    record(&path, 300, None);
+    let (whole, truth) = (std::fs::read(&path).unwrap(), times_and_values(&path));
+    let start = chunks(&whole).into_iter().next_back().unwrap();
+    for at in (start + 9..whole.len()).step_by(13) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1 << (at % 8);
+        std::fs::write(&path, &bytes).unwrap();
+        if open(&path).is_ok() {
+            assert!(times_and_values(&path).iter().all(|row| truth.contains(row)), "byte {at}");
+        }
+    }
+}
+
 #[test]
 fn a_cut_log_is_recovered_with_an_index() {
     let folder = tempfile::tempdir().unwrap();
