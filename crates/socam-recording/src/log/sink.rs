@@ -75,8 +75,16 @@ impl Seek for LogSink {
     }
 }
 
+#[cfg(test)]
+thread_local! {
+    /// Number of syncs by this thread, which nothing else shows of a file.
+    pub(super) static SYNCS: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+}
+
 /// Syncs a file's content to the disk. Devices and pipes cannot be synced, which is no error.
 pub(crate) fn sync(file: &File) -> io::Result<()> {
+    #[cfg(test)]
+    SYNCS.set(SYNCS.get() + 1);
     match file.sync_data() {
         Err(e) if e.kind() == io::ErrorKind::InvalidInput => Ok(()),
         result => result,

@@ -222,3 +222,21 @@ pub(crate) fn failure(path: &Path, action: &'static str, error: McapError) -> Re
     };
     RecordingError::io(path, action, source)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dataset, Unit, log::sink::SYNCS};
+
+    #[test]
+    fn a_finished_log_is_whole_and_on_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let header = RecordingHeader::new(vec![Channel::new("speed", Unit::RadPerS)]);
+        let log = LogWriter::begin(&path, File::create(&path).unwrap(), &header).unwrap();
+        let before = SYNCS.get();
+        let bytes = log.finish(0).unwrap();
+        assert_eq!((SYNCS.get() - before, bytes), (1, path.metadata().unwrap().len()));
+        assert!(Dataset::open(path.to_str().unwrap()).is_err_and(|e| e.to_string().contains("no samples")));
+    }
+}
