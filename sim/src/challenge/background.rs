@@ -70,7 +70,7 @@ impl Background {
             self.friction.iter().zip(&self.bristles).map(|((place, torque), (bend, speed))| Acting {
                 kind: Kind::Bristles,
                 place: place.clone(),
-                parameters: vec![*torque, 1.2 * torque, *speed, *bend],
+                parameters: vec![*torque, Self::BREAKAWAY * torque, *speed, *bend],
             });
         let compliant = self.compliance.iter().map(|(tie, stiffness, damping)| CompliantTie {
             tie: tie.clone(),
@@ -80,7 +80,12 @@ impl Background {
         Unmodelled { acting: friction.collect(), compliant: compliant.collect(), inertia: Vec::new() }
     }
 
-    pub(super) fn delay(&self, channel: &str) -> f64 {
+    /// Ratio of the breakaway torque of a bearing's friction to its sliding torque, 1.
+    pub const BREAKAWAY: f64 = 1.2;
+
+    /// Delay of a channel, samples.
+    #[must_use]
+    pub fn delay(&self, channel: &str) -> f64 {
         self.delays.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, delay)| *delay)
     }
 

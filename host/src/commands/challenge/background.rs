@@ -1,12 +1,10 @@
 //! What of a realistic bench's background a diagnosis may name, and how the background changes what a right interval holds.
 
 use socam_diagnose::document::Finding;
-use socam_sim::challenge::{Case, Drive, Hidden, Measure};
+use socam_sim::challenge::{Background, Case, Drive, Hidden, Measure};
 
 /// Effects that a delay between channels is named by.
 const DELAYS: [&str; 3] = ["sensor_delay", "sensor_lag", "channel_delay"];
-/// Breakaway torque of the background's friction over its sliding torque, 1.
-const BREAKAWAY: f64 = 1.2;
 
 /// Whether the background has an effect. `delay_s` is the stated delay or lag; a rival has none, and either sign will do.
 pub(super) fn is_there(case: &Case, (effect, place): (&str, &str), delay_s: Option<f64>) -> bool {
@@ -23,13 +21,9 @@ pub(super) fn is_there(case: &Case, (effect, place): (&str, &str), delay_s: Opti
 fn is_delay_there(case: &Case, place: &str, delay_s: Option<f64>) -> bool {
     let sensors = case.machine.sensors.iter().map(|sensor| sensor.name.as_str());
     let others = sensors.chain([case.machine.input.name.as_str()]).filter(|name| *name != place);
-    let own = samples_late(case, place);
-    let mut relative = others.map(|other| own - samples_late(case, other));
+    let own = case.background.delay(place);
+    let mut relative = others.map(|other| own - case.background.delay(other));
     relative.any(|later| delay_s.map_or(later != 0.0, |stated| later * stated > 0.0))
-}
-
-fn samples_late(case: &Case, channel: &str) -> f64 {
-    case.background.delays.iter().find(|(name, _)| name == channel).map_or(0.0, |(_, samples)| *samples)
 }
 
 /// Stated delay or lag of a finding, s.
@@ -54,7 +48,7 @@ pub(super) fn expected(
     let friction = friction.map_or(0.0, |(_, torque)| *torque);
     let truth = match (hidden.effect.as_str(), name) {
         ("coulomb_friction" | "stribeck_friction", "torque") => truth + friction,
-        ("stribeck_friction", "static_torque") => truth + BREAKAWAY * friction,
+        ("stribeck_friction", "static_torque") => truth + Background::BREAKAWAY * friction,
         _ => truth,
     };
     let is_scaled = case.machine.input.drive == Drive::Torque && unit.starts_with(['N', 'k']);
