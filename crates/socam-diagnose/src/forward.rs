@@ -4,7 +4,7 @@ use socam_identify::{
     IdentifyError, NoiseLevels,
     comparison::{self, NoiseModel},
 };
-use socam_model::Model;
+use socam_model::{Model, effects::Rig};
 
 use crate::{
     candidate::Candidate,
@@ -34,7 +34,7 @@ pub(crate) fn run(
     nearer.unwrap_or(begun).extended(context).map(Some)
 }
 
-/// The path at the base model, with the sizes of its motions and torques. `None` where the base model's prediction overflows.
+/// The path at the base model. `None` where the base model's prediction overflows.
 pub(crate) fn begin(
     context: &Context<'_>,
     model: &Model,
@@ -42,8 +42,7 @@ pub(crate) fn begin(
     levels: &NoiseLevels,
 ) -> Result<Option<Path>, IdentifyError> {
     let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
-    let scales = Scales::new(&context.problem(model)?, model, &noise, &base.at)?;
-    let priors = PriorKnowledge { base: model.clone(), rig: scales.rig };
+    let priors = PriorKnowledge { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
     let (last, terms, tests) = (base.clone(), Vec::new(), Vec::new());
     Ok(Some(Path { last, base, terms, priors, noise, tests, unexplained: None }))
 }
@@ -135,10 +134,19 @@ impl Path {
         Ok(if curve.beats(context, self, &both)? { None } else { Some(first) })
     }
 
+    /// Sizes of motions and torques at the last fit.
+    pub(crate) fn scales(&self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
+        let FittedModel { model, at, .. } = &self.last;
+        Scales::new(&context.problem(model)?, model, &self.noise, at)
+    }
+
     /// Score test of all candidates that were not added yet. Returns the sizes of motions and torques.
     pub(crate) fn test(&mut self, context: &Context<'_>) -> Result<Scales, IdentifyError> {
+        let scales = self.scales(context)?;
+        if self.terms.is_empty() {
+            self.priors.rig = scales.rig.clone();
+        }
         let FittedModel { model, at, .. } = &self.last;
-        let scales = Scales::new(&context.problem(model)?, model, &self.noise, at)?;
         let mut all = candidates::all(model, &scales);
         // Effects that are observationally equivalent to an added one are not tested either.
         let known: Vec<Candidate> =

@@ -6,7 +6,7 @@
 //! effect that is found so, with all values, begins the selection on whole recordings.
 
 use socam_identify::{IdentifyError, Options as FitOptions, StartState};
-use socam_recording::{Channel, Dataset, RecordingError};
+use socam_recording::{Dataset, RecordingError};
 
 use crate::{
     choice,
@@ -64,6 +64,7 @@ impl Path {
         let last = context.fitted(&model, &values, None, &self.noise)?;
         let Some(last) = last.filter(|last| last.deviance() < self.last.deviance()) else { return Ok(None) };
         let mut path = Self { last, terms: found.terms, tests: Vec::new(), ..self.clone() };
+        path.priors.rig = self.scales(context)?.rig;
         // Nested laws are tried again on whole recordings.
         path.terms.iter_mut().for_each(|term| term.excess_at_upgrade = f64::INFINITY);
         path.renew_noise(context)?;
@@ -75,8 +76,7 @@ impl Path {
 /// The recording without the last sample of each part: a gap starts a new segment, which has a start state of its own. Time and angles are
 /// those of the whole recording.
 fn in_parts(dataset: &Dataset, samples: usize) -> Result<Dataset, RecordingError> {
-    let names: Vec<String> = dataset.channels().iter().map(Channel::column_name).collect();
-    let loaded = dataset.load(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let loaded = dataset.load_all()?;
     let kept = |values: &[f64]| -> Vec<f64> {
         let rows = values.iter().enumerate().filter(|(row, _)| row % samples != samples - 1);
         rows.map(|(_, value)| *value).collect()
@@ -87,7 +87,7 @@ fn in_parts(dataset: &Dataset, samples: usize) -> Result<Dataset, RecordingError
 
 #[cfg(test)]
 mod tests {
-    use socam_recording::Unit;
+    use socam_recording::{Channel, Unit};
 
     use super::*;
 

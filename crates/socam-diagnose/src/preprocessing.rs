@@ -141,8 +141,7 @@ pub(crate) fn masked<'c>(
     rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,
 ) -> Result<Dataset, RecordingError> {
     let channels: Vec<Channel> = dataset.channels().to_vec();
-    let names: Vec<String> = channels.iter().map(Channel::column_name).collect();
-    let loaded = dataset.load(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let loaded = dataset.load_all()?;
     let mut columns: Vec<Vec<f64>> = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
     for (column, rows) in rows {
         let column = dataset.channel_index(column)?;

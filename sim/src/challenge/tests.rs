@@ -50,9 +50,7 @@ fn recorded(case: &Case, hidden: Vec<Hidden>) -> Vec<Vec<f64>> {
     let mut case = Case { hidden, noise_std: Vec::new(), training: 1, ..case.clone() };
     case.runs.truncate(1);
     let data = case.record().unwrap().training.remove(0);
-    let names: Vec<String> = data.channels().iter().map(socam_recording::Channel::column_name).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    data.load(&names).unwrap().columns.iter().map(|column| column.values().to_vec()).collect()
+    data.load_all().unwrap().columns.iter().map(|column| column.values().to_vec()).collect()
 }
 
 #[test]

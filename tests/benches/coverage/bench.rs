@@ -96,9 +96,7 @@ fn thinned(data: Dataset, keep: usize) -> Result<Dataset, String> {
 
 /// Times and all channels.
 fn columns(data: &Dataset) -> Result<Vec<Vec<f64>>, String> {
-    let names: Vec<String> = data.channels().iter().map(Channel::column_name).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let loaded = data.load(&names).map_err(|error| error.to_string())?;
+    let loaded = data.load_all().map_err(|error| error.to_string())?;
     let values = loaded.columns.iter().map(|column| column.values().to_vec());
     Ok(std::iter::once(loaded.time_s).chain(values).collect())
 }
