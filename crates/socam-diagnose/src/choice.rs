@@ -60,6 +60,16 @@ pub(crate) fn best(
             tried.push(one);
         }
     }
+    among(context, path, &tried, &finalists)
+}
+
+/// Chooses among candidates that were fitted under the path's noise model. `tried` holds the candidates, with their p-values.
+pub(crate) fn among(
+    context: &Context<'_>,
+    path: &Path,
+    tried: &[(Candidate, f64)],
+    finalists: &[Finalist],
+) -> Result<Option<Choice>, IdentifyError> {
     let least = |a: &&Finalist, b: &&Finalist| a.at.total().total_cmp(&b.at.total());
     let Some(leader) = finalists.iter().min_by(least) else { return Ok(None) };
     let noise = context.noise_at(&leader.model, &leader.at, path.noise.levels())?;
@@ -80,7 +90,7 @@ pub(crate) fn best(
         return Ok(None);
     }
     let (candidate, p_value) = tried[*index].clone();
-    let rivals = rivals((context, path), &tried, &fits, chosen, gained.log_score);
+    let rivals = rivals((context, path), tried, &fits, chosen, gained.log_score);
     let finalist = finalists.iter().find(|one| one.index == *index);
     let deviance_reduction = finalist.map_or(0.0, |one| path.last.deviance() - one.at.total());
     let term =

@@ -30,7 +30,10 @@ pub(crate) fn run(
     levels: &NoiseLevels,
 ) -> Result<Option<Path>, IdentifyError> {
     let Some(begun) = begin(context, model, values, levels)? else { return Ok(None) };
-    let nearer = begun.by_short_horizons(context)?;
+    let nearer = match begun.by_prescribed_motion(context)? {
+        Some(nearer) => Some(nearer),
+        None => begun.by_short_horizons(context)?,
+    };
     nearer.unwrap_or(begun).extended(context).map(Some)
 }
 

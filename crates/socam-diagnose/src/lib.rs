@@ -55,6 +55,7 @@ mod orders;
 mod pictures;
 mod plausibility;
 mod preprocessing;
+mod prescribed;
 mod proof;
 mod region;
 pub mod report;

@@ -55,6 +55,7 @@ mod noise;
 mod optimiser;
 mod prediction;
 mod preprocessing;
+mod prescribed_motion;
 mod problem;
 mod progress;
 mod report;
@@ -80,6 +81,7 @@ pub use preprocessing::{
     mask::{LeftOut, Reason},
     outliers::outliers,
 };
+pub use prescribed_motion::{PrescribedMotion, TorqueFit};
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use progress::{Observer, Progress, ProgressMonitor, Stage};
 pub use report::{ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source};

@@ -39,8 +39,9 @@ pub(super) fn findings(inputs: &Inputs<'_>) -> Result<Vec<Finding>, IdentifyErro
         without_name.region = Region { text: format!("{}; {}", without_name.region.text, own.text), ..own };
         findings.push(without_name);
     }
-    let log_score = |finding: &Finding| finding.evidence.log_score_gain.map_or(0.0, |[gain, _]| gain);
-    findings.sort_by(|a, b| log_score(b).total_cmp(&log_score(a)));
+    // Gains in log score were found under the noise model of their step; these are all under that of the last model.
+    let gain = |finding: &Finding| finding.evidence.chi2_gain.unwrap_or(0.0);
+    findings.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     Ok(merged(findings))
 }
 

@@ -17,7 +17,7 @@ pub(crate) mod intersample;
 pub(crate) mod laws;
 pub(crate) mod modal;
 pub(crate) mod modes;
-mod newton;
+pub(crate) mod newton;
 mod output_map;
 pub(crate) mod phi;
 pub(crate) mod predictor;

@@ -1,0 +1,89 @@
+//! Motion prescribed, torque predicted: a way in where the base model misses by far more than noise, and has one coordinate.
+//!
+//! In a free run the deviance has minima far from the truth. The torque that the measured motion needs is nearly linear in all parameters,
+//! base parameters included, so that each candidate's regression leads to one set of values. The candidates that leave the least torque are
+//! then fitted to whole recordings from there, and compete as any others do.
+
+use rayon::prelude::*;
+use socam_identify::{IdentifyError, PrescribedMotion, TorqueFit};
+use socam_model::Model;
+
+use crate::{
+    candidate::Candidate,
+    candidates, choice,
+    context::{self, Context, FAR_BEYOND_NOISE},
+    extension::{carried_over, extended},
+    halving::Finalist,
+    selection::Path,
+};
+
+/// Number of candidates that are fitted to whole recordings.
+const FINALISTS: usize = 6;
+/// Rounds of such a fit: iterations, and the largest multiple of the last model's deviance that it may have after them.
+const ROUNDS: [(usize, f64); 2] = [(10, 10.0), (20, 1.0)];
+/// Share of the base model's excess over sensor noise that may be left: further effects are then found in free runs.
+const LEFT: f64 = 0.01;
+
+/// A candidate at the values of its regression.
+struct Regressed {
+    candidate: Candidate,
+    p_value: f64,
+    model: Model,
+    fit: TorqueFit,
+}
+
+impl Path {
+    /// The first effect that regression of the torque shows, fitted to whole recordings; `None` where the base model is near the data or has
+    /// more coordinates, or where no effect brings it near.
+    pub(crate) fn by_prescribed_motion(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
+        if self.noise.excess() < FAR_BEYOND_NOISE {
+            return Ok(None);
+        }
+        let Some(motion) = PrescribedMotion::read(&self.base.model, context.training)? else {
+            return Ok(None);
+        };
+        let mut path = self.clone();
+        path.test(context)?;
+        let regressed = path.regressed(&motion);
+        let fits = regressed.par_iter().enumerate().map(|(index, one)| {
+            let problem = context.problem(&one.model)?;
+            let most = self.last.deviance();
+            let at = context::descend_in_rounds(&problem, &self.noise, &one.fit.values, most, &ROUNDS)?;
+            Ok(at.map(|at| Finalist { index, model: one.model.clone(), at }))
+        });
+        let fits: Result<Vec<Option<Finalist>>, IdentifyError> = fits.collect();
+        let finalists: Vec<Finalist> = fits?.into_iter().flatten().collect();
+        let tried: Vec<_> = regressed.into_iter().map(|one| (one.candidate, one.p_value)).collect();
+        let Some(choice) = choice::among(context, &path, &tried, &finalists)? else { return Ok(None) };
+        path.add(context, choice)?;
+        let is_near = |path: &Self| path.noise.excess() < FAR_BEYOND_NOISE.max(LEFT * self.noise.excess());
+        Ok(Some(path).filter(|path| !path.terms.is_empty() && is_near(path)))
+    }
+
+    /// The tested candidates that leave the least torque, the best first, each effect and place once.
+    fn regressed(&self, motion: &PrescribedMotion) -> Vec<Regressed> {
+        let base = &self.base.model;
+        let Some(alone) = motion.fit(base, &base.values()) else { return Vec::new() };
+        let starts = self.tests.iter().flat_map(|one| {
+            let small = candidates::starts(one.start.clone(), base, &base.values());
+            let usual = candidates::usual_starts(&one.start, &self.priors.rig);
+            small.into_iter().chain(usual).map(|start| (start, one.p_value))
+        });
+        let starts: Vec<(Candidate, f64)> = starts.collect();
+        let each = starts.into_par_iter().filter_map(|(candidate, p_value)| {
+            let model = extended(base, &candidate)?;
+            let values = carried_over((base, &alone.values), &model);
+            let fit = motion.fit(&model, &values)?;
+            Some(Regressed { candidate, p_value, model, fit })
+        });
+        let mut all: Vec<Regressed> = each.filter(|one| one.fit.rms < alone.rms).collect();
+        all.sort_by(|a, b| a.fit.rms.total_cmp(&b.fit.rms));
+        let mut best: Vec<Regressed> = Vec::new();
+        for one in all {
+            if best.len() < FINALISTS && !best.iter().any(|known| known.candidate.is_same(&one.candidate)) {
+                best.push(one);
+            }
+        }
+        best
+    }
+}
