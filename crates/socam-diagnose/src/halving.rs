@@ -135,8 +135,10 @@ fn begin(
     // do not, and take more iterations than a round has.
     let anew = comparison::descend(&problem, noise, &values, None, round)?;
     let at = match anew.filter(|at| at.total() < before.deviance()) {
-        Some(at) => Some(at),
-        None => comparison::descend(&problem, noise, &values, Some((&before.model, &before.at)), round)?,
+        None if context.has_short_segments() => {
+            comparison::descend(&problem, noise, &values, Some((&before.model, &before.at)), round)?
+        }
+        anew => anew,
     };
     Ok(at.map(|at| (grown, at)))
 }
