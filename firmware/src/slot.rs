@@ -66,3 +66,32 @@ impl<T> Taker<'_, T> {
         value
     }
 }
+
+// The one `unsafe` that another thread of control depends on. The file is a program of its own for Miri: see `docs/reliability.md`.
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_pass_once_and_in_order_between_two_threads() {
+        let mut slot = Slot::new();
+        let (mut filler, mut taker) = slot.split();
+        const LAST: u32 = 100;
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                for number in 0..=LAST {
+                    while !filler.has_room() {
+                        std::hint::spin_loop();
+                    }
+                    filler.put(Box::new(number));
+                }
+            });
+            let mut next = 0;
+            while next <= LAST {
+                let Some(number) = taker.take() else { continue };
+                assert_eq!(*number, next);
+                next += 1;
+            }
+        });
+    }
+}

@@ -10,6 +10,7 @@ mod browser;
 mod catalogue;
 mod challenge;
 mod core_on_board;
+mod dependencies;
 mod diagnose;
 mod diagnose_published;
 mod diagnose_robust;

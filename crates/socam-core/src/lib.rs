@@ -29,6 +29,9 @@
 #[cfg(test)]
 extern crate std;
 
+mod atomic {
+    pub(crate) use core::sync::atomic::{AtomicU32, Ordering};
+}
 mod average;
 mod board;
 mod ceilings;
@@ -39,6 +42,8 @@ mod ports;
 mod profile;
 mod request;
 mod ring;
+#[cfg(test)]
+mod ring_tests;
 mod safety;
 mod sample;
 pub mod scaling;

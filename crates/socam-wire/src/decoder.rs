@@ -244,3 +244,33 @@ impl<M: DeserializeOwned> Decoder<M> {
         self.old = (0, 0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All patterns of losses among eight frames, from all numbers at which they pass the wrap.
+    #[test]
+    fn lost_frames_are_counted_across_the_wrap_of_their_numbers() {
+        const FRAMES: u32 = if cfg!(miri) { 3 } else { 8 };
+        for first in (0..=FRAMES).map(|back| 0u32.wrapping_sub(back)) {
+            for arrives in 0..1u32 << FRAMES {
+                let mut decoder = Decoder::<u32>::default();
+                let mut counts = LinkCounts::default();
+                let all = (0..FRAMES).filter(|frame| arrives >> frame & 1 == 1);
+                for frame in all.clone() {
+                    let seq = first.wrapping_add(frame);
+                    if let Err(error) = decoder.place(seq, Ok(frame)) {
+                        counts.count(&error);
+                        assert_eq!(decoder.waiting.take(), Some(Ok(frame)), "the message itself is kept");
+                    }
+                    assert_eq!(decoder.place(seq, Ok(frame)), Err(LinkError::Repeated { seq }));
+                }
+                let between =
+                    all.clone().max().zip(all.clone().min()).map_or(0, |(last, first)| last - first + 1);
+                let lost = between - all.count() as u32;
+                assert_eq!(counts, LinkCounts { lost, ..LinkCounts::default() }, "{first}: {arrives:b}");
+            }
+        }
+    }
+}
