@@ -87,6 +87,14 @@ pub enum RecordingError {
         /// The file.
         path: PathBuf,
     },
+    /// A log without a sample that can be read, because it is damaged.
+    #[error("`{}` holds no sample that can be read: {damage}; copy it again from its source", .path.display())]
+    AllDamaged {
+        /// The file.
+        path: PathBuf,
+        /// What is damaged, in words.
+        damage: String,
+    },
     /// A header without any usable channel.
     #[error("`{}` has no channel: no numeric column ends in a unit ({}); rename its columns like `motor_speed_rad_s`", .path.display(), suffixes())]
     NoChannels {
