@@ -1,6 +1,8 @@
 //! MCAP logs: their schemas, the crash-safe recorder, and the streaming reader.
 
 pub(crate) mod attachments;
+#[cfg(test)]
+mod conformance;
 pub(crate) mod contents;
 pub(crate) mod decode;
 mod file;
