@@ -165,6 +165,17 @@ pub enum RecordingError {
         /// The file that would have been.
         path: PathBuf,
     },
+    /// A recording that is in its file, and perhaps not on the disk.
+    #[error(
+        "`{}` cannot be synced to the disk ({source}): a loss of power may take its samples, so copy it to another disk",
+        .path.display()
+    )]
+    NotSynced {
+        /// The file that holds the samples.
+        path: PathBuf,
+        /// The system's own answer.
+        source: std::io::Error,
+    },
     /// A recording that could not go on.
     #[error("{cause}; the recording ends after {samples} samples, which can still be read")]
     Stopped {

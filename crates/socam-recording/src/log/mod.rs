@@ -4,6 +4,8 @@ pub(crate) mod attachments;
 #[cfg(test)]
 mod conformance;
 pub(crate) mod contents;
+#[cfg(test)]
+mod deaths;
 pub(crate) mod decode;
 mod file;
 #[cfg(target_arch = "wasm32")]
@@ -24,3 +26,4 @@ pub(crate) mod sink;
 mod summary;
 mod unpack;
 pub(crate) mod writer;
+mod writing;
