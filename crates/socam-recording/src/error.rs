@@ -87,6 +87,14 @@ pub enum RecordingError {
         /// The file.
         path: PathBuf,
     },
+    /// A log without a sample that can be read, because it is damaged.
+    #[error("`{}` holds no sample that can be read: {damage}; copy it again from its source", .path.display())]
+    AllDamaged {
+        /// The file.
+        path: PathBuf,
+        /// What is damaged, in words.
+        damage: String,
+    },
     /// A header without any usable channel.
     #[error("`{}` has no channel: no numeric column ends in a unit ({}); rename its columns like `motor_speed_rad_s`", .path.display(), suffixes())]
     NoChannels {
@@ -156,6 +164,17 @@ pub enum RecordingError {
     NothingRecorded {
         /// The file that would have been.
         path: PathBuf,
+    },
+    /// A recording that is in its file, and perhaps not on the disk.
+    #[error(
+        "`{}` cannot be synced to the disk ({source}): a loss of power may take its samples, so copy it to another disk",
+        .path.display()
+    )]
+    NotSynced {
+        /// The file that holds the samples.
+        path: PathBuf,
+        /// The system's own answer.
+        source: std::io::Error,
     },
     /// A recording that could not go on.
     #[error("{cause}; the recording ends after {samples} samples, which can still be read")]

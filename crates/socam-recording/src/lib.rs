@@ -33,6 +33,7 @@ mod convert;
 mod csv_lines;
 mod csv_read;
 mod dataset;
+mod disk;
 mod error;
 mod files;
 mod format;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
 use crate::beside::create_beside;
+use crate::disk;
 use crate::error::{RecordingError, Result};
 
 /// A file that is written as `NAME.XXXXXX.part` in the same folder, with random letters for `XXXXXX`, and renamed by
@@ -70,17 +71,19 @@ impl OutputFile {
         self.temporary.as_deref()
     }
 
-    /// Syncs the content to the disk and renames the file.
+    /// Syncs the content to the disk, renames the file, and syncs its name.
     ///
     /// # Errors
-    /// When the content could not be written; no file is left then.
+    /// When the content could not be written; no file is left then. When only the name could not be synced, the file is there, and a loss
+    /// of power may still undo the renaming.
     pub fn commit(mut self) -> Result<()> {
         self.file.flush().map_err(|e| self.fail(e))?;
         let Some(temporary) = self.temporary.take() else {
             return Ok(());
         };
-        self.file.get_ref().sync_all().map_err(|e| self.fail(e))?;
-        temporary.persist(&self.target).map_err(|e| self.fail(e.error))
+        disk::sync(self.file.get_ref()).map_err(|e| self.fail(e))?;
+        disk::replace(temporary, &self.target).map_err(|e| self.fail(e.error))?;
+        disk::sync_name(&self.target).map_err(|e| self.fail(e))
     }
 
     fn fail(&self, e: io::Error) -> RecordingError {

@@ -67,3 +67,22 @@ pub enum Warning {
     #[error("{0}")]
     Note(String),
 }
+
+impl Warning {
+    /// What is damaged, in a few words; `None` where the file is as it was written.
+    pub(crate) fn damage(&self) -> Option<String> {
+        match self {
+            Self::Damaged { byte, bytes } => Some(format!("{bytes} bytes at byte {byte} are damaged")),
+            Self::MissingSamples { written, read } => {
+                Some(format!("of {written} samples that were written {read} can be read"))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What is damaged, in words; `None` where the file is as it was written.
+pub(crate) fn damage<'w>(warnings: impl IntoIterator<Item = &'w Warning>) -> Option<String> {
+    let parts: Vec<String> = warnings.into_iter().filter_map(Warning::damage).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}

@@ -8,7 +8,7 @@ use crate::format::Format;
 use crate::log::contents::LogContents;
 use crate::segments::Segment;
 use crate::statistics::Statistics;
-use crate::warning::{Cut, Warning};
+use crate::warning::{self, Cut, Warning};
 
 /// A recording over time, or the selected part of one.
 ///
@@ -141,5 +141,11 @@ impl Dataset {
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// Whether the recording is whole as far as its file shows: not cut off, nothing damaged, no sample lost.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.cut.is_none() && self.lost_samples == 0 && warning::damage(&self.warnings).is_none()
     }
 }

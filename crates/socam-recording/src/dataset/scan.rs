@@ -13,6 +13,7 @@ use crate::part::{EndOfRows, Part};
 use crate::rows::{Layout, Scan};
 use crate::selection::Selection;
 use crate::table::BLOCK_ROWS;
+use crate::warning;
 
 impl Dataset {
     /// Reads the file once, and keeps the values while there is room.
@@ -40,7 +41,12 @@ impl Dataset {
             parts = next?;
         }
         if first.tally.rows == 0 {
-            return Err(RecordingError::NoSamples { path: selection.path.clone() });
+            let damage = if first.row == 0 { warning::damage(&scan.finish().1.warnings) } else { None };
+            let path = selection.path.clone();
+            return Err(match damage {
+                Some(damage) => RecordingError::AllDamaged { path, damage },
+                None => RecordingError::NoSamples { path },
+            });
         }
         Self::assemble(first, format, &all_channels, scan.finish())
     }

@@ -23,6 +23,20 @@ pub struct LogContents {
     pub last_status: Option<Status>,
 }
 
+impl LogContents {
+    /// What a cut recording whose last sample is at `last_s` lacks, in words.
+    pub(crate) fn missing_after(&self, last_s: Option<f64>) -> String {
+        let last_s = last_s.unwrap_or(0.0);
+        let rest = match self.planned_duration_s {
+            Some(planned_s) if planned_s > last_s => {
+                format!("the last {:.3} s of the planned {planned_s} s", planned_s - last_s)
+            }
+            _ => format!("all after {last_s} s (of a running recording, at most its last second)"),
+        };
+        format!("{rest}, and the index at its end")
+    }
+}
+
 /// An attachment's name and size.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct AttachmentInfo {

@@ -1,7 +1,11 @@
 //! MCAP logs: their schemas, the crash-safe recorder, and the streaming reader.
 
 pub(crate) mod attachments;
+#[cfg(test)]
+mod conformance;
 pub(crate) mod contents;
+#[cfg(test)]
+mod deaths;
 pub(crate) mod decode;
 mod file;
 #[cfg(target_arch = "wasm32")]
@@ -22,3 +26,4 @@ pub(crate) mod sink;
 mod summary;
 mod unpack;
 pub(crate) mod writer;
+mod writing;

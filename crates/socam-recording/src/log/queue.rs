@@ -3,8 +3,8 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::file::LogFile;
-use super::writer::{LogWriter, Topic};
+use super::writer::Topic;
+use super::writing::Writing;
 use crate::error::Result;
 
 /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
@@ -67,12 +67,8 @@ impl Queue {
     }
 }
 
-/// Empties the queue until the recording ends, and keeps the file once it has a sample. Returns samples and bytes written.
-pub(super) fn write_until_ended(
-    mut log: LogWriter,
-    mut file: LogFile,
-    shared: &Shared,
-) -> Result<(u64, u64)> {
+/// Empties the queue until the recording ends. Returns samples and bytes written.
+pub(super) fn write_until_ended(mut log: Writing, shared: &Shared) -> Result<(u64, u64)> {
     let mut batch = Queue::default();
     let mut chunk_opened = Instant::now();
     let mut synced = Instant::now();
@@ -88,10 +84,7 @@ pub(super) fn write_until_ended(
         let written = write(&mut log, &batch).and_then(|()| {
             if chunk_opened.elapsed() >= CHUNK_AGE {
                 chunk_opened = Instant::now();
-                log.flush()?;
-                if log.samples_flushed() > 0 {
-                    file.keep()?;
-                }
+                log.close_chunk()?;
             }
             if synced.elapsed() >= SYNC_EVERY {
                 synced = Instant::now();
@@ -104,19 +97,13 @@ pub(super) fn write_until_ended(
             return Err(e.after(log.samples_flushed()));
         }
         if ended {
-            let samples = log.samples();
-            let flushed = log.samples_flushed();
-            let bytes = log.finish(lost).map_err(|e| e.after(flushed))?;
-            if samples > 0 {
-                file.keep()?;
-            }
-            return Ok((samples, bytes));
+            return log.finish(lost);
         }
         std::thread::park_timeout(POLL);
     }
 }
 
-fn write(log: &mut LogWriter, batch: &Queue) -> Result<()> {
+fn write(log: &mut Writing, batch: &Queue) -> Result<()> {
     let mut start = 0;
     for message in &batch.messages {
         let bytes = &batch.bytes[start..message.end];

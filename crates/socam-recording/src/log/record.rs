@@ -12,6 +12,7 @@ use super::file::LogFile;
 use super::queue::{self, Shared, write_until_ended};
 use super::sample::{Event, SampleRow, Status, encode_event, encode_sample, encode_status};
 use super::writer::{LogWriter, RecordingHeader, Topic};
+use super::writing::Writing;
 use crate::error::{RecordingError, Result};
 
 /// A running recording. Dropping it finishes the file as [`Recorder::finish`] does, but cannot report.
@@ -79,19 +80,19 @@ impl Recorder {
     /// Bytes of messages that may wait for the disk: half a minute of 10 kHz x 6 channels.
     pub const QUEUE_BYTES: usize = queue::QUEUE_BYTES;
 
-    /// Creates the file, writes everything known beforehand, and starts the writer's thread. A file that is replaced is there until
-    /// the first samples are written to the new one, which lies beside it as `NAME.XXXXXX.part` till then.
+    /// Creates the file, writes and syncs everything known beforehand, and starts the writer's thread. A file that is replaced is there
+    /// until the first samples of the new one are synced, which lies beside it as `NAME.XXXXXX.part` till then.
     ///
     /// # Errors
     /// When the file cannot be created or written; no file is left then.
     pub fn create(path: &Path, header: &RecordingHeader) -> Result<Self> {
         let (file, output) = LogFile::create(path, header.replace)?;
-        let log = LogWriter::begin(path, output, header)?;
+        let log = Writing::begin(LogWriter::begin(path, output, header)?, file)?;
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("socam-recorder".into())
-            .spawn(move || write_until_ended(log, file, &theirs))
+            .spawn(move || write_until_ended(log, &theirs))
             .map_err(|e| RecordingError::io(path, "record to", e))?;
         Ok(Self {
             path: path.into(),
@@ -172,7 +173,7 @@ impl Recorder {
     /// Writes the queue, the index and the summary, and syncs the file.
     ///
     /// # Errors
-    /// When writing has failed at any time. A recording without a sample is removed, which is an error.
+    /// When writing or syncing has failed at any time. A recording without a sample is removed, which is an error.
     pub fn finish(mut self) -> Result<RecordingSummary> {
         let (written, bytes) = self.stop()?;
         let Counts { missed, overflowed, refused } = self.counts;

@@ -5,7 +5,6 @@ use std::path::Path;
 use mcap::records::op;
 use rayon::prelude::*;
 
-use super::contents::LogContents;
 use super::decode::{Decoder, LogLayout};
 use super::order::SampleOrder;
 use super::records::{ChunkOpener, Next, RECORD_HEAD, Records};
@@ -14,7 +13,7 @@ use crate::Channel;
 use crate::error::{RecordingError, Result};
 use crate::part::{EndOfRows, Part, Place};
 use crate::table::BLOCK_ROWS;
-use crate::warning::{Cut, Warning};
+use crate::warning::{self, Cut, Warning};
 
 /// Bytes of the contents of chunks unpacked at a time, and of the rows that they can hold at most; at most [`BATCH`] chunks.
 const BATCH_BYTES: u64 = 32 << 20;
@@ -232,9 +231,16 @@ impl LogScan {
         Ok(())
     }
 
+    fn damage(&self) -> Vec<Warning> {
+        self.damaged.iter().map(|&(byte, bytes)| Warning::Damaged { byte, bytes }).collect()
+    }
+
     fn without_samples(&self) -> RecordingError {
         let path = self.records.path.clone();
         let topics = &self.decoder.topics;
+        if let Some(damage) = warning::damage(&self.damage()) {
+            return RecordingError::AllDamaged { path, damage };
+        }
         if let Some(byte) = self.cut
             && topics.is_empty()
         {
@@ -252,6 +258,7 @@ impl LogScan {
 
     /// The layout, and what else is known at the end.
     pub(crate) fn finish(self) -> (LogLayout, EndOfRows) {
+        let damage = self.damage();
         let mut warnings = self.decoder.warnings;
         if self.order.lost > 0 {
             warnings.push(Warning::LostSamples { samples: self.order.lost });
@@ -264,7 +271,7 @@ impl LogScan {
         }
         let lost_samples =
             if unread > 0 { self.order.lost.max(lost.saturating_add(unread)) } else { self.order.lost };
-        warnings.extend(self.damaged.into_iter().map(|(byte, bytes)| Warning::Damaged { byte, bytes }));
+        warnings.extend(damage);
         let contents = self.decoder.contents;
         let cut = self.cut.map(|byte| Cut {
             byte,
@@ -272,23 +279,11 @@ impl LogScan {
             missing: if self.samples_whole {
                 "only the index at its end, all samples are there".into()
             } else {
-                missing(&contents, self.order.last_s())
+                contents.missing_after(self.order.last_s())
             },
         });
         warnings.extend(cut.iter().map(|cut| Warning::CutOff { missing: cut.missing.clone() }));
         let end = EndOfRows { unusable: Vec::new(), warnings, lost_samples, cut, contents: Some(contents) };
         (self.decoder.layout.unwrap_or_default(), end)
     }
-}
-
-/// What a cut recording lacks, in words.
-fn missing(contents: &LogContents, last_s: Option<f64>) -> String {
-    let last_s = last_s.unwrap_or(0.0);
-    let rest = match contents.planned_duration_s {
-        Some(planned_s) if planned_s > last_s => {
-            format!("the last {:.3} s of the planned {planned_s} s", planned_s - last_s)
-        }
-        _ => format!("all after {last_s} s (of a running recording, at most its last second)"),
-    };
-    format!("{rest}, and the index at its end")
 }

@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 
+use crate::disk;
+
 /// A file with a buffer in memory. Only a flush writes, so flushing between records leaves whole records.
 #[derive(Debug)]
 pub(crate) struct LogSink {
@@ -31,9 +33,9 @@ impl LogSink {
         if self.held.is_empty() {
             return Ok(());
         }
-        if let Err(e) = self.file.write_all(&self.held) {
-            // A partial record is truncated; a device cannot be.
-            let _ = self.file.set_len(self.written);
+        if let Err(e) = disk::append(&self.file, &self.held) {
+            // A partial record is truncated.
+            disk::truncate(&self.file, self.written);
             self.failed = true;
             return Err(e);
         }
@@ -72,21 +74,5 @@ impl Seek for LogSink {
             SeekFrom::Start(start) if start == here => Ok(here),
             _ => Err(io::Error::other("a log is only written forwards")),
         }
-    }
-}
-
-#[cfg(test)]
-thread_local! {
-    /// Number of syncs by this thread, which nothing else shows of a file.
-    pub(super) static SYNCS: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
-}
-
-/// Syncs a file's content to the disk. Devices and pipes cannot be synced, which is no error.
-pub(crate) fn sync(file: &File) -> io::Result<()> {
-    #[cfg(test)]
-    SYNCS.set(SYNCS.get() + 1);
-    match file.sync_data() {
-        Err(e) if e.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        result => result,
     }
 }

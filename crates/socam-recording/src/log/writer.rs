@@ -141,9 +141,9 @@ impl LogWriter {
         Ok(())
     }
 
-    /// Syncs what was flushed to the disk.
-    pub(crate) fn sync(&self) -> Result<()> {
-        super::sink::sync(&self.handle).map_err(|e| RecordingError::io(&self.path, "write to", e))
+    /// The file, for syncing it.
+    pub(super) fn file(&self) -> &File {
+        &self.handle
     }
 
     /// Number of samples flushed to the operating system.
@@ -156,8 +156,8 @@ impl LogWriter {
         self.messages[Topic::Sample as usize]
     }
 
-    /// Writes the summary and index, and syncs. Returns the file's length in bytes.
-    pub(crate) fn finish(mut self, lost: u64) -> Result<u64> {
+    /// Writes the summary and index. Returns the file, which is not synced yet, and its length in bytes.
+    pub(crate) fn finish(mut self, lost: u64) -> Result<(File, u64)> {
         let summary = Metadata {
             name: SUMMARY_NAME.into(),
             metadata: BTreeMap::from([
@@ -169,12 +169,9 @@ impl LogWriter {
             .write_metadata(&summary)
             .and_then(|()| self.writer.finish())
             .map_err(|e| failure(&self.path, "write to", e))?;
-        let handle = self.handle;
         let mut sink = self.writer.into_inner();
-        std::io::Write::flush(&mut sink)
-            .and_then(|()| super::sink::sync(&handle))
-            .map_err(|e| RecordingError::io(&self.path, "write to", e))?;
-        Ok(sink.written())
+        std::io::Write::flush(&mut sink).map_err(|e| RecordingError::io(&self.path, "write to", e))?;
+        Ok((self.handle, sink.written()))
     }
 }
 
@@ -221,22 +218,4 @@ pub(crate) fn failure(path: &Path, action: &'static str, error: McapError) -> Re
         other => io::Error::other(other),
     };
     RecordingError::io(path, action, source)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Dataset, Unit, log::sink::SYNCS};
-
-    #[test]
-    fn a_finished_log_is_whole_and_on_the_disk() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("run.mcap");
-        let header = RecordingHeader::new(vec![Channel::new("speed", Unit::RadPerS)]);
-        let log = LogWriter::begin(&path, File::create(&path).unwrap(), &header).unwrap();
-        let before = SYNCS.get();
-        let bytes = log.finish(0).unwrap();
-        assert_eq!((SYNCS.get() - before, bytes), (1, path.metadata().unwrap().len()));
-        assert!(Dataset::open(path.to_str().unwrap()).is_err_and(|e| e.to_string().contains("no samples")));
-    }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use socam_recording::{Recorder, SampleRow, Warning};
+use socam_recording::{Recorder, SampleRow, Warning, recover};
 
 use crate::bench::{header, open, record, value};
 
@@ -68,6 +68,31 @@ fn a_damaged_chunk_is_left_out_and_said() {
     assert!(data.rows() < 2000);
     assert_eq!(data.rows() + data.lost_samples(), 2000);
     assert!(data.warnings().iter().any(|w| matches!(w, Warning::Damaged { .. })));
+}
+
+#[test]
+fn a_log_whose_only_samples_are_damaged_names_the_damage() {
+    let dir = tempfile::tempdir().unwrap();
+    let [path, clean] = ["run.mcap", "clean.mcap"].map(|name| dir.path().join(name));
+    record(&path, 30, None);
+    let whole = std::fs::read(&path).unwrap();
+    let [first, samples] = chunks(&whole)[..] else { panic!("a chunk of schemas and one of samples") };
+    let end = whole.len();
+    // Its content, its opcode, and the schemas of a log that is cut off.
+    for (at, flip, length, named) in [
+        (samples + 100, 0x55, end, format!("bytes at byte {samples} are damaged")),
+        (samples, 0x04, end, "of 30 samples that were written 0 can be read".into()),
+        (first + 100, 0x55, samples, format!("bytes at byte {first} are damaged")),
+    ] {
+        let mut bytes = whole[..length].to_vec();
+        bytes[at] ^= flip;
+        std::fs::write(&path, &bytes).unwrap();
+        for message in [open(&path).unwrap_err(), recover(&path, &clean).unwrap_err()].map(|e| e.to_string())
+        {
+            assert!(message.contains(&named) && !message.contains("record again"), "byte {at}: {message}");
+        }
+        assert!(!clean.exists());
+    }
 }
 
 #[test]
