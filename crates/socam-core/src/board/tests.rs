@@ -95,7 +95,10 @@ fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() 
     for flip in PROFILE_FIELDS {
         board.loaded.edit(|profile| flip(profile.as_mut().unwrap()));
         board.tick();
-        assert_eq!((board.fault, board.ports.enabled, board.ports.output), (Some(Fault::Corrupted), false, 0));
+        assert_eq!(
+            (board.fault, board.ports.enabled, board.ports.output),
+            (Some(Fault::Corrupted), false, 0)
+        );
         (board.loaded, board.state, board.generator, board.fault) = (loaded, state, generator, None);
         board.tick();
         assert!(board.ports.enabled && board.fault.is_none());
