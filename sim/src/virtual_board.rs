@@ -2,7 +2,9 @@
 
 use socam_core::scaling::Converter;
 use socam_core::{Board, Ring, State};
-use socam_wire::{BATCH_SAMPLES, BoardLink, FrontEnd, Identity, MAX_FRAME, Start, Text};
+use socam_wire::{
+    BATCH_SAMPLES, BoardLink, EnableFeedback, FrontEnd, Identity, Image, MAX_FRAME, Start, Text,
+};
 
 use crate::SimError;
 use crate::plant::Effort;
@@ -48,6 +50,8 @@ impl VirtualBoard<'_> {
                 channel_step_ns: 0,
             },
             start: Start::Supply,
+            enable_feedback: EnableFeedback::Nowhere,
+            image: Image::Whole,
         };
         let mut board = VirtualBoard {
             board: Board::new(wiring, producer),

@@ -28,7 +28,7 @@ pub struct Board<'r, P, const N: usize> {
     fault: Option<Fault>,
     schedule: Schedule,
     watch: Watch,
-    loaded: Option<Profile>,
+    loaded: Sealed<Option<Profile>>,
     generator: Option<Generator>,
     /// The next setpoint, where [`prepare`](Self::prepare) has computed it.
     ahead: Option<Setpoint>,
@@ -37,8 +37,9 @@ pub struct Board<'r, P, const N: usize> {
     output_uv: i32,
     /// Whether the drive is enabled.
     enabled: bool,
-    /// Time at which the run began.
+    /// Time at which the run began, and its longest time.
     began_us: u64,
+    limit_us: u64,
     /// Time of the host's last request.
     heard_us: u64,
     limited: u32,
@@ -61,13 +62,14 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             fault: None,
             schedule: Schedule::new(config.sample_period_us),
             watch: Watch::new(&config),
-            loaded: None,
+            loaded: Sealed::new(None),
             generator: None,
             ahead: None,
             speed_loop: SpeedLoop::default(),
             output_uv: 0,
             enabled: false,
             began_us: 0,
+            limit_us: 0,
             heard_us,
             limited: 0,
             streaming: false,
@@ -148,7 +150,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             dropped: self.samples.dropped(),
             limited: self.limited,
             sample_period_us: self.config().sample_period_us,
-            profile_loaded: self.loaded.is_some(),
+            profile_loaded: self.loaded.get().is_some(),
             streaming: self.streaming,
         }
     }
@@ -166,10 +168,11 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.state = Sealed::new(state);
     }
 
-    /// Whether memory still holds what was written: before each use, so that no sample is commanded by a broken configuration. In
-    /// other states it commands nothing, and a new one may replace it.
+    /// Whether memory still holds what was written: before each use, so that no sample is commanded by a broken configuration or
+    /// profile. In other states they command nothing, and new ones may replace them.
     fn is_intact(&self) -> bool {
-        self.state.is_intact() && (!self.state().is_watched() || self.config.is_intact())
+        self.state.is_intact()
+            && (!self.state().is_watched() || (self.config.is_intact() && self.loaded.is_intact()))
     }
 
     /// The hardware, for a caller that also owns its other end (a simulated plant, a test).
@@ -192,7 +195,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         if now_us.saturating_sub(self.heard_us) > u64::from(timeout_us) {
             return Some(Fault::HostSilent { timeout_us });
         }
-        let limit_us = P::CEILINGS.run_us;
+        let limit_us = self.limit_us.min(P::CEILINGS.run_us);
         if self.state().is_live() && now_us.saturating_sub(self.began_us) > limit_us {
             return Some(Fault::RunTooLong { limit_us });
         }
@@ -235,7 +238,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
         let config = self.config.get();
         let clamp_uv = config.output.clamp_uv.min(P::CEILINGS.output_uv);
-        let command = self.loaded.map_or(Command::Voltage, |profile| profile.command);
+        let command = self.loaded.get().map_or(Command::Voltage, |profile| profile.command);
         let wanted_uv = match command {
             Command::Voltage => setpoint.value_micro,
             Command::SpeedOpenLoop => config.speed.motor.voltage_uv(setpoint.value_micro),

@@ -87,15 +87,19 @@ pub enum Fault {
         /// Where the line is.
         is_on: bool,
     },
-    /// The configuration or the state in the board's memory is not what was written there.
+    /// The configuration, the profile or the state in the board's memory is not what was written there.
     Corrupted,
     /// The board lost its supply in a run.
     PowerLost,
-    /// A run lasted longer than the board allows.
+    /// A run lasted longer, by the clock, than its profile or the board allows.
     RunTooLong {
-        /// What it allows.
+        /// What they allow.
         limit_us: u64,
     },
+    /// The board's program is not the one that was flashed.
+    ImageDamaged,
+    /// The processor's clock and the timer disagree.
+    ClockOff,
 }
 
 impl Fault {
@@ -121,6 +125,8 @@ impl Fault {
             Self::Corrupted => 17,
             Self::PowerLost => 18,
             Self::RunTooLong { .. } => 19,
+            Self::ImageDamaged => 20,
+            Self::ClockOff => 21,
         }
     }
 
@@ -206,12 +212,19 @@ impl fmt::Display for Sentence<'_> {
                 )
             }
             Fault::Corrupted => f.write_str(
-                "the board's memory lost a bit of its configuration or state: record again, and replace the board if it recurs",
+                "the board's memory lost a bit of its configuration, profile or state: record again, and replace the board if it recurs",
             ),
             Fault::PowerLost => f.write_str("the board lost its supply in a run: check supply and wiring"),
             Fault::RunTooLong { limit_us } => {
-                write!(f, "the run lasted longer than the {} s that the board allows", limit_us / 1_000_000)
+                let (s, tenths) = (limit_us / 1_000_000, limit_us / 100_000 % 10);
+                write!(f, "the run lasted longer than the {s}.{tenths} s that the board allows it")
             }
+            Fault::ImageDamaged => {
+                f.write_str("the program in the board's flash is damaged: flash the board again")
+            }
+            Fault::ClockOff => f.write_str(
+                "the processor's clock and the timer disagree: check the supply, and replace the board if it recurs",
+            ),
         }
     }
 }

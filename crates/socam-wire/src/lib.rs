@@ -19,6 +19,7 @@ extern crate std;
 mod batch;
 mod decoder;
 mod encoder;
+pub mod image;
 mod link;
 mod message;
 mod text;
@@ -26,9 +27,10 @@ mod text;
 pub use batch::{BATCH_SAMPLES, SampleBatch};
 pub use decoder::{Decoder, LinkCounts, LinkError};
 pub use encoder::{BufferTooSmall, Encoder, MAX_FRAME};
+pub use image::Image;
 pub use link::BoardLink;
-pub use message::{BoardStatus, FrontEnd, Identity, Start, ToBoard, ToHost};
+pub use message::{BoardStatus, EnableFeedback, FrontEnd, Identity, Start, ToBoard, ToHost};
 pub use text::Text;
 
 /// Version of the messages and of everything that they contain. Any change to a transmitted type raises it.
-pub const SCHEMA_VERSION: u8 = 4;
+pub const SCHEMA_VERSION: u8 = 5;

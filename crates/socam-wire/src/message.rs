@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use socam_core::{Refusal, Request, Status};
 
 use crate::decoder::LinkCounts;
-use crate::{SampleBatch, Text};
+use crate::{Image, SampleBatch, Text};
 
 /// From the host to the board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,6 +53,31 @@ pub struct Identity {
     pub front_end: FrontEnd,
     /// Why its program started last.
     pub start: Start,
+    /// Where the drive's enable line is read back.
+    pub enable_feedback: EnableFeedback,
+    /// Whether its program is the one that was flashed.
+    pub image: Image,
+}
+
+/// Where a board reads the drive's enable line back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EnableFeedback {
+    /// The board cannot.
+    Nowhere,
+    /// At its own pin: what is behind the pin is not seen.
+    Pin,
+    /// At its own pin and at the drive.
+    Drive,
+}
+
+impl fmt::Display for EnableFeedback {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nowhere => "nowhere",
+            Self::Pin => "at the board's pin only",
+            Self::Drive => "at the drive",
+        })
+    }
 }
 
 /// Why a board's program started.

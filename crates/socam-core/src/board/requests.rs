@@ -60,27 +60,28 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
         config.check_below(&P::CEILINGS)?;
         self.schedule.set_period(config.sample_period_us);
         self.config = Sealed::new(config);
-        self.loaded = None;
+        self.loaded = Sealed::new(None);
         Ok(())
     }
 
     fn load(&mut self, profile: Profile) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
-        self.loaded = None;
+        self.loaded = Sealed::new(None);
         profile.check_below(&P::CEILINGS)?;
         Generator::new(&profile, self.config().sample_period_us)?;
-        self.loaded = Some(profile);
+        self.loaded = Sealed::new(Some(profile));
         Ok(())
     }
 
     fn arm(&mut self) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
-        let profile = self.loaded.ok_or(Refusal::NoProfile)?;
+        let profile = self.loaded.get().ok_or(Refusal::NoProfile)?;
         self.generator = Some(Generator::new(&profile, self.config().sample_period_us)?);
         self.ahead = None;
         self.speed_loop = SpeedLoop::new(&self.config().speed, self.config().sample_period_us);
         self.watch = Watch::new(self.config());
         self.limited = 0;
+        self.limit_us = profile.longest_us();
         self.enter(State::Armed);
         Ok(())
     }

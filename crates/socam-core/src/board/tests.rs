@@ -61,6 +61,13 @@ const FIELDS: [(u32, Flip); 14] = [
     (32, |c, bit| c.host_timeout_us ^= 1 << bit),
 ];
 
+const PROFILE_FIELDS: [fn(&mut Profile); 4] = [
+    |profile| profile.command = Command::SpeedOpenLoop,
+    |profile| profile.shape = Shape::Constant { level_micro: 400_001 },
+    |profile| profile.slew_micro_s ^= 1 << 31,
+    |profile| profile.duration_us ^= 1 << 63,
+];
+
 #[test]
 fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() {
     let mut ring = Ring::<4>::new();
@@ -70,7 +77,7 @@ fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() 
     }
     board.tick();
     assert!(board.ports.enabled && board.ports.output == 1311);
-    let (config, state, generator) = (board.config, board.state, board.generator);
+    let (config, state, generator, loaded) = (board.config, board.state, board.generator, board.loaded);
     for (width, flip) in FIELDS {
         for bit in 0..width {
             board.config.edit(|config| flip(config, bit));
@@ -83,6 +90,18 @@ fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() 
             board.tick();
             assert!(board.ports.enabled && board.fault.is_none());
         }
+    }
+    // The profile says what the setpoint is: volts, or a speed that the motor's calibration turns into volts.
+    for flip in PROFILE_FIELDS {
+        board.loaded.edit(|profile| flip(profile.as_mut().unwrap()));
+        board.tick();
+        assert_eq!(
+            (board.fault, board.ports.enabled, board.ports.output),
+            (Some(Fault::Corrupted), false, 0)
+        );
+        (board.loaded, board.state, board.generator, board.fault) = (loaded, state, generator, None);
+        board.tick();
+        assert!(board.ports.enabled && board.fault.is_none());
     }
     board.state.edit(|state| *state = State::Stopping);
     board.tick();

@@ -4,7 +4,7 @@ use super::error::ProfileError;
 use crate::ceilings::Ceilings;
 
 /// A command over time with its limits. It begins and ends at 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Profile {
     /// The commanded quantity.
@@ -22,7 +22,19 @@ pub struct Profile {
     pub duration_us: u64,
 }
 
+/// Longest time after its planned end that a run is given, for ticks that were missed.
+const LATE_US: u64 = 1_000_000;
+
 impl Profile {
+    /// Longest time of a run by the clock, whatever its ticks do: duration, fade and the slew to 0, and some time for missed ticks.
+    pub(crate) fn longest_us(&self) -> u64 {
+        let slew_us = u64::from(self.limit_micro.unsigned_abs())
+            .wrapping_mul(1_000_000)
+            .checked_div(u64::from(self.slew_micro_s))
+            .unwrap_or(0);
+        [u64::from(self.ramp_us), slew_us, LATE_US].into_iter().fold(self.duration_us, u64::saturating_add)
+    }
+
     /// Whether a board with these ceilings can run this.
     pub(crate) fn check_below(&self, ceilings: &Ceilings) -> Result<(), ProfileError> {
         if self.duration_us.saturating_add(self.ramp_us.into()) > ceilings.run_us {
@@ -36,7 +48,7 @@ impl Profile {
 }
 
 /// The quantity that a profile commands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
     /// Output voltage, in uV.
@@ -48,7 +60,7 @@ pub enum Command {
 }
 
 /// The shape of a profile over time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// One level.
@@ -138,7 +150,7 @@ pub enum Shape {
 pub const MAX_LINES: u32 = 256;
 
 /// Which multiples of the line spacing a multisine contains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Lines {
     /// All of them.

@@ -178,6 +178,26 @@ fn nothing_asks_a_board_for_more_than_its_ceilings() {
     assert_eq!(board.status().fault, Some(Fault::RunTooLong { limit_us: 10_000_000 }));
 }
 
+/// A profile ends after so many ticks; where they come too slowly, the clock ends it.
+#[test]
+fn a_run_whose_ticks_are_slow_ends_by_the_clock() {
+    let mut ring = Ring::<RING>::new();
+    let (producer, _consumer) = ring.split();
+    let mut board = Board::new(bench(), producer);
+    // Of 3 s, with 0.075 s to slew down and 1 s to be late.
+    running(&mut board, Profile { limit_micro: 1_500_000, ..constant(1_500_000, Command::Voltage) });
+    let mut slow_tick = |board: &mut Board<'_, Bench, RING>| {
+        board.handle(Request::Heartbeat).unwrap();
+        board.ports_mut().now_us += 5_000;
+        board.tick();
+    };
+    (0..815).for_each(|_| slow_tick(&mut board));
+    assert!(board.ports_mut().enabled, "{:?}", board.status().fault);
+    slow_tick(&mut board);
+    assert_eq!(board.status().fault, Some(Fault::RunTooLong { limit_us: 4_075_000 }));
+    assert_eq!((board.ports_mut().enabled, board.ports_mut().output), (false, 0));
+}
+
 #[test]
 fn refusals_say_what_is_needed() {
     let mut ring = Ring::<RING>::new();

@@ -1,7 +1,9 @@
 //! Frames and messages for the tests.
 
 use socam_core::Request;
-use socam_wire::{Decoder, Encoder, FrontEnd, Identity, LinkError, MAX_FRAME, Start, Text, ToBoard};
+use socam_wire::{
+    Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, LinkError, MAX_FRAME, Start, Text, ToBoard,
+};
 
 pub(crate) fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
     let mut out = [0; MAX_FRAME];
@@ -24,6 +26,8 @@ pub(crate) fn identity() -> Identity {
         firmware: Text::new("0.1.0"),
         front_end,
         start: Start::Watchdog,
+        enable_feedback: EnableFeedback::Drive,
+        image: Image::Whole,
     }
 }
 

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use socam_core::{Flags, MAX_CHANNELS, Refusal, Sample, State};
 use socam_wire::{
-    Decoder, Encoder, FrontEnd, Identity, MAX_FRAME, SampleBatch, Start, Text, ToBoard, ToHost,
+    Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SampleBatch, Start, Text,
+    ToBoard, ToHost,
 };
 
 use super::*;
@@ -59,6 +60,8 @@ impl Write for Endless {
                         channel_step_ns: 0,
                     },
                     start: Start::Supply,
+                    enable_feedback: EnableFeedback::Nowhere,
+                    image: Image::Whole,
                 })),
                 ToBoard::Request { number, request } => {
                     self.state = match request {
