@@ -9,6 +9,7 @@ use mcap::{McapError, Writer};
 
 use super::names::{RECOVERED_NAME, SUMMARY_NAME};
 use super::records::{ChunkOpener, Next, Records};
+use super::schema;
 use super::sink::LogSink;
 use super::writer::{failure, options};
 use crate::error::{RecordingError, Result};
@@ -96,7 +97,13 @@ impl Copy<'_> {
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<()> {
         let copied = match super::parse::record(opcode, body) {
             Some(Record::Schema { header, data }) => {
-                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+                // Without checksums one copy of several may be damaged.
+                let is_readable = |(name, _, data): &(String, String, Vec<u8>)| {
+                    name != schema::SAMPLE || schema::double_fields(data, name).is_some()
+                };
+                if !self.schemas.get(&header.id).is_some_and(is_readable) {
+                    self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+                }
                 Ok(())
             }
             Some(Record::Channel(channel)) => {
