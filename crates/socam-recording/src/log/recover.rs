@@ -99,7 +99,7 @@ impl Copy<'_> {
             Some(Record::Schema { header, data }) => {
                 // Without checksums one copy of several may be damaged.
                 let is_readable = |(name, _, data): &(String, String, Vec<u8>)| {
-                    name != schema::SAMPLE || schema::double_fields(data, name).is_some()
+                    name == schema::SAMPLE && schema::double_fields(data, name).is_some()
                 };
                 if !self.schemas.get(&header.id).is_some_and(is_readable) {
                     self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
