@@ -7,7 +7,7 @@ use std::path::Path;
 use mcap::records::{MessageHeader, Metadata, Record, op};
 use mcap::{McapError, Writer};
 
-use super::names::{RECOVERED_NAME, SUMMARY_NAME};
+use super::names::{RECOVERED_NAME, SAMPLE_TOPIC, SUMMARY_NAME};
 use super::records::{ChunkOpener, Next, Records};
 use super::schema;
 use super::sink::LogSink;
@@ -107,7 +107,10 @@ impl Copy<'_> {
                 Ok(())
             }
             Some(Record::Channel(channel)) => {
-                self.channels.insert(channel.id, channel);
+                let known = self.channels.get(&channel.id);
+                if known.is_none_or(|known| known.topic != SAMPLE_TOPIC) {
+                    self.channels.insert(channel.id, channel);
+                }
                 Ok(())
             }
             Some(Record::Message { header, data }) => self.message(&header, &data),
