@@ -57,7 +57,8 @@ fn log(input: Input<'_>) -> bool {
     let target = input.path.with_extension("recovered.mcap");
     let _ = std::fs::remove_file(&target);
     if let Ok(Recovered { samples, .. }) = recover(input.path, &target) {
-        let again = opened(&target).expect("a recovered log opens");
+        let again = Dataset::open_selection(&Selection::whole(&target));
+        let again = again.unwrap_or_else(|error| panic!("a recovered log does not open: {error}"));
         assert_eq!((again.rows(), samples), (data.rows(), data.rows()), "samples of the recovered log");
     }
     accepted

@@ -97,18 +97,17 @@ impl Copy<'_> {
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<()> {
         let copied = match super::parse::record(opcode, body) {
             Some(Record::Schema { header, data }) => {
-                // Without checksums one copy of several may be damaged.
-                let is_readable = |(name, _, data): &(String, String, Vec<u8>)| {
-                    name == schema::SAMPLE && schema::double_fields(data, name).is_some()
-                };
-                if !self.schemas.get(&header.id).is_some_and(is_readable) {
+                if !self.is_of_samples(header.id) {
                     self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
                 }
                 Ok(())
             }
             Some(Record::Channel(channel)) => {
+                // Without checksums one copy of several may be damaged: one that can be read is kept.
                 let known = self.channels.get(&channel.id);
-                if known.is_none_or(|known| known.topic != SAMPLE_TOPIC) {
+                let is_known = known
+                    .is_some_and(|known| known.topic == SAMPLE_TOPIC && self.is_of_samples(known.schema_id));
+                if !is_known {
                     self.channels.insert(channel.id, channel);
                 }
                 Ok(())
@@ -127,6 +126,14 @@ impl Copy<'_> {
             _ => Ok(()),
         };
         copied.map_err(|e| failure(self.target, "write to", e))
+    }
+
+    /// Whether a schema is known that describes samples.
+    fn is_of_samples(&self, schema: u16) -> bool {
+        let known = self.schemas.get(&schema);
+        known.is_some_and(|(name, _, data)| {
+            name == schema::SAMPLE && schema::double_fields(data, name).is_some()
+        })
     }
 
     fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), McapError> {
