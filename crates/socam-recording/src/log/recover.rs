@@ -44,11 +44,19 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered> {
         schemas: BTreeMap::new(),
         channels: BTreeMap::new(),
         written: BTreeSet::new(),
+        samples: 0,
     };
     for (opcode, body) in super::summary::topics(source)? {
         copy.record(opcode, &body)?;
     }
     copy.records_of(source)?;
+    if copy.samples != recovered.samples {
+        return Err(RecordingError::NotCopied {
+            path: source.into(),
+            copied: copy.samples,
+            samples: recovered.samples,
+        });
+    }
     copy.finish(source, &recovered)?;
     output.flush().map_err(|e| RecordingError::io(target, "write to", e))?;
     output.commit()?;
@@ -64,6 +72,8 @@ struct Copy<'t> {
     channels: BTreeMap<u16, mcap::records::Channel>,
     /// Numbers of the channels in the new log.
     written: BTreeSet<u16>,
+    /// Samples in the new log.
+    samples: u64,
 }
 
 impl Copy<'_> {
@@ -86,8 +96,10 @@ impl Copy<'_> {
                 inside.push((opcode, body.to_vec()));
                 Some(())
             });
+            // What a damaged chunk says of topics is better than nothing.
+            inside.retain(|(opcode, _)| whole.is_some() || matches!(*opcode, op::SCHEMA | op::CHANNEL));
+            inside.iter().try_for_each(|(opcode, body)| self.record(*opcode, body))?;
             if whole.is_some() {
-                inside.iter().try_for_each(|(opcode, body)| self.record(*opcode, body))?;
                 self.writer.flush().map_err(|e| failure(self.target, "write to", e))?;
             }
         }
@@ -155,6 +167,8 @@ impl Copy<'_> {
             )?;
             self.written.insert(channel.id);
         }
+        let channel = self.channels.get(&header.channel_id);
+        self.samples += u64::from(channel.is_some_and(|channel| channel.topic == SAMPLE_TOPIC));
         self.writer.write_to_known_channel(header, data)
     }
 
