@@ -23,8 +23,12 @@ pub fn too_deep(text: &str) -> Option<usize> {
         match kind {
             TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket => open.push(kind),
             // A bracket of the other kind closes nothing.
-            TokenKind::RightSquareBracket if open.last() == Some(&TokenKind::LeftSquareBracket) => drop(open.pop()),
-            TokenKind::RightCurlyBracket if open.last() == Some(&TokenKind::LeftCurlyBracket) => drop(open.pop()),
+            TokenKind::RightSquareBracket if open.last() == Some(&TokenKind::LeftSquareBracket) => {
+                drop(open.pop())
+            }
+            TokenKind::RightCurlyBracket if open.last() == Some(&TokenKind::LeftCurlyBracket) => {
+                drop(open.pop())
+            }
             _ => {}
         }
         if open.len() > DEEPEST {

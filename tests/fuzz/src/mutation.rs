@@ -8,11 +8,24 @@ pub const LONGEST: usize = 1 << 20;
 const MOST_CHANGES: usize = 6;
 /// Numbers at the edges of what parsers expect, as text.
 const NUMBERS: [&str; 14] = [
-    "0", "-0", "-1", "1e308", "-1e-320", "1e999", "nan", "inf", "18446744073709551616", "9223372036854775807", "0x10", "1_000", "1.",
+    "0",
+    "-0",
+    "-1",
+    "1e308",
+    "-1e-320",
+    "1e999",
+    "nan",
+    "inf",
+    "18446744073709551616",
+    "9223372036854775807",
+    "0x10",
+    "1_000",
+    "1.",
     "00000000000000000000000000001",
 ];
 /// Pieces of text that open, close or separate.
-const PIECES: [&str; 12] = ["[", "]", "{", "}", "\"", "'''", ",", "\n", "[[a]]\n", "a.b.c = 1\n", "\u{feff}", "\\u0000"];
+const PIECES: [&str; 12] =
+    ["[", "]", "{", "}", "\"", "'''", ",", "\n", "[[a]]\n", "a.b.c = 1\n", "\u{feff}", "\\u0000"];
 /// Integers at the edges of their widths.
 const INTEGERS: [u64; 8] = [0, 1, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, u64::MAX];
 
@@ -77,9 +90,12 @@ fn overwrite_integer(bytes: &mut [u8], at: usize, random: &mut impl Rng) {
 
 /// Replaces the first number in the text after `at`.
 fn replace_number(bytes: &mut Vec<u8>, at: usize, random: &mut impl Rng) {
-    let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit).map(|offset| at + offset) else { return };
+    let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit).map(|offset| at + offset) else {
+        return;
+    };
     let is_part = |byte: &u8| byte.is_ascii_digit() || b".eE+-".contains(byte);
-    let end = bytes[start..].iter().position(|byte| !is_part(byte)).map_or(bytes.len(), |offset| start + offset);
+    let end =
+        bytes[start..].iter().position(|byte| !is_part(byte)).map_or(bytes.len(), |offset| start + offset);
     let number = NUMBERS[random.random_range(0..NUMBERS.len())];
     drop(bytes.splice(start..end, number.bytes()));
 }

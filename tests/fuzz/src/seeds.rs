@@ -18,7 +18,8 @@ fn root() -> PathBuf {
 fn files(folder: &str, extension: &str) -> Vec<Vec<u8>> {
     let entries = std::fs::read_dir(root().join(folder)).into_iter().flatten().flatten();
     let paths = entries.map(|entry| entry.path());
-    let mut paths: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
+    let mut paths: Vec<PathBuf> =
+        paths.filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
     paths.sort();
     paths.iter().filter_map(|path| std::fs::read(path).ok()).collect()
 }
@@ -43,8 +44,11 @@ pub(crate) fn logs(folder: &Path) -> Vec<Vec<u8>> {
 
 fn record(path: &Path, rows: i64) -> Option<()> {
     let channels = vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("torque_in", Unit::Nm)];
-    let attachment =
-        Attachment { name: "model.toml".into(), media_type: "application/toml".into(), data: b"[model]".to_vec() };
+    let attachment = Attachment {
+        name: "model.toml".into(),
+        media_type: "application/toml".into(),
+        data: b"[model]".to_vec(),
+    };
     let header = RecordingHeader {
         start_unix_ns: 1_700_000_000_000_000_000,
         metadata: BTreeMap::from([("note".into(), "seed".into())]),
@@ -64,7 +68,13 @@ fn record(path: &Path, rows: i64) -> Option<()> {
             values: &[index as f64 * 0.25, if index % 10 == 3 { f64::NAN } else { -1.5 }],
         }]);
     }
-    recorder.status(&Status { device_time_ns: 1, state: "running".into(), overruns: 1, lost: 0, link_errors: 2 });
+    recorder.status(&Status {
+        device_time_ns: 1,
+        state: "running".into(),
+        overruns: 1,
+        lost: 0,
+        link_errors: 2,
+    });
     recorder.event(&Event { device_time_ns: 7, kind: "stop".into(), text: "done".into() });
     recorder.finish().ok().map(|_| ())
 }
@@ -138,8 +148,7 @@ pub(crate) fn calibrations(_: &Path) -> Vec<Vec<u8>> {
 
 /// Documents of the dashboard.
 pub(crate) fn reports(folder: &Path) -> Vec<Vec<u8>> {
-    let mut all = files("tests/fuzz/seeds", "json");
-    all.extend(models(folder));
+    let mut all = models(folder);
     all.extend(profiles(folder));
     all
 }

@@ -68,8 +68,8 @@ pub(crate) fn once(target: &Target, bytes: &[u8]) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Parses the seeds, the corpus and mutations of both for this long, and prints the sums as JSON. An input that panics ends the process.
-pub(crate) fn run(target: &Target, (seconds, seed): (f64, u64), folder: &Path) -> anyhow::Result<ExitCode> {
+/// The seeds, which may need a folder, and the kept inputs of a parser.
+pub(crate) fn whole(target: &Target, folder: &Path) -> anyhow::Result<Vec<Vec<u8>>> {
     let mut whole = (target.seeds)(folder);
     anyhow::ensure!(!whole.is_empty(), "{} has no seeds", target.name);
     let kept = std::fs::read_dir(corpus(target)).into_iter().flatten().flatten();
@@ -78,6 +78,12 @@ pub(crate) fn run(target: &Target, (seconds, seed): (f64, u64), folder: &Path) -
     for path in kept {
         whole.push(std::fs::read(&path).with_context(|| path.display().to_string())?);
     }
+    Ok(whole)
+}
+
+/// Parses the seeds, the corpus and mutations of both for this long, and prints the sums as JSON. An input that panics ends the process.
+pub(crate) fn run(target: &Target, (seconds, seed): (f64, u64), folder: &Path) -> anyhow::Result<ExitCode> {
+    let whole = whole(target, folder)?;
     watch_time();
     let path = input_file(target, folder);
     let (begin, mut summary) = (Instant::now(), Summary::default());
