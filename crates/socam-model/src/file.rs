@@ -97,6 +97,10 @@ impl Model {
 }
 
 fn read(text: &str) -> Result<Model, ModelError> {
+    if let Some(line) = socam_text::too_deep(text) {
+        let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
+        return Err(ModelError::File { line, message });
+    }
     let raw: RawModel = toml::from_str(text).map_err(|error| {
         let line = line_of(text, error.span().map_or(0, |span| span.start));
         ModelError::File { line, message: error.message().trim().replace('\n', ", ") }

@@ -81,6 +81,16 @@ pub enum RecordingError {
         /// Topics found, comma separated.
         topics: String,
     },
+    /// What can be read of a damaged log cannot be copied as it is.
+    #[error("{copied} of the {samples} samples of `{}` can be copied, because its description of them is damaged; export it to a .csv", .path.display())]
+    NotCopied {
+        /// The log.
+        path: PathBuf,
+        /// Samples that can be copied.
+        copied: u64,
+        /// Samples that can be read.
+        samples: u64,
+    },
     /// Nothing recorded.
     #[error("`{}` holds no samples; record again, or widen the selection after `@`", .path.display())]
     NoSamples {

@@ -66,6 +66,10 @@ pub(crate) struct Fields<'t> {
 
 impl<'t> Fields<'t> {
     pub(crate) fn parse(text: &'t str) -> Result<Self, SettingsError> {
+        if let Some(line) = socam_text::too_deep(text) {
+            let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
+            return Err(SettingsError { line: Some(line), ..SettingsError::new(message) });
+        }
         let table = DeTable::parse(text).map_err(|error| SettingsError {
             file: None,
             line: error.span().map(|span| line_of(text, span.start)),

@@ -6,7 +6,7 @@ use mcap::records::{Record, op};
 
 /// The body of a chunk without compression; `None` when it is damaged. The checksum, which is of the uncompressed records, is kept.
 pub(super) fn inflated(body: &[u8]) -> Option<Vec<u8>> {
-    let Ok(Record::Chunk { header, data }) = mcap::parse_record(op::CHUNK, body) else { return None };
+    let Some(Record::Chunk { header, data }) = super::parse::record(op::CHUNK, body) else { return None };
     let mut records = Vec::new();
     let most = header.uncompressed_size;
     let read = match header.compression.as_str() {

@@ -1,30 +1,76 @@
-//! Decodes records, and refuses those at which the decoder panics.
+//! Decodes records, and refuses those at which the decoder panics or allocates what the record does not hold.
 
 use mcap::records::{Record, op};
 
-/// Length of the fields of an attachment before its name: two times and the name's length.
-const BEFORE_NAME: usize = 20;
-
 /// A record; `None` when it is damaged.
 pub(crate) fn record(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
-    // mcap 0.26 panics at an attachment without room for its checksum (read.rs, line 176).
-    if opcode == op::ATTACHMENT && attachment_head(body)?.checked_add(4)? > body.len() {
+    let after_texts = texts(opcode, body)?;
+    // mcap 0.26 panics at an attachment without room for the length of its data and its checksum (read.rs, line 176).
+    if opcode == op::ATTACHMENT && after_texts.len() < 12 {
         return None;
     }
     mcap::parse_record(opcode, body).ok()
 }
 
-/// Length of an attachment's fields before its data.
-fn attachment_head(body: &[u8]) -> Option<usize> {
-    let length =
-        |end: usize| Some(u32::from_le_bytes(*body.get(end.checked_sub(4)?..end)?.first_chunk()?) as usize);
-    let media_type = BEFORE_NAME.checked_add(length(BEFORE_NAME)?)?.checked_add(4)?;
-    media_type.checked_add(length(media_type)?)?.checked_add(8)
+/// What follows the texts of a record; `None` where one of them is longer than the record. mcap 0.26 allocates as many bytes as a text's
+/// length says, up to 4 GB, before it reads them (records.rs, `McapString`).
+fn texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
+    // Bytes before the texts, number of texts, and whether a map of texts follows.
+    let (before, count, has_map) = match opcode {
+        op::HEADER => (0, 2, false),
+        op::SCHEMA => (2, 2, false),
+        op::CHANNEL => (4, 2, true),
+        op::ATTACHMENT => (16, 2, false),
+        op::ATTACHMENT_INDEX => (40, 2, false),
+        op::METADATA => (0, 1, true),
+        op::METADATA_INDEX => (16, 1, false),
+        op::CHUNK => (28, 1, false),
+        op::CHUNK_INDEX => {
+            let (_, rest) = text(body.get(32..)?)?;
+            return Some(text(rest.get(8..)?)?.1);
+        }
+        _ => (0, 0, false),
+    };
+    let mut rest = body.get(before..)?;
+    for _ in 0..count {
+        rest = text(rest)?.1;
+    }
+    if has_map {
+        let (mut map, after) = text(rest)?;
+        while !map.is_empty() {
+            map = text(map)?.1;
+        }
+        rest = after;
+    }
+    Some(rest)
+}
+
+/// A length and as many bytes, and what follows them.
+fn text(body: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = body.split_first_chunk()?;
+    rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_longer_than_its_record_is_damage() {
+        let mut body = vec![1, 0, 1, 0];
+        for text in ["/topic", "protobuf"] {
+            body.extend((text.len() as u32).to_le_bytes());
+            body.extend(text.as_bytes());
+        }
+        body.extend(0_u32.to_le_bytes());
+        assert!(matches!(record(op::CHANNEL, &body), Some(Record::Channel(_))));
+        // The length of the topic, and of the map.
+        for (at, length) in [(4, 0xff00_0005_u32), (body.len() - 4, 0xff00_0000)] {
+            let mut damaged = body.clone();
+            damaged[at..at + 4].copy_from_slice(&length.to_le_bytes());
+            assert!(record(op::CHANNEL, &damaged).is_none(), "{at}");
+        }
+    }
 
     #[test]
     fn a_cut_attachment_is_damaged_and_a_whole_one_is_read() {

@@ -212,7 +212,14 @@ impl ChunkOpener {
         // The mcap crate has no decompressor on this target, so it gets chunks decompressed here.
         #[cfg(target_arch = "wasm32")]
         let body = &super::inflate::inflated(body)?;
-        let whole = self.feed(body, &mut take);
+        let mut taken = 0;
+        let whole = self.feed(body, &mut |opcode, record| {
+            taken += RECORD_HEAD + record.len() as u64;
+            take(opcode, record)
+        });
+        // A last record that the chunk does not hold to its end would otherwise be continued in the next chunk.
+        let content = landmark::unpacked_bytes(body, body.len() as u64);
+        let whole = whole.filter(|()| content.is_none_or(|content| content == taken));
         if whole.is_none() {
             *self = Self::new();
         }

@@ -7,8 +7,9 @@ use std::path::Path;
 use mcap::records::{MessageHeader, Metadata, Record, op};
 use mcap::{McapError, Writer};
 
-use super::names::{RECOVERED_NAME, SUMMARY_NAME};
+use super::names::{RECOVERED_NAME, SAMPLE_TOPIC, SUMMARY_NAME};
 use super::records::{ChunkOpener, Next, Records};
+use super::schema;
 use super::sink::LogSink;
 use super::writer::{failure, options};
 use crate::error::{RecordingError, Result};
@@ -43,11 +44,19 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered> {
         schemas: BTreeMap::new(),
         channels: BTreeMap::new(),
         written: BTreeSet::new(),
+        samples: 0,
     };
     for (opcode, body) in super::summary::topics(source)? {
         copy.record(opcode, &body)?;
     }
     copy.records_of(source)?;
+    if copy.samples != recovered.samples {
+        return Err(RecordingError::NotCopied {
+            path: source.into(),
+            copied: copy.samples,
+            samples: recovered.samples,
+        });
+    }
     copy.finish(source, &recovered)?;
     output.flush().map_err(|e| RecordingError::io(target, "write to", e))?;
     output.commit()?;
@@ -63,6 +72,8 @@ struct Copy<'t> {
     channels: BTreeMap<u16, mcap::records::Channel>,
     /// Numbers of the channels in the new log.
     written: BTreeSet<u16>,
+    /// Samples in the new log.
+    samples: u64,
 }
 
 impl Copy<'_> {
@@ -85,8 +96,10 @@ impl Copy<'_> {
                 inside.push((opcode, body.to_vec()));
                 Some(())
             });
+            // What a damaged chunk says of topics is better than nothing.
+            inside.retain(|(opcode, _)| whole.is_some() || matches!(*opcode, op::SCHEMA | op::CHANNEL));
+            inside.iter().try_for_each(|(opcode, body)| self.record(*opcode, body))?;
             if whole.is_some() {
-                inside.iter().try_for_each(|(opcode, body)| self.record(*opcode, body))?;
                 self.writer.flush().map_err(|e| failure(self.target, "write to", e))?;
             }
         }
@@ -96,11 +109,19 @@ impl Copy<'_> {
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<()> {
         let copied = match super::parse::record(opcode, body) {
             Some(Record::Schema { header, data }) => {
-                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+                if !self.is_of_samples(header.id) {
+                    self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+                }
                 Ok(())
             }
             Some(Record::Channel(channel)) => {
-                self.channels.insert(channel.id, channel);
+                // Without checksums one copy of several may be damaged: one that can be read is kept.
+                let known = self.channels.get(&channel.id);
+                let is_known = known
+                    .is_some_and(|known| known.topic == SAMPLE_TOPIC && self.is_of_samples(known.schema_id));
+                if !is_known {
+                    self.channels.insert(channel.id, channel);
+                }
                 Ok(())
             }
             Some(Record::Message { header, data }) => self.message(&header, &data),
@@ -117,6 +138,14 @@ impl Copy<'_> {
             _ => Ok(()),
         };
         copied.map_err(|e| failure(self.target, "write to", e))
+    }
+
+    /// Whether a schema is known that describes samples.
+    fn is_of_samples(&self, schema: u16) -> bool {
+        let known = self.schemas.get(&schema);
+        known.is_some_and(|(name, _, data)| {
+            name == schema::SAMPLE && schema::double_fields(data, name).is_some()
+        })
     }
 
     fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), McapError> {
@@ -138,6 +167,8 @@ impl Copy<'_> {
             )?;
             self.written.insert(channel.id);
         }
+        let channel = self.channels.get(&header.channel_id);
+        self.samples += u64::from(channel.is_some_and(|channel| channel.topic == SAMPLE_TOPIC));
         self.writer.write_to_known_channel(header, data)
     }
 

@@ -1,0 +1,46 @@
+//! Fuzzing of every parser of bytes that may come from strangers.
+//!
+//! A [`Target`] is one parser: a function of an input with stated properties, and seeds that the project's own writers make. The program
+//! `socam-fuzz` mutates seeds and the inputs of `corpus/`; `guided/` lets libFuzzer choose inputs by coverage for the same functions.
+
+pub mod mutation;
+mod seeds;
+mod targets;
+
+use std::path::{Path, PathBuf};
+
+pub use targets::TARGETS;
+
+/// One input: its bytes, and the file that holds them for parsers that read files.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a> {
+    /// The bytes.
+    pub bytes: &'a [u8],
+    /// A file with these bytes, in a folder of its own.
+    pub path: &'a Path,
+}
+
+/// A parser under test.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    /// Name on the command line and of its folder in `corpus/`.
+    pub name: &'static str,
+    /// Extension of its files.
+    pub extension: &'static str,
+    /// Parses an input and says whether it was accepted. Panics where a property does not hold.
+    pub parse: fn(Input<'_>) -> bool,
+    /// Whole inputs, made anew by the project's own writers.
+    pub seeds: fn(&Path) -> Vec<Vec<u8>>,
+}
+
+/// The target of a name.
+#[must_use]
+pub fn target(name: &str) -> Option<&'static Target> {
+    TARGETS.iter().find(|target| target.name == name)
+}
+
+/// The folder of kept inputs of a target: each was a defect once, or is hostile by its size or nesting.
+#[must_use]
+pub fn corpus(target: &Target) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name)
+}
