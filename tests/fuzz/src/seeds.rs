@@ -7,7 +7,9 @@ use socam_core::{Command, Config, Profile, Request, Ring, Sample, Shape};
 use socam_recording::{
     Attachment, Calibration, Channel, Event, ProfileFile, Recorder, RecordingHeader, SampleRow, Status, Unit,
 };
-use socam_wire::{BoardLink, Encoder, FrontEnd, Identity, MAX_FRAME, Start, Text, ToBoard, ToHost};
+use socam_wire::{
+    BoardLink, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard, ToHost,
+};
 
 /// The repository.
 fn root() -> PathBuf {
@@ -128,17 +130,24 @@ pub(crate) fn pairs(_: &Path) -> Vec<Vec<u8>> {
     ])
 }
 
+/// Brackets that are closed by those of another kind: without a limit the parser recurses at each.
+fn open_brackets() -> Vec<u8> {
+    "a = { b = 95t\"\n[c]\n".repeat(20_000).into_bytes()
+}
+
 /// The models of the repository.
 pub(crate) fn models(_: &Path) -> Vec<Vec<u8>> {
     let mut all = files("crates/socam-model/src/builtin", "toml");
     all.extend(files("tests/models", "toml"));
+    all.push(open_brackets());
     all
 }
 
 /// The built-in profiles.
 pub(crate) fn profiles(_: &Path) -> Vec<Vec<u8>> {
     let names = ProfileFile::built_in_names();
-    names.filter_map(|name| ProfileFile::text_of(name).ok()).map(String::into_bytes).collect()
+    let texts = names.filter_map(|name| ProfileFile::text_of(name).ok()).map(String::into_bytes);
+    texts.chain([open_brackets()]).collect()
 }
 
 /// The built-in calibration.
@@ -157,7 +166,14 @@ pub(crate) fn reports(folder: &Path) -> Vec<Vec<u8>> {
 pub(crate) fn identity() -> Identity {
     let front_end =
         FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
-    Identity { board: Text::new("bench 7"), firmware: Text::new("0.1.0"), front_end, start: Start::Watchdog }
+    Identity {
+        board: Text::new("bench 7"),
+        firmware: Text::new("0.1.0"),
+        front_end,
+        start: Start::Watchdog,
+        enable_feedback: EnableFeedback::Pin,
+        image: Image::Whole,
+    }
 }
 
 fn frames<M: serde::Serialize>(messages: &[M]) -> Vec<u8> {
