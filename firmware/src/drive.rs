@@ -4,6 +4,7 @@ use embassy_rp::Peri;
 use embassy_rp::gpio::{Input, Level, Output, Pull};
 use embassy_rp::pac;
 use embassy_rp::peripherals::{PIN_20, PIN_21, PIN_22};
+use socam_wire::EnableFeedback;
 
 use crate::ENABLE_PIN;
 
@@ -30,6 +31,11 @@ impl Drive {
         cortex_m::asm::delay(1250);
         let feedback = strap.is_low().then(|| Input::new(feedback, Pull::Down));
         Self { _line: line, feedback }
+    }
+
+    /// Where the line is read back.
+    pub(crate) fn feedback(&self) -> EnableFeedback {
+        if self.feedback.is_some() { EnableFeedback::Drive } else { EnableFeedback::Pin }
     }
 
     pub(crate) fn set(&mut self, is_on: bool) {

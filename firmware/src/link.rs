@@ -11,8 +11,8 @@ use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Ticker};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State as CdcState};
 use embassy_usb::{Builder, Config, UsbDevice};
-use socam_core::{Refusal, Request};
-use socam_wire::{BATCH_SAMPLES, BoardLink, MAX_FRAME};
+use socam_core::{Fault, Refusal, Request};
+use socam_wire::{BATCH_SAMPLES, BoardLink, Image, MAX_FRAME};
 use static_cell::StaticCell;
 
 use crate::sampling::{self, Answer, Ask, RING_SAMPLES, STATE_AND_FAULT};
@@ -44,6 +44,7 @@ type Outgoing = Pipe<NoopRawMutex, OUTGOING>;
 pub(crate) struct Core {
     pub(crate) asks: Filler<'static, Ask>,
     pub(crate) answers: Taker<'static, Answer>,
+    pub(crate) image: Image,
 }
 
 impl Core {
@@ -59,7 +60,11 @@ impl Core {
         }
     }
 
+    /// A damaged program grants nothing: its fault can be cleared by a new image only.
     fn request(&mut self, request: Request) -> Result<(), Refusal> {
+        if self.image == Image::Damaged {
+            return Err(Refusal::Faulted(Fault::ImageDamaged));
+        }
         self.ask(Ask::Request(request)).result
     }
 }

@@ -7,9 +7,11 @@
 #![warn(linker_messages)]
 
 mod bus;
+mod clock;
 mod drive;
 mod guard;
 mod hardware;
+mod image;
 mod light;
 mod link;
 mod sampling;
@@ -24,8 +26,8 @@ use embassy_rp::peripherals::USB;
 use embassy_rp::spi::{Phase, Polarity, Spi};
 use embassy_rp::{bind_interrupts, pac, usb};
 use socam_converters::{Ad5761r, Ads8688};
-use socam_core::{Board, Config, Ring};
-use socam_wire::{BoardLink, FrontEnd, Identity, Start, Text};
+use socam_core::{Board, Config, Fault, Ring};
+use socam_wire::{BoardLink, EnableFeedback, FrontEnd, Identity, Image, Start, Text};
 use static_cell::StaticCell;
 
 use bus::Chip;
@@ -54,9 +56,10 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_rp::init(Default::default());
-    // SAFETY: nothing else in this program uses the memory protection unit.
-    let core = unsafe { cortex_m::Peripherals::steal() };
+    // SAFETY: nothing else in this program uses the memory protection unit and the counter of cycles.
+    let mut core = unsafe { cortex_m::Peripherals::steal() };
     guard::set(&core.MPU);
+    clock::start(&mut core.SYST);
     let drive = Drive::new(p.PIN_22, p.PIN_20, p.PIN_21);
     // Never dropped, and so driven from now on.
     core::mem::forget(Output::new(p.PIN_2, Level::Low));
@@ -69,6 +72,7 @@ async fn main(spawner: Spawner) {
     // Clock 10, data out 11, data in 12, select 13.
     let _outputs = Spi::new_blocking(p.SPI1, p.PIN_10, p.PIN_11, p.PIN_12, spi());
     let output = Chip::new(pac::SPI1, Output::new(p.PIN_13, Level::High));
+    let enable_feedback = drive.feedback();
     let lines = Lines { output_reset, drive, stop, cable };
     let hardware = Hardware::new(input, output, lines, Config::default().sample_period_us);
 
@@ -79,6 +83,10 @@ async fn main(spawner: Spawner) {
     let (asks, core_asks) = ASKS.init(Slot::new()).split();
     let (core_answers, answers) = ANSWERS.init(Slot::new()).split();
     let mut board = Board::new(hardware, producer);
+    let image = image::check();
+    if image == Image::Damaged {
+        board.latch(Fault::ImageDamaged);
+    }
     let (begun, cause) = start::cause();
     if let Some(cause) = cause {
         board.latch(cause);
@@ -92,9 +100,9 @@ async fn main(spawner: Spawner) {
     sampling::start(board, core_asks, core_answers);
 
     let driver = usb::Driver::new(p.USB, Interrupts);
-    let link = BoardLink::new(identity(begun), samples);
+    let link = BoardLink::new(identity(begun, enable_feedback, image), samples);
     spawner.spawn(light::show(Output::new(p.PIN_25, Level::Low)).expect("spawned once"));
-    spawner.spawn(link::run(driver, link, link::Core { asks, answers }).expect("spawned once"));
+    spawner.spawn(link::run(driver, link, link::Core { asks, answers, image }).expect("spawned once"));
     core::future::pending().await
 }
 
@@ -107,7 +115,7 @@ fn spi() -> embassy_rp::spi::Config {
     config
 }
 
-fn identity(start: Start) -> Identity {
+fn identity(start: Start, enable_feedback: EnableFeedback, image: Image) -> Identity {
     Identity {
         board: Text::new("Raspberry Pi Pico, ADS8688, AD5761R"),
         firmware: Text::new(concat!(env!("CARGO_PKG_VERSION"), " ", env!("SOCAM_COMMIT"))),
@@ -117,5 +125,7 @@ fn identity(start: Start) -> Identity {
             channel_step_ns: CHANNEL_STEP_NS,
         },
         start,
+        enable_feedback,
+        image,
     }
 }

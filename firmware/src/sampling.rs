@@ -9,8 +9,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use embassy_rp::interrupt;
 use embassy_rp::pac;
-use socam_core::{Board, Refusal, Request, Status, conversions_per_sample};
+use socam_core::{Board, Fault, Refusal, Request, Status, conversions_per_sample};
 
+use crate::clock::Clocks;
 use crate::hardware::Hardware;
 use crate::slot::{Filler, Taker};
 use crate::start;
@@ -63,6 +64,7 @@ pub(crate) struct Sampler {
     interval_us: u32,
     /// Time of the next conversion.
     next_us: u32,
+    clocks: Clocks,
 }
 
 /// Passes the data to the interrupt and starts it.
@@ -71,7 +73,8 @@ pub(crate) fn start(
     asks: Taker<'static, Ask>,
     answers: Filler<'static, Answer>,
 ) {
-    let mut sampler = Sampler { board, asks, answers, period_us: 0, interval_us: 0, next_us: 0 };
+    let clocks = Clocks::now(now_us());
+    let mut sampler = Sampler { board, asks, answers, period_us: 0, interval_us: 0, next_us: 0, clocks };
     sampler.keep_pace();
     critical_section::with(|cs| SAMPLER.borrow(cs).replace(Some(sampler)));
     pac::TIMER.inte().modify(|inte| inte.set_alarm(ALARM, true));
@@ -122,6 +125,9 @@ impl Sampler {
     fn convert(&mut self) {
         let is_sample = self.board.ports_mut().convert();
         self.step();
+        if !self.clocks.agree(now_us()) {
+            self.board.latch(Fault::ClockOff);
+        }
         if is_sample {
             self.board.tick();
             self.tell_mood();
@@ -184,6 +190,7 @@ impl Sampler {
         }
         let Some(ask) = self.asks.take() else { return };
         let begins = matches!(ask, Ask::Request(Request::Run));
+        let configures = matches!(ask, Ask::Request(Request::Configure(_)));
         let result = match ask {
             Ask::Request(request) => self.board.handle(request),
             Ask::Status => Ok(()),
@@ -192,7 +199,10 @@ impl Sampler {
             // The next tick is the first, possibly without a conversion before it.
             self.board.prepare();
         }
-        self.keep_pace();
+        // Nowhere else: a tick verifies the configuration before it is used, and this is before that.
+        if configures && result.is_ok() {
+            self.keep_pace();
+        }
         self.tell_mood();
         let channels = self.board.config().channel_count;
         self.answers.put(Answer { result, status: self.board.status(), channels });
