@@ -110,7 +110,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         found.warnings.iter().for_each(output::warn);
         output::print(&text(&found.tasks))?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(&runs))
 }
 
 fn assumed(args: &Args) -> anyhow::Result<Assumed> {

@@ -137,7 +137,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             &profile,
         ))?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(&recorded))
 }
 
 fn models(args: &Args, base: Model) -> anyhow::Result<(Model, Option<Rival>)> {

@@ -123,7 +123,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(training.iter().chain(&holdout)))
 }
 
 /// Refuses samples that are named twice, also by different paths.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use socam_calibrate::Estimate;
 use socam_efficiency::{Efficiency, Section, map};
 use socam_model::Model;
+use socam_recording::Dataset;
 
 use super::Outcome;
 use crate::output;
@@ -71,12 +72,13 @@ struct Difference {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let target = args.map.as_deref().map(output::create).transpose()?;
     let model = model_file::load(&args.model)?;
-    let first = measure(&model, &args.runs, &args)?;
+    let [runs, against] = [open_all(&args.runs)?, open_all(&args.against)?];
+    let first = measure(&model, &runs, &args.runs, &args)?;
     let second = if args.against.is_empty() {
         None
     } else {
         let other = model_file::load(args.against_model.as_ref().unwrap_or(&args.model))?;
-        Some(measure(&other, &args.against, &args)?)
+        Some(measure(&other, &against, &args.against, &args)?)
     };
     let names = if second.is_some() { ["First", "Second"] } else { [first.model.as_str(), ""] };
     let sections: Vec<(&str, &Efficiency)> =
@@ -116,14 +118,17 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             output::print(&both)?;
         }
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(runs.iter().chain(&against)))
 }
 
-fn measure(model: &Model, runs: &[String], args: &Args) -> anyhow::Result<Efficiency> {
-    let data = runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<_>>>()?;
+fn open_all(runs: &[String]) -> anyhow::Result<Vec<Dataset>> {
+    runs.iter().map(|run| output::open(run)).collect()
+}
+
+fn measure(model: &Model, data: &[Dataset], runs: &[String], args: &Args) -> anyhow::Result<Efficiency> {
     let calibration = calibrated::of(runs, args.calibration.as_deref())?;
     let sensors = calibrated::sensors(calibration.as_ref(), &Section::of(model)?);
-    Ok(socam_efficiency::measure(model, &data, &sensors, args.slips)?)
+    Ok(socam_efficiency::measure(model, data, &sensors, args.slips)?)
 }
 
 /// Differences at the typical operating points of both.

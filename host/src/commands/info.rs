@@ -32,8 +32,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let texts: Vec<String> = infos.iter().map(Info::to_text).collect();
         output::print(&texts.join("\n"))?;
     }
-    let is_lossy = |info: &Info| info.cut.is_some() || info.lost_samples.is_some_and(|lost| lost > 0);
-    Ok(if infos.iter().any(is_lossy) { Outcome::LostSamples } else { Outcome::Done })
+    let all_complete = infos.iter().all(|info| info.is_complete);
+    Ok(if all_complete { Outcome::Done } else { Outcome::LostSamples })
 }
 
 #[derive(Serialize)]

@@ -31,15 +31,14 @@ use socam_recording::Dataset;
 pub(crate) enum Outcome {
     /// Done.
     Done,
-    /// Done, but samples were lost.
+    /// Done, but samples were lost, or a recording is damaged or cut off.
     LostSamples,
 }
 
 impl Outcome {
     /// Of a command that did its work on these recordings: whether they are cut off, damaged, or lack samples.
     pub(crate) fn on<'d>(recordings: impl IntoIterator<Item = &'d Dataset>) -> Self {
-        let is_lossy = |data: &Dataset| data.cut().is_some() || data.lost_samples() > 0;
-        if recordings.into_iter().any(is_lossy) { Self::LostSamples } else { Self::Done }
+        if recordings.into_iter().all(Dataset::is_complete) { Self::Done } else { Self::LostSamples }
     }
 }
 

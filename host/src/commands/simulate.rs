@@ -148,7 +148,7 @@ fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outco
     } else {
         output::print(&comparison.to_text())?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on([&data]))
 }
 
 /// Start states that fit the whole recording best, as `identify` estimates them; if it cannot (for example without the model's

@@ -18,7 +18,7 @@ use super::{
     pictures,
 };
 use crate::{commands::Outcome, output, table};
-use source::{ORDERS, data, thesis_bench};
+use source::{Data, ORDERS, data, thesis_bench};
 
 const SCHEMA: &str = "socam.coefficient-match/1";
 /// Greatest relative error of a matched coefficient.
@@ -45,7 +45,7 @@ struct Answer {
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let (bench, start) = thesis_bench(model)?;
-    let (source, whole, points) = data(args, model)?;
+    let Data { source, transfer: whole, points, outcome } = data(args, model)?;
     let cut = economise(&whole.numerator, ORDERS.numerator);
     let economised_bound = (whole.numerator.len() > ORDERS.numerator + 1).then_some(cut.bound);
     let transfer = TransferFunction { numerator: cut.coefficients, denominator: whole.denominator };
@@ -80,7 +80,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     } else {
         output::print(&answer.text(model))?;
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 impl Answer {

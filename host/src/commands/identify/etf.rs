@@ -40,6 +40,8 @@ const NORMAL: f64 = 1.96;
 pub(super) struct Measured {
     pub(super) name: String,
     pub(super) points: Vec<Point>,
+    /// Whether the recordings are whole.
+    pub(super) outcome: Outcome,
     /// Coherence of each point; 1 if a file has none.
     coherence: Vec<f64>,
     /// The model's own response at each point.
@@ -49,14 +51,14 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    fn new(name: String, model: &Model, lines: &[Line]) -> Self {
+    fn new(name: String, model: &Model, lines: &[Line], outcome: Outcome) -> Self {
         let lines = response::apart(lines);
         let coherence = lines.iter().map(|line| line.coherence).collect();
         let points: Vec<Point> = lines.iter().map(Point::from).collect();
         let at = |hz: f64| of_model(model, &name, hz);
         let own = points.iter().map(|point| at(point.frequency_hz).unwrap_or_default()).collect();
         let expected_final = at(0.0).map(|value| value.re).filter(|value| value.is_finite());
-        Self { points, coherence, model: own, expected_final, name }
+        Self { points, outcome, coherence, model: own, expected_final, name }
     }
 
     fn highest_hz(&self) -> f64 {
@@ -98,7 +100,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     } else {
         output::print(&text(model, &measured, fit, &fits))?;
     }
-    Ok(Outcome::Done)
+    Ok(measured.outcome)
 }
 
 /// Lines to fit to, of recordings or of a response that `--method frf` wrote.
@@ -115,13 +117,13 @@ pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
     if let [only] = &args.runs[..]
         && let Some(lines) = response_file(Path::new(only), &output)?
     {
-        return Ok(Measured::new(output, model, &lines));
+        return Ok(Measured::new(output, model, &lines, Outcome::Done));
     }
     let each = args.runs.iter().map(|run| output::open_regular(run));
     let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
     let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
     let lines: Vec<Line> = answers.into_iter().flat_map(|answer| answer.response.lines).collect();
-    Ok(Measured::new(output, model, &lines))
+    Ok(Measured::new(output, model, &lines, Outcome::on(&datasets)))
 }
 
 fn of_model(model: &Model, output: &str, frequency_hz: f64) -> Option<Complex<f64>> {

@@ -38,7 +38,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     } else {
         output::print(&text(model, &answers))?;
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::on(&datasets))
 }
 
 /// Responses of the chosen outputs.

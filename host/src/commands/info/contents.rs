@@ -21,6 +21,8 @@ pub(super) struct Info {
     pub(super) gaps: Vec<Gap>,
     pub(super) lost_samples: Option<u64>,
     pub(super) cut: Option<Cut>,
+    #[serde(skip)]
+    pub(super) is_complete: bool,
     pub(super) log: Option<LogContents>,
     pub(super) warnings: Vec<String>,
 }
@@ -86,6 +88,7 @@ impl Info {
             gaps: data.segments().windows(2).map(gap).collect(),
             lost_samples: (data.format() == Format::Mcap).then(|| data.lost_samples()),
             cut: data.cut().cloned(),
+            is_complete: data.is_complete(),
             log: data.contents().cloned(),
             warnings: data
                 .warnings()
@@ -119,6 +122,7 @@ impl Info {
             gaps: Vec::new(),
             lost_samples: None,
             cut: None,
+            is_complete: true,
             log: None,
             warnings: steady.warnings.iter().map(ToString::to_string).collect(),
         }

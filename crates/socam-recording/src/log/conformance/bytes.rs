@@ -7,10 +7,24 @@ use mcap::records::Record;
 /// What the suite appends to a record to see that readers ignore it.
 const PAD: [u8; 3] = [0x01, 0xff, 0xff];
 
-/// Appends a record. Chunks, ends of data and footers are never padded.
+/// Appends a record. A message ends with its data, and chunks, ends of data and footers have a fixed form: they are never padded.
 pub(super) fn record_bytes(record: &Record<'_>, pad: bool, bytes: &mut Vec<u8>) {
     let mut body = Body(Vec::new());
-    let mut may_be_padded = true;
+    data_body(record, &mut body);
+    let is_exact = matches!(
+        record,
+        Record::Message { .. } | Record::Chunk { .. } | Record::DataEnd(_) | Record::Footer(_)
+    );
+    if pad && !is_exact {
+        body.raw(&PAD);
+    }
+    bytes.push(record.opcode());
+    bytes.extend((body.0.len() as u64).to_le_bytes());
+    bytes.extend(body.0);
+}
+
+/// The content of a record of the data section.
+fn data_body<'b>(record: &Record<'_>, body: &'b mut Body) -> &'b mut Body {
     match record {
         Record::Header(r) => body.text(&r.profile).text(&r.library),
         Record::Schema { header: r, data } => body.u16(r.id).text(&r.name).text(&r.encoding).blob(data),
@@ -18,12 +32,9 @@ pub(super) fn record_bytes(record: &Record<'_>, pad: bool, bytes: &mut Vec<u8>) 
             body.u16(r.id).u16(r.schema_id).text(&r.topic).text(&r.message_encoding).texts(&r.metadata)
         }
         Record::Message { header: r, data } => {
-            // Its data ends with the record.
-            may_be_padded = false;
             body.u16(r.channel_id).u32(r.sequence).u64(r.log_time).u64(r.publish_time).raw(data)
         }
         Record::Chunk { header: r, data } => {
-            may_be_padded = false;
             body.u64(r.message_start_time).u64(r.message_end_time).u64(r.uncompressed_size);
             body.u32(r.uncompressed_crc).text(&r.compression).u64(r.compressed_size).raw(data)
         }
@@ -34,14 +45,23 @@ pub(super) fn record_bytes(record: &Record<'_>, pad: bool, bytes: &mut Vec<u8>) 
             }
             body.u16(r.channel_id).blob(&entries.0)
         }
+        Record::Attachment { header: r, data, crc } => {
+            body.u64(r.log_time).u64(r.create_time).text(&r.name).text(&r.media_type);
+            body.u64(data.len() as u64).raw(data).u32(*crc)
+        }
+        Record::Metadata(r) => body.text(&r.name).texts(&r.metadata),
+        Record::DataEnd(r) => body.u32(r.data_section_crc),
+        _ => summary_body(record, body),
+    }
+}
+
+/// The content of a record of the summary.
+fn summary_body<'b>(record: &Record<'_>, body: &'b mut Body) -> &'b mut Body {
+    match record {
         Record::ChunkIndex(r) => {
             body.u64(r.message_start_time).u64(r.message_end_time).u64(r.chunk_start_offset);
             body.u64(r.chunk_length).numbers(&r.message_index_offsets).u64(r.message_index_length);
             body.text(&r.compression).u64(r.compressed_size).u64(r.uncompressed_size)
-        }
-        Record::Attachment { header: r, data, crc } => {
-            body.u64(r.log_time).u64(r.create_time).text(&r.name).text(&r.media_type);
-            body.u64(data.len() as u64).raw(data).u32(*crc)
         }
         Record::AttachmentIndex(r) => {
             body.u64(r.offset).u64(r.length).u64(r.log_time).u64(r.create_time).u64(r.data_size);
@@ -52,25 +72,11 @@ pub(super) fn record_bytes(record: &Record<'_>, pad: bool, bytes: &mut Vec<u8>) 
             body.u32(r.metadata_count).u32(r.chunk_count).u64(r.message_start_time).u64(r.message_end_time);
             body.numbers(&r.channel_message_counts)
         }
-        Record::Metadata(r) => body.text(&r.name).texts(&r.metadata),
         Record::MetadataIndex(r) => body.u64(r.offset).u64(r.length).text(&r.name),
         Record::SummaryOffset(r) => body.raw(&[r.group_opcode]).u64(r.group_start).u64(r.group_length),
-        Record::DataEnd(r) => {
-            may_be_padded = false;
-            body.u32(r.data_section_crc)
-        }
-        Record::Footer(r) => {
-            may_be_padded = false;
-            body.u64(r.summary_start).u64(r.summary_offset_start).u32(r.summary_crc)
-        }
-        Record::Unknown { data, .. } => body.raw(data),
-    };
-    if pad && may_be_padded {
-        body.raw(&PAD);
+        Record::Footer(r) => body.u64(r.summary_start).u64(r.summary_offset_start).u32(r.summary_crc),
+        _ => body,
     }
-    bytes.push(record.opcode());
-    bytes.extend((body.0.len() as u64).to_le_bytes());
-    bytes.extend(body.0);
 }
 
 struct Body(Vec<u8>);

@@ -9,7 +9,10 @@ use socam_frequency::{
 };
 use socam_model::Model;
 
-use crate::commands::identify::{args::Args, etf, files};
+use crate::commands::{
+    Outcome,
+    identify::{args::Args, etf, files},
+};
 use crate::output::WrongArguments;
 
 /// The model's orders.
@@ -43,19 +46,30 @@ pub(super) fn thesis_bench(model: &Model) -> anyhow::Result<(Bench, [f64; UNKNOW
 }
 
 /// The transfer function to match, and points for the direct fit.
-pub(super) fn data(args: &Args, model: &Model) -> anyhow::Result<(String, TransferFunction, Vec<Point>)> {
+pub(super) struct Data {
+    /// Where they are from.
+    pub(super) source: String,
+    pub(super) transfer: TransferFunction,
+    pub(super) points: Vec<Point>,
+    /// Whether the recordings are whole.
+    pub(super) outcome: Outcome,
+}
+
+/// Reads a transfer function, or fits one to recordings.
+pub(super) fn data(args: &Args, model: &Model) -> anyhow::Result<Data> {
     if let [only] = &args.runs[..] {
         let named =
             if only == "thesis" { Some(thesis_etf()?) } else { files::transfer_file(Path::new(only))? };
         if let Some(transfer) = named {
             let points = points_of(&transfer, args);
-            return Ok((only.clone(), transfer, points));
+            return Ok(Data { source: only.clone(), transfer, points, outcome: Outcome::Done });
         }
     }
     let measured = etf::measured(args, model)?;
     let orders = args.frequency.orders.unwrap_or(ORDERS);
     let fit = rational::fit(&measured.points, orders, args.frequency.stable)?;
-    Ok((args.runs.join(", "), fit.transfer, measured.points))
+    let source = args.runs.join(", ");
+    Ok(Data { source, transfer: fit.transfer, points: measured.points, outcome: measured.outcome })
 }
 
 /// The transfer function that the thesis measured.
