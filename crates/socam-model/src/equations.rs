@@ -238,7 +238,8 @@ impl Equations {
     pub fn zeros(&self, output: usize, input: usize) -> Vec<Complex<f64>> {
         let states = self.state.nrows();
         let fastest = self.poles().iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-        if states == 0 || fastest == 0.0 {
+        let exists = self.feedthrough.get((output, input)).is_some();
+        if !exists || states == 0 || fastest == 0.0 {
             return Vec::new();
         }
         let slowest = self
@@ -269,8 +270,9 @@ impl Equations {
 
     /// Linear transfer function from `input` to `output` at the complex frequency `s` (1/s).
     ///
-    /// `None` where `s` is a pole.
+    /// `None` where `s` is a pole, and for an output or an input that the model does not have.
     pub fn transfer(&self, output: usize, input: usize, s: Complex<f64>) -> Option<Complex<f64>> {
+        let through = *self.feedthrough.get((output, input))?;
         let states = self.state.nrows();
         let pencil = DMatrix::from_fn(states, states, |i, j| {
             let diagonal = if i == j { s } else { Complex::new(0.0, 0.0) };
@@ -278,7 +280,7 @@ impl Equations {
         });
         let drive = DVector::from_fn(states, |i, _| Complex::new(self.input[(i, input)], 0.0));
         let response = pencil.full_piv_lu().solve(&drive)?;
-        let through = Complex::new(self.feedthrough[(output, input)], 0.0);
+        let through = Complex::new(through, 0.0);
         Some((0..states).fold(through, |sum, i| sum + response[i] * self.output[(output, i)]))
     }
 }

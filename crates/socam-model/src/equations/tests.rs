@@ -111,6 +111,17 @@ fn the_default_model_is_the_thesis_transfer_function_with_the_sign_corrected() {
 }
 
 #[test]
+fn an_output_or_input_that_the_model_lacks_has_no_transfer_function_and_no_zeros() {
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let equations = model.equations(&model.values()).unwrap();
+    let (outputs, inputs) = (model.outputs().count(), model.inputs().count());
+    for (output, input) in [(outputs, 0), (0, inputs), (usize::MAX, usize::MAX)] {
+        assert_eq!(equations.transfer(output, input, Complex::new(0.0, 1.0)), None);
+        assert!(equations.zeros(output, input).is_empty());
+    }
+}
+
+#[test]
 fn poles_of_the_experimental_transfer_function_follow_from_its_coefficients() {
     // Thesis, section 4.1.1. Table 4.1 lists the frequencies of the factors; its first row is wrong (erratum 2).
     let mut poles = roots(&[1.0, 2056.0, 1.557e6, 5.165e8, 1.058e11, 1.443e13, 5.608e14]);
