@@ -6,14 +6,19 @@ import { Cause, Chip, CYCLE_NS, WatchdogBite } from './chip.mjs';
 import { breakProgram } from './program.mjs';
 import { UsbHost } from './usb.mjs';
 
-const PIN = { inputSelect: 17, outputSelect: 13, outputReset: 14, stop: 15, strap: 20, feedback: 21, enable: 22, cable: 24, light: 25 };
+const PIN = { alive: 2, inputSelect: 17, outputSelect: 13, outputReset: 14, stop: 15, strap: 20, feedback: 21, enable: 22, cable: 24, light: 25 };
 const SAMPLING = 1;
+// The external watchdog: a retriggerable monostable at the alive line, which gates the enable line.
+const GUARD_NS = 2e6;
+const FLASH_XOR = 1;
 const LEVEL = { high: true, low: false, well: null };
 
 export class Board {
-  /** `heard(bytes)`: what the board said to its host. */
-  constructor(image, heard) {
+  /** `image`: an ELF file, for its symbols; `flash`: what is flashed. `heard(bytes)`: what the board said to its host. */
+  constructor(image, flash, heard) {
     this.image = image;
+    this.flash = flash;
+    this.damaged = [];
     this.heard = heard;
     this.bench = new Bench();
     this.input = new Ads8688((channel) => this.bench.voltage(this.seconds, channel));
@@ -43,7 +48,8 @@ export class Board {
   /** Starts the chip. What it drove until now falls to its pull-downs. */
   boot(cause) {
     if (this.chip) this.epochNs += this.chip.nanos;
-    this.chip = new Chip(this.image, cause, this.chip);
+    this.chip = new Chip(this.flash, cause, this.chip);
+    for (const offset of this.damaged) this.chip.rp2040.flash[offset] ^= FLASH_XOR;
     if (cause === Cause.POWER || cause === Cause.BROWN_OUT) {
       this.input.reset();
       this.output.reset();
@@ -54,9 +60,17 @@ export class Board {
     this.usb = new UsbHost(this.chip, (bytes) => this.said(bytes));
     this.lines();
     this.wire(PIN.inputSelect, (high) => this.select(this.input, high));
-    this.wire(PIN.outputSelect, (high) => this.output.select(!high));
+    this.wire(PIN.outputSelect, (high) => {
+      this.output.select(!high);
+      this.writes = (this.writes ?? 0) + (high ? 1 : 0);
+    });
     this.wire(PIN.outputReset, () => this.lines());
     this.wire(PIN.enable, () => this.lines());
+    const guard = this.chip.clock.createAlarm(() => this.guard(false));
+    this.wire(PIN.alive, () => {
+      guard.schedule(GUARD_NS);
+      this.guard(true);
+    });
     this.wire(PIN.light, (high) => high !== this.lit && this.note('light', (this.lit = high)));
     rp2040.gpio[PIN.strap].setInputValue(!this.hasFeedback);
     rp2040.gpio[PIN.cable].setInputValue(this.plugged);
@@ -82,7 +96,8 @@ export class Board {
     else this.output.reset();
     this.chip.rp2040.gpio[PIN.stop].setInputValue(released);
     const pad = this.padHeld ?? this.isHigh(PIN.enable);
-    const enabled = this.driveHeld ?? (this.stopClosed && pad);
+    const guarded = !this.hasGuard || this.isAlive;
+    const enabled = this.driveHeld ?? (this.stopClosed && pad && guarded);
     this.chip.rp2040.gpio[PIN.enable].setInputValue(pad);
     this.chip.rp2040.gpio[PIN.feedback].setInputValue(enabled);
     if (enabled !== this.enabled) {
@@ -91,6 +106,12 @@ export class Board {
       this.commanded();
       if (enabled) this.plans.filter((plan) => plan.afterS != null).forEach((plan) => this.due(plan));
     }
+  }
+
+  guard(isAlive) {
+    if (this.isAlive === isAlive) return;
+    this.isAlive = isAlive;
+    if (this.hasGuard) this.lines();
   }
 
   /** What the board says; where it is to lose its cable within a frame, that happens after a packet that does not end one. */
@@ -239,6 +260,20 @@ export class Board {
         break;
       case 'wire-feedback':
         this.hasFeedback = true;
+        this.restart = Cause.POWER;
+        break;
+      case 'fit-guard':
+        this.hasGuard = true;
+        this.lines();
+        break;
+      case 'slow':
+        this.chip.slow(Number(value));
+        break;
+      case 'stop-crystal':
+        this.chip.stopCrystal();
+        break;
+      case 'damage-flash':
+        this.damaged.push(Number(value));
         this.restart = Cause.POWER;
         break;
       case 'pull-in-frame':

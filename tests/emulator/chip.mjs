@@ -33,13 +33,14 @@ export const Cause = { POWER: 'power', BROWN_OUT: 'brown-out', PIN: 'pin', WATCH
 export class WatchdogBite extends Error {}
 
 export class Chip {
-  /** `image`: an ELF file. `before`: the chip before a reset, whose watchdog remembers. */
+  /** `image`: an ELF or UF2 file. `before`: the chip before a reset, whose watchdog remembers. */
   constructor(image, cause, before) {
     this.rp2040 = new RP2040();
     this.clock = this.rp2040.clock;
     this.core = this.rp2040.core;
     this.interrupts = new Map();
     this.frozen = false;
+    this.cycleNs = CYCLE_NS;
     const { rp2040, core } = this;
     rp2040.logger = quiet(core);
     rp2040.clkSys = rp2040.clkPeri = 125e6;
@@ -72,8 +73,8 @@ export class Chip {
       } else {
         const cycles = core.executeInstruction() + this.extraCycles;
         this.extraCycles = 0;
-        const now = clock.nanosCounter + cycles * CYCLE_NS;
-        if (clock.nextAlarm !== null && clock.nextAlarm.nanos <= now) clock.tick(cycles * CYCLE_NS);
+        const now = clock.nanosCounter + cycles * this.cycleNs;
+        if (clock.nextAlarm !== null && clock.nextAlarm.nanos <= now) clock.tick(cycles * this.cycleNs);
         else clock.nanosCounter = now;
       }
     }
@@ -91,6 +92,19 @@ export class Chip {
   halt() {
     const watchdog = this.rp2040.peripherals[WATCHDOG];
     if (watchdog.pauseDbg0 || watchdog.pauseDbg1 || watchdog.pauseJtag) watchdog.timer.enable = watchdog.alarm.enable = false;
+    this.frozen = true;
+  }
+
+  /** The processor's clock is so many times slower than it should be; the crystal's, which the timer counts, is not. */
+  slow(factor) {
+    this.cycleNs = CYCLE_NS * factor;
+    this.rp2040.ppb.systickTimer.frequency = 125e6 / factor;
+  }
+
+  /** The crystal stops, and all that counts it: processor, timer, watchdog. */
+  stopCrystal() {
+    const watchdog = this.rp2040.peripherals[WATCHDOG];
+    watchdog.timer.enable = watchdog.alarm.enable = false;
     this.frozen = true;
   }
 

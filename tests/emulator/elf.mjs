@@ -1,10 +1,18 @@
-// What of an ELF file goes into the chip's flash, and where its symbols are.
+// What of an ELF or UF2 file goes into the chip's flash, and where an ELF file's symbols are.
 
 const PT_LOAD = 1;
+const UF2_MAGIC = 0x0a324655;
+const UF2_BLOCK = 512;
 
 /** Calls `put(address, bytes)` for each piece, by the address at which it is stored. */
 export function load(file, put) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+  if (view.getUint32(0, true) === UF2_MAGIC) {
+    for (let at = 0; at < file.length; at += UF2_BLOCK) {
+      put(view.getUint32(at + 12, true), file.subarray(at + 32, at + 32 + view.getUint32(at + 16, true)));
+    }
+    return;
+  }
   if (view.getUint32(0) !== 0x7f454c46) throw new Error('not an ELF file');
   const headers = view.getUint32(28, true);
   const size = view.getUint16(42, true);

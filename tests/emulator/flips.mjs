@@ -1,25 +1,38 @@
-// Flips bits of the board's memory during a run at a constant voltage, one after the other, and says what came of them.
+// Flips bits of the board's memory during a run at a constant voltage, one after the other just behind a tick, has the host say
+// something before the next one, and says what came of them.
 
 import { symbol } from './elf.mjs';
 
 const RAM = 0x20000000;
 /** A bit that matters acts at the next tick; after two its effect must have ended. */
 const WITHIN_NS = 2_000_000;
-const AGAIN_NS = 2_000_000;
+const AGAIN_NS = 1_000_000;
+const STEP_NS = 10_000;
 const NEAR_V = 1e-3;
 
+const around = (at, bytes) => Array.from({ length: (2 * bytes) / 4 + 1 }, (_, word) => at - bytes + 4 * word);
+
 export class Flips {
-  /** Bits of the words of the sampling interrupt's data that hold one of `values`, or of `limits` with the word in front of each. */
-  constructor(board, { values, limits, bytes }) {
+  /**
+   * Bits of the words of the sampling interrupt's data that hold one of `values`, or of `limits` with the word in front of each, or
+   * `near.value` within `near.bytes` of `near.of`. `heartbeats`: a frame of the host for each.
+   */
+  constructor(board, { values, limits, near, bytes, heartbeats }) {
     this.board = board;
     this.start = symbol(board.image, /SAMPLER/) - RAM;
     this.bytes = bytes;
     this.volts = board.output.volts;
+    this.heartbeats = heartbeats.map((frame) => Uint8Array.from(Buffer.from(frame, 'hex')));
     const words = new Set();
+    const anchors = [];
     for (let at = this.start; at < this.start + bytes; at += 4) {
       const word = board.chip.rp2040.sramView.getUint32(at, true);
       if (values.includes(word) || limits.includes(word)) words.add(at);
       if (limits.includes(word)) words.add(at - 4);
+      if (word === near.of) anchors.push(at);
+    }
+    for (const at of anchors.flatMap((anchor) => around(anchor, near.bytes))) {
+      if (board.chip.rp2040.sramView.getUint32(at, true) === near.value) words.add(at);
     }
     this.bits = [...words].flatMap((at) => Array.from({ length: 32 }, (_, bit) => ({ at, bit })));
     this.outcome = { words: words.size, left: 0, off: 0, same: 0, harmful: [], peakV: 0 };
@@ -31,12 +44,18 @@ export class Flips {
     const { chip, output } = board;
     const { sram, sramView } = chip.rp2040;
     const { at, bit } = this.bits.pop();
+    const tick = board.writes;
+    while (board.writes === tick) board.runFor(STEP_NS);
     const kept = sram.slice(this.start, this.start + this.bytes);
     board.peakV = 0;
     sramView.setUint32(at, sramView.getUint32(at, true) ^ (1 << bit), true);
+    board.usb.say(this.heartbeats.pop());
+    const { writes } = board;
     board.runFor(WITHIN_NS);
+    const hasTicked = board.writes > writes;
     outcome.peakV = Math.max(outcome.peakV, board.peakV);
-    if (!board.enabled && output.volts === 0) outcome.off += 1;
+    if (!hasTicked) outcome.harmful.push({ offset: at - this.start, bit, late: true });
+    else if (!board.enabled && output.volts === 0) outcome.off += 1;
     else if (board.enabled && Math.abs(output.volts - this.volts) < NEAR_V && board.chip === chip) outcome.same += 1;
     else outcome.harmful.push({ offset: at - this.start, bit, volts: output.volts, enabled: board.enabled });
     sram.set(kept, this.start);

@@ -1,4 +1,4 @@
-// `node main.mjs FIRMWARE.elf`: the board behind two TCP ports of this machine, which it prints on standard error. On the first one a
+// `node main.mjs FIRMWARE.elf [FLASHED.uf2]`: the board behind two TCP ports of this machine, which it prints on standard error. On the first one a
 // host talks to it as over USB; on the second one a test asks and does things, a line of JSON each way. Standard input and output
 // belong to the bench (bench.mjs).
 //
@@ -17,7 +17,8 @@ const LEAD_NS = 200_000_000;
 
 const state = { host: null, heardNs: 0, patient: true, toBoard: damage(), toHost: damage(), owed: [], keep: false, said: [] };
 
-const board = new Board(readFileSync(process.argv[2]), (bytes) => {
+const [image, flashed] = process.argv.slice(2).map((file) => readFileSync(file));
+const board = new Board(image, flashed ?? image, (bytes) => {
   if (state.keep) state.said.push(Buffer.from(bytes));
   if (state.host && !state.host.destroyed) state.host.write(state.toHost.pass(bytes));
 });
@@ -81,7 +82,7 @@ const control = createServer((socket) => {
 });
 
 function turn() {
-  const owes = state.owed.length > 0;
+  const owes = state.owed.length > 0 || state.flips !== undefined;
   const hostKeepsUp = state.host !== null && (!state.patient || board.nanos - state.heardNs < LEAD_NS || !board.enabled);
   if (owes || hostKeepsUp) {
     if (board.hostSays === 'chatter') board.chatter(TURN_NS);

@@ -61,11 +61,24 @@ impl Emulator {
     /// # Panics
     /// When the emulator does not start.
     pub fn start(setup: Setup) -> Option<Self> {
+        Self::launch(setup, None)
+    }
+
+    /// The same with an image that `socam-host flash` has made.
+    ///
+    /// # Panics
+    /// When the emulator does not start.
+    pub fn start_flashed(setup: Setup, uf2: &Path) -> Option<Self> {
+        Self::launch(setup, Some(uf2))
+    }
+
+    fn launch(setup: Setup, flashed: Option<&Path>) -> Option<Self> {
         let image = firmware::image()?;
         let program = program()?;
         let mut node = Command::new("node")
             .arg(program.join("main.mjs"))
             .arg(image)
+            .args(flashed)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

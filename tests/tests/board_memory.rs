@@ -22,7 +22,7 @@ const PROFILE: Profile = Profile {
     duration_us: 600_000_000,
 };
 
-/// A host that starts a run and keeps it alive, whatever the board says meanwhile.
+/// A host that starts a run.
 struct Host {
     line: TcpStream,
     encoder: Encoder,
@@ -30,12 +30,17 @@ struct Host {
 }
 
 impl Host {
-    fn say(&mut self, request: Request) {
+    fn frame(&mut self, request: Request) -> Vec<u8> {
         self.number += 1;
         let mut frame = [0; MAX_FRAME];
         let message = ToBoard::Request { number: self.number, request };
         let len = self.encoder.encode(&message, &mut frame).unwrap();
-        self.line.write_all(&frame[..len]).unwrap();
+        frame[..len].to_vec()
+    }
+
+    fn say(&mut self, request: Request) {
+        let frame = self.frame(request);
+        self.line.write_all(&frame).unwrap();
     }
 
     /// Reads what has come, so that the board is not held up.
@@ -46,12 +51,17 @@ impl Host {
     }
 }
 
+/// More heartbeats than there are bits to flip.
+const HEARTBEATS: usize = 2000;
+
 /// The words that the output depends on, and those of limits.
 fn words(config: &Config) -> [Vec<u32>; 2] {
     let halves = |value: i64| [value as u32, (value >> 32) as u32];
     let speed = &config.speed;
     let mut words = vec![config.output.clamp_uv as u32, config.host_timeout_us, config.missing_after_us];
     words.extend([config.moving_uv as u32, speed.motor.offset_uv as u32]);
+    // Of the profile, as it was loaded: what the generator made of it has other units, or changes.
+    words.extend([PROFILE.slew_micro_s, PROFILE.duration_us as u32]);
     for value in [config.output.counts_per_uv_q32, speed.proportional_q32, speed.integral_per_s_q32] {
         words.extend(halves(value));
     }
@@ -93,12 +103,19 @@ fn no_bit_that_flips_in_the_configuration_moves_the_bench() {
     let log = board.log();
     let enabled = log.iter().rfind(|entry| entry.what == "enable").expect("a run");
     assert_eq!(enabled.value, true, "{log:?}");
-    // The word in front of a limit says that there is one.
+    // The word in front of a limit says that there is one. A thousand is the sampling period next to the host's timeout only.
     let [values, limits] = words(&config);
-    let flip = json!({ "ask": "flip", "values": values, "limits": limits, "bytes": sampler_bytes() });
+    let near = json!({ "value": config.sample_period_us, "of": config.host_timeout_us, "bytes": 16 });
+    let heartbeats = (0..HEARTBEATS).map(|_| host.frame(Request::Heartbeat));
+    let heartbeats =
+        heartbeats.map(|frame| frame.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
+    let mut heartbeats: Vec<_> = heartbeats.collect();
+    heartbeats.reverse();
+    let flip = json!({
+        "ask": "flip", "values": values, "limits": limits, "near": near, "bytes": sampler_bytes(), "heartbeats": heartbeats
+    });
     let asking = std::thread::spawn(move || (board.ask(&flip), board));
     while !asking.is_finished() {
-        host.say(Request::Heartbeat);
         host.listen(5);
     }
     let (outcome, _board) = asking.join().unwrap();

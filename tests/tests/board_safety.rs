@@ -1,95 +1,14 @@
 //! Everything that can go wrong at the emulated board: output at 0 V and drive disabled in time, the cause told afterwards, and no
 //! movement before the host asks for it anew.
 
-use std::io::Read;
-use std::net::TcpStream;
-use std::time::Duration;
+mod failures;
 
-use socam_core::Fault;
-use socam_tests::emulator::{Emulator, Happened, bench};
-use socam_tests::{Ran, run};
-use socam_wire::{BoardStatus, Decoder, ToHost};
-
-/// Into the run.
-const AFTER_S: f64 = 0.4;
-
-fn board() -> Option<Emulator> {
-    Emulator::start(bench(&[], 3))
-}
-
-fn record(board: &Emulator, more: &[&str]) -> Ran {
-    let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
-    let arguments = ["record", "-o", &log, "--device", &board.device, "--profile", "steps"];
-    let duration: &[&str] = if more.contains(&"--duration") { &[] } else { &["--duration", "2s"] };
-    run(arguments.iter().chain(duration).chain(more))
-}
-
-/// When it happened first after `from_s`.
-fn first(log: &[Happened], from_s: f64, what: &str, is: impl Fn(&serde_json::Value) -> bool) -> Option<f64> {
-    log.iter()
-        .find(|entry| entry.at_s >= from_s && entry.what == what && is(&entry.value))
-        .map(|entry| entry.at_s)
-}
-
-/// Lets `what` happen in a run: the drive must be off and the output at 0 V within `within_s`, and stay so.
-#[track_caller]
-fn stops(board: &mut Emulator, what: &str, within_s: f64, more: &[&str]) -> Ran {
-    board.inject(what, Some(AFTER_S));
-    let ran = record(board, more);
-    board.run_for(0.1);
-    let log = board.log();
-    let injected =
-        log.iter().rfind(|entry| entry.what == "injected").unwrap_or_else(|| panic!("{what}: {ran:?}")).at_s;
-    let disabled =
-        first(&log, injected, "enable", |on| on == false).unwrap_or_else(|| panic!("{what}: {log:?}"));
-    let zero =
-        first(&log, injected, "volts", |volts| volts == 0).unwrap_or_else(|| panic!("{what}: {log:?}"));
-    println!(
-        "measured: {what}: drive disabled after {:.3} ms, output at 0 V after {:.3} ms",
-        (disabled - injected) * 1e3,
-        (zero - injected) * 1e3
-    );
-    assert!(disabled - injected <= within_s && zero - injected <= within_s, "{what}: {log:?}");
-    assert_eq!(first(&log, disabled, "enable", |on| on == true), None, "{what}: it moved again");
-    assert_eq!(ran.code, Some(1), "{what}: {ran:?}");
-    ran
-}
-
-/// The next run goes well, and its host is told first what the board remembers.
-#[track_caller]
-fn remembers(board: &mut Emulator, fault: &str) {
-    let ran = record(board, &[]);
-    assert_eq!(ran.code, Some(0), "{ran:?}");
-    assert!(ran.stderr.contains("remembers an earlier fault") && ran.stderr.contains(fault), "{ran:?}");
-}
-
-/// How often the light blinks between two long pauses, from a time on.
-fn blinks(log: &[Happened], from_s: f64) -> usize {
-    let changes: Vec<_> = log.iter().filter(|entry| entry.what == "light" && entry.at_s >= from_s).collect();
-    let pauses: Vec<usize> =
-        (1..changes.len()).filter(|&i| changes[i].at_s - changes[i - 1].at_s > 1.5).collect();
-    (pauses[1] - pauses[0]) / 2
-}
-
-/// What the board says of itself, unasked; not the first time, which may date from before the line was opened.
-fn status(board: &Emulator) -> BoardStatus {
-    let mut line = TcpStream::connect(("127.0.0.1", board.port)).unwrap();
-    line.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
-    let (mut decoder, mut buffer, mut times) = (Decoder::<ToHost>::new(), [0; 4096], 0);
-    loop {
-        let count = line.read(&mut buffer).unwrap();
-        let mut bytes = &buffer[..count];
-        while let Some(item) = decoder.next(&mut bytes) {
-            if let Ok(ToHost::Status(status)) = item {
-                times += 1;
-                if times == 3 {
-                    return status;
-                }
-            }
-        }
-    }
-}
+use failures::{
+    AFTER_S, answer, blinks, board, error, first, record, remembers, status, stop_in_turn, stops,
+};
+use socam_core::{Fault, Refusal, Request};
+use socam_tests::emulator::{Emulator, bench};
+use socam_tests::{firmware, run};
 
 /// Samples that nobody takes fill the board's buffer; the thesis' program had one without a bound, of two sizes.
 #[test]
@@ -111,73 +30,77 @@ fn a_pulled_cable_stops_the_bench() {
 #[test]
 fn a_host_that_falls_silent_or_mad_stops_the_bench() {
     let Some(mut board) = board() else { return };
-    for what in ["host=nothing", "host=garbage"] {
-        // The host's last word was up to 0.1 s before.
-        let _ = stops(&mut board, what, 0.502, &[]);
-        board.inject("host=alone", None);
-        remembers(&mut board, &Fault::HostSilent { timeout_us: 500_000 }.to_string());
-    }
+    let silent = Fault::HostSilent { timeout_us: 500_000 }.to_string();
+    // The host's last word was up to 0.1 s before.
+    let failures = ["host=nothing", "host=garbage"].map(|what| (what, 0.502, silent.as_str(), "host=alone"));
+    stop_in_turn(&mut board, &failures);
 }
 
-/// The thesis' program waited for ever for a converter, and took 0xffff for a voltage.
+/// The thesis' program waited for ever for a converter, and took 0xffff for a voltage. One input that never changes cannot be told from a
+/// quiet one at once: a hundred conversions, 25 ms, are allowed.
 #[test]
-fn a_converter_that_does_not_answer_stops_the_bench() {
+fn a_converter_that_fails_stops_the_bench() {
     let Some(mut board) = board() else { return };
-    for what in ["input=low", "input=high", "input=frozen"] {
-        let ran = stops(&mut board, what, 0.002, &[]);
-        assert!(ran.stderr.contains(&Fault::ConverterSilent.to_string()), "{ran:?}");
-        board.inject("input=well", None);
-        remembers(&mut board, &Fault::ConverterSilent.to_string());
-    }
-    let _ = stops(&mut board, "both=high", 0.002, &[]);
-    board.inject("both=well", None);
-    for what in ["output=low", "output=high"] {
-        let ran = stops(&mut board, what, 0.002, &[]);
-        assert!(ran.stderr.contains(&Fault::OutputSilent.to_string()), "{ran:?}");
-        board.inject("output=well", None);
-        remembers(&mut board, &Fault::OutputSilent.to_string());
-    }
+    let [input, output] = [Fault::ConverterSilent, Fault::OutputSilent].map(|fault| fault.to_string());
+    let failures = [
+        ("input=low", 0.002, input.as_str(), "input=well"),
+        ("input=high", 0.002, &input, "input=well"),
+        ("input=frozen", 0.002, &input, "input=well"),
+        ("both=high", 0.002, &input, "both=well"),
+        ("both=low", 0.002, &input, "both=well"),
+        ("output=low", 0.002, &output, "output=well"),
+        ("output=high", 0.002, &output, "output=well"),
+        ("input=stuck", 0.002, "all inputs read the same", "input=well"),
+        ("reading=2@1", 0.027, "torque_in is stuck", "reading=2"),
+    ];
+    stop_in_turn(&mut board, &failures);
 }
 
+/// The processor's clock fails and the timer's does not: 31 MHz, and the crystal's own 12 MHz.
 #[test]
-fn a_converter_that_repeats_itself_stops_the_bench() {
+fn a_clock_that_slows_down_stops_the_bench() {
     let Some(mut board) = board() else { return };
-    let ran = stops(&mut board, "input=stuck", 0.002, &[]);
-    assert!(ran.stderr.contains("all inputs read the same"), "{ran:?}");
-    board.inject("input=well", None);
-    remembers(&mut board, "all inputs read the same");
+    let off = Fault::ClockOff.to_string();
+    let failures = ["slow=1.1", "slow=4", "slow=10.4"].map(|what| (what, 0.002, off.as_str(), "slow=1"));
+    stop_in_turn(&mut board, &failures);
 }
 
-/// One input that never changes cannot be told from a quiet one at once: a hundred conversions, 25 ms, are allowed.
+/// A crystal that stops takes processor and watchdog with it; only a watchdog outside of the board disables the drive.
 #[test]
-fn a_value_that_never_changes_stops_the_bench() {
+fn a_crystal_that_stops_is_the_external_watchdogs() {
     let Some(mut board) = board() else { return };
-    let ran = stops(&mut board, "reading=2@1", 0.027, &[]);
-    assert!(ran.stderr.contains("torque_in is stuck"), "{ran:?}");
-    board.inject("reading=2", None);
-    remembers(&mut board, "torque_in is stuck");
+    board.inject("fit-guard", None);
+    assert_eq!(record(&board, &[]).code, Some(0), "the external watchdog lets a run be");
+    board.inject("stop-crystal", Some(AFTER_S));
+    let ran = record(&board, &[]);
+    assert!(ran.code == Some(1) && ran.stderr.contains("fell silent"), "{ran:?}");
+    let log = board.log();
+    let injected = log.iter().rfind(|entry| entry.what == "injected").unwrap().at_s;
+    let disabled = first(&log, injected, "enable", |on| on == false).unwrap_or_else(|| panic!("{log:?}"));
+    println!("measured: stop-crystal: drive disabled after {:.3} ms", (disabled - injected) * 1e3);
+    assert!(disabled - injected <= 0.002, "{log:?}");
 }
 
 #[test]
 fn over_speed_and_over_torque_stop_the_bench() {
     let Some(mut board) = board() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("limits.toml");
+    let text = run(["template", "calibration"]).done();
+    let text = text
+        .replacen("full_scale_V = 10\n", "full_scale_V = 10.24\n", 1)
+        .replacen("limit = 1.425", "limit = 1.1", 1)
+        .replacen("limit = 38", "limit = 20", 1);
+    std::fs::write(&file, text).unwrap();
     for (what, says) in
         [("reading=0@9.95", "over-speed: motor_speed"), ("reading=3@9.9", "over-torque: torque_out")]
     {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("limits.toml");
-        let text = run(["template", "calibration"]).done();
-        let text = text
-            .replacen("full_scale_V = 10\n", "full_scale_V = 10.24\n", 1)
-            .replacen("limit = 1.425", "limit = 1.1", 1)
-            .replacen("limit = 38", "limit = 20", 1);
-        std::fs::write(&file, text).unwrap();
         let ran = stops(&mut board, what, 0.002, &["--calibration", file.to_str().unwrap()]);
-        assert!(ran.stderr.contains(says), "{ran:?}");
+        assert!(error(&ran).contains(says), "{ran:?}");
         board.inject(what.split_once('@').unwrap().0, None);
         board.run_for(0.01);
-        remembers(&mut board, says);
     }
+    remembers(&mut board, "over-torque: torque_out");
 }
 
 #[test]
@@ -211,11 +134,11 @@ fn a_program_that_hangs_and_a_reset_stop_the_bench() {
         ("hang", 0.002),
     ] {
         let ran = stops(&mut board, what, within_s, &[]);
-        assert!(ran.stderr.contains(&Fault::Watchdog.to_string()), "{what}: {ran:?}");
+        assert!(error(&ran).contains(&Fault::Watchdog.to_string()), "{what}: {ran:?}");
     }
-    remembers(&mut board, &Fault::Watchdog.to_string());
     let ran = stops(&mut board, "press-reset", 0.002, &[]);
-    assert!(ran.stderr.contains(&Fault::Reset.to_string()), "{ran:?}");
+    assert!(ran.stderr.contains("remembers an earlier fault"), "{ran:?}");
+    assert!(error(&ran).contains(&Fault::Reset.to_string()), "{ran:?}");
     remembers(&mut board, &Fault::Reset.to_string());
 }
 
@@ -252,17 +175,45 @@ fn an_enable_line_that_does_not_follow_is_told() {
     board.inject("pad=well", None);
     remembers(&mut board, &high);
 
-    // Behind the pad only the feedback wire sees it.
+    // Behind the pad only the feedback wire sees it, and the host is told whether there is one.
     board.inject("drive=high", None);
-    assert_eq!(record(&board, &[]).code, Some(0), "the pad itself is well");
+    let ran = record(&board, &[]);
+    assert_eq!(ran.code, Some(0), "the pad itself is well");
+    assert!(ran.stderr.contains("read back at the board's pin only"), "{ran:?}");
     board.inject("drive=well", None);
     board.inject("wire-feedback", None);
     board.run_for(0.1);
     let ran = stops(&mut board, "drive=low", 0.002, &[]);
-    assert!(ran.stderr.contains(&low), "{ran:?}");
+    assert!(ran.stderr.contains(&low) && ran.stderr.contains("read back at the drive"), "{ran:?}");
     board.inject("drive=high", None);
     let ran = record(&board, &[]);
     assert!(ran.code == Some(1) && ran.stderr.contains(&high), "{ran:?}");
+}
+
+/// An interrupt's vector that nothing uses.
+const UNUSED_VECTOR: u32 = 0x100 + 0x40 + 4 * 29;
+
+#[test]
+fn a_damaged_program_never_moves_the_bench() {
+    let Some(image) = firmware::image() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("INFO_UF2.TXT"), "Board-ID: RPI-RP2\r\n").unwrap();
+    let _ = run(["flash".as_ref(), image.as_os_str(), "--drive".as_ref(), folder.path().as_os_str()]).done();
+    let Some(mut board) = Emulator::start_flashed(bench(&[], 3), &folder.path().join("socam.uf2")) else {
+        return;
+    };
+    let ran = record(&board, &[]);
+    assert!(ran.code == Some(0) && !ran.stderr.contains("carries no checksum"), "{ran:?}");
+    board.inject(&format!("damage-flash={UNUSED_VECTOR}"), None);
+    board.run_for(0.3);
+    let ran = record(&board, &[]);
+    assert_eq!(ran.refusal(1), Fault::ImageDamaged.to_string());
+    let (log, damaged) = (board.log(), Fault::ImageDamaged);
+    let from_s = log.iter().rfind(|entry| entry.what == "boot").unwrap().at_s;
+    assert_eq!(first(&log, from_s, "enable", |on| on == true), None);
+    // The board itself refuses, whatever its host makes of what it says.
+    assert_eq!(answer(&board, Request::ClearFault), Err(Refusal::Faulted(damaged)));
+    assert_eq!(status(&board).board.fault, Some(damaged));
 }
 
 #[test]

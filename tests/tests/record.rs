@@ -1,6 +1,8 @@
 //! `record` as a process, against the virtual board: what is recorded is identified, what dies leaves a readable log, and a peer
 //! that is no board is named as such.
 
+mod foreign;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::path::Path;

@@ -5,7 +5,10 @@ use socam_core::{
     Average, Board, Command, Config, ConverterSilent, Generator, Lines, MAX_CHANNELS, Ports, Profile,
     Request, Ring, Sample, Shape,
 };
-use socam_wire::{BoardLink, Decoder, Encoder, FrontEnd, Identity, MAX_FRAME, Start, Text, ToBoard, ToHost};
+use socam_wire::{
+    BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard,
+    ToHost,
+};
 
 /// Runs all exercises; each gives its name and a hash of its results.
 pub(crate) fn run(mut tell: impl FnMut(&str, u64)) {
@@ -242,8 +245,14 @@ fn messages() -> u64 {
     let mut ring = Ring::<64>::new();
     let (mut producer, samples) = ring.split();
     let front_end = FrontEnd { input_full_scale_uv: 1, output_full_scale_uv: 2, channel_step_ns: 3 };
-    let identity =
-        Identity { board: Text::new("board"), firmware: Text::new("firmware"), front_end, start: Start::Pin };
+    let identity = Identity {
+        board: Text::new("board"),
+        firmware: Text::new("firmware"),
+        front_end,
+        start: Start::Pin,
+        enable_feedback: EnableFeedback::Pin,
+        image: Image::Unsealed,
+    };
     let (mut link, mut decoder) = (BoardLink::new(identity, samples), Decoder::<ToHost>::new());
     let mut frame = [0; MAX_FRAME];
     for number in 0..40 {

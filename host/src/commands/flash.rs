@@ -1,5 +1,6 @@
 //! `flash`: the firmware onto the board.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -10,7 +11,8 @@ use crate::{output, uf2};
 
 /// Flash the firmware onto the board
 ///
-/// Hold the board's BOOTSEL button while plugging it in: it appears as a drive, accepts the image and starts it.
+/// Hold the board's BOOTSEL button while plugging it in: it appears as a drive, accepts the image and starts it. The image gets a checksum
+/// on its way, which the board compares at every start.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host flash firmware/target/thumbv6m-none-eabi/release/socam-firmware
@@ -40,9 +42,9 @@ const LONGEST_IMAGE: u64 = 64 << 20;
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let image = socam_recording::read_regular(&args.image, LONGEST_IMAGE)
         .with_context(|| format!("`{}`", args.image.display()))?;
-    let uf2 = uf2::of(image).with_context(|| format!("`{}`", args.image.display()))?;
+    let uf2 = uf2::of(&image).with_context(|| format!("`{}`", args.image.display()))?;
     if args.probe {
-        return by_probe(&args.image);
+        return by_probe(&uf2);
     }
     let drive = match args.drive {
         Some(drive) if is_boot_drive(&drive) => drive,
@@ -57,9 +59,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn by_probe(image: &Path) -> anyhow::Result<Outcome> {
-    let ended =
-        Command::new("probe-rs").args(["download", "--chip", "RP2040", "--verify"]).arg(image).status();
+fn by_probe(uf2: &[u8]) -> anyhow::Result<Outcome> {
+    let mut file = tempfile::NamedTempFile::with_suffix(".uf2").context("cannot write a temporary file")?;
+    file.write_all(uf2).context("cannot write a temporary file")?;
+    let ended = Command::new("probe-rs")
+        .args(["download", "--chip", "RP2040", "--verify", "--binary-format", "uf2"])
+        .arg(file.path())
+        .status();
     let ended =
         ended.context("cannot start probe-rs, which --probe needs (`cargo install probe-rs-tools`)")?;
     if !ended.success() {

@@ -92,6 +92,8 @@ fn metadata(session: &Session, plan: &Plan) -> BTreeMap<String, String> {
         ("board", identity.board.to_string()),
         ("firmware", identity.firmware.to_string()),
         ("board_start", identity.start.to_string()),
+        ("firmware_image", identity.image.to_string()),
+        ("enable_read_back", identity.enable_feedback.to_string()),
         ("sampling", sampling(identity.front_end.channel_step_ns, plan.period_us)),
         ("host", env!("CARGO_PKG_VERSION").to_owned()),
     ];

@@ -20,6 +20,7 @@ struct Document<'a> {
     rate_hz: f64,
     end: &'static str,
     reason: Option<&'a str>,
+    enable_read_back: String,
 }
 
 /// Prints the result of a run.
@@ -45,6 +46,7 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
             rate_hz,
             end,
             reason,
+            enable_read_back: report.enable_feedback.to_string(),
         });
     }
     let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };

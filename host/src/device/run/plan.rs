@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use socam_core::Profile;
 use socam_recording::{Attachment, Calibration, RecordingSummary};
-use socam_wire::{BoardStatus, SampleBatch};
+use socam_wire::{BoardStatus, EnableFeedback, SampleBatch};
 
 /// The settings of a run.
 pub(crate) struct Plan {
@@ -49,6 +49,8 @@ pub(crate) struct Report {
     pub(crate) end: End,
     /// Time from the first to the last sample, s.
     pub(crate) duration_s: f64,
+    /// Where the board reads the drive's enable line back.
+    pub(crate) enable_feedback: EnableFeedback,
 }
 
 /// Observes a run while it is recorded: a terminal or a window.

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
-use socam_core::{Refusal, Request};
+use anyhow::{Context, bail};
+use socam_core::{Fault, Refusal, Request};
+use socam_wire::{EnableFeedback, Identity, Image};
 
 use super::columns::fault_text;
 use super::plan::Plan;
@@ -18,6 +19,7 @@ const ASK_EVERY: Duration = Duration::from_millis(100);
 
 /// Sends calibration and profile to the board; reports and clears a fault that it still has.
 pub(super) fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
+    judge(session.identity())?;
     session.request(Request::Stream(false))?.ok();
     let config = plan.calibration.config(plan.period_us)?;
     let mut result = session.request(Request::Configure(config))?;
@@ -34,6 +36,26 @@ pub(super) fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> 
     }
     result.context("the board refuses the calibration")?;
     session.request(Request::Load(plan.profile))?.context("the board refuses the profile")
+}
+
+/// Refuses a board whose program is damaged, and says what a board cannot check of itself.
+fn judge(identity: &Identity) -> anyhow::Result<()> {
+    match identity.image {
+        Image::Whole => {}
+        Image::Unsealed => output::warn(
+            "the board's program carries no checksum, so damage to its flash is not noticed: put it there with `socam-host flash`",
+        ),
+        Image::Damaged => bail!("{}", Fault::ImageDamaged),
+    }
+    match identity.enable_feedback {
+        EnableFeedback::Nowhere => {}
+        EnableFeedback::Pin => output::warn(
+            "the drive's enable line is read back at the board's pin only, so a fault behind the pin is not noticed: \
+             wire GP21 to the drive's enable input and GP20 to ground",
+        ),
+        EnableFeedback::Drive => output::say("the drive's enable line is read back at the drive"),
+    }
+    Ok(())
 }
 
 fn wait_for_rest(session: &mut Session, config: socam_core::Config) -> anyhow::Result<Result<(), Refusal>> {

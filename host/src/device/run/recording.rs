@@ -292,6 +292,7 @@ impl<'s> Run<'s> {
         // The bench is at rest or out of reach; a failure here has no effect.
         let _ = self.session.post(Request::Stream(false));
         let duration_s = self.now_ns() as f64 * 1e-9;
-        Ok(Report { summary: self.recorder.finish()?, end, duration_s })
+        let enable_feedback = self.session.identity().enable_feedback;
+        Ok(Report { summary: self.recorder.finish()?, end, duration_s, enable_feedback })
     }
 }
