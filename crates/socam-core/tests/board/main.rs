@@ -186,7 +186,7 @@ fn a_run_whose_ticks_are_slow_ends_by_the_clock() {
     let mut board = Board::new(bench(), producer);
     // Of 3 s, with 0.075 s to slew down and 1 s to be late.
     running(&mut board, Profile { limit_micro: 1_500_000, ..constant(1_500_000, Command::Voltage) });
-    let mut slow_tick = |board: &mut Board<'_, Bench, RING>| {
+    let slow_tick = |board: &mut Board<'_, Bench, RING>| {
         board.handle(Request::Heartbeat).unwrap();
         board.ports_mut().now_us += 5_000;
         board.tick();
