@@ -62,7 +62,7 @@ impl Line {
         for &byte in bytes {
             let random = self.random();
             self.bytes += 1;
-            if random % DAMAGED != 0 {
+            if !random.is_multiple_of(DAMAGED) {
                 out.push(byte);
                 out.extend(self.held.take());
                 continue;
