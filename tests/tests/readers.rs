@@ -1,4 +1,4 @@
-//! A recording opens, checksums verified and every value equal, in readers that others wrote.
+//! A recording and a recovered one open, checksums verified and every value equal, in readers that others wrote.
 //!
 //! The Python and JavaScript readers are fetched into `target/readers` on first use. `SOCAM_PYTHON` names a Python that has
 //! the packages of `readers/requirements.txt` already, `SOCAM_NODE_MODULES` a folder with those of `readers/package.json`.
@@ -10,6 +10,7 @@ use std::process::Command;
 
 use socam_recording::{
     Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv,
+    recover,
 };
 
 const ROWS: u64 = 30_000;
@@ -68,29 +69,49 @@ fn recording(folder: &Path) -> (PathBuf, PathBuf) {
         }
     }
     recorder.finish().expect("a finished recording");
-    let table = folder.join("run.csv");
-    let data = Dataset::open(log.to_str().expect("a plain path")).expect("it opens");
-    assert_eq!(data.rows(), ROWS - 1);
-    export_csv(&data, &table).expect("a table");
+    let (table, rows) = exported(&log);
+    assert_eq!(rows, ROWS - 1);
     (log, table)
 }
 
-/// Runs a reader's script; it fails when any value differs.
+/// The first half of a recording, recovered, and what it should read as.
+fn recovered(log: &Path) -> (PathBuf, PathBuf) {
+    let (cut, clean) = (log.with_extension("cut.mcap"), log.with_extension("clean.mcap"));
+    let whole = std::fs::read(log).expect("the log");
+    std::fs::write(&cut, &whole[..whole.len() / 2]).expect("a cut log");
+    recover(&cut, &clean).expect("a recovered log");
+    let (table, rows) = exported(&clean);
+    assert!((1000..ROWS - 1).contains(&rows), "{rows}");
+    (clean, table)
+}
+
+/// A table of a log beside it, and its number of rows.
+fn exported(log: &Path) -> (PathBuf, u64) {
+    let table = log.with_extension("csv");
+    let data = Dataset::open(log.to_str().expect("a plain path")).expect("it opens");
+    export_csv(&data, &table).expect("a table");
+    (table, data.rows())
+}
+
+/// Runs a reader's script on a finished and a recovered log; it fails when any value differs.
 fn read_with(program: &Path, script: &str, working_directory: &Path) {
     let folder = tempfile::tempdir().expect("a folder");
-    let (log, table) = recording(folder.path());
-    let output = Command::new(program)
-        .arg(scripts().join(script))
-        .args([&log, &table])
-        .current_dir(working_directory)
-        .output()
-        .expect("the reader starts");
-    assert!(
-        output.status.success(),
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let finished = recording(folder.path());
+    for (log, table) in [recovered(&finished.0), finished] {
+        let output = Command::new(program)
+            .arg(scripts().join(script))
+            .args([&log, &table])
+            .current_dir(working_directory)
+            .output()
+            .expect("the reader starts");
+        assert!(
+            output.status.success(),
+            "{}: {}{}",
+            log.display(),
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
 }
 
 /// Runs a step of the preparation; false when the program is absent or it fails (no network).
