@@ -70,6 +70,39 @@ fn a_recording_goes_to_mcap_and_back() {
     assert!(String::from_utf8_lossy(&socam(&["info", text(&log)]).stdout).contains("cut off"));
 }
 
+/// A mass of 1 kg that a force swings at three frequencies.
+fn swinging_row(t: f64) -> String {
+    let sum = |of: fn(f64, f64) -> f64| [3.0, 11.0, 40.0].iter().map(|w| of(*w, w * t)).sum::<f64>();
+    format!("{t},{},{}\n", sum(|_, angle| angle.sin()), sum(|w, angle| 0.05 - angle.sin() / (w * w)))
+}
+
+#[test]
+fn every_command_says_by_its_exit_code_that_a_recording_is_cut_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("axis.csv");
+    let rows: String = (0..20_000).map(|i| swinging_row(f64::from(i) / 1000.0)).collect();
+    std::fs::write(&table, format!("t_s,force_N,position_m\n{rows}")).expect("a file");
+    assert_eq!(socam(&["import", text(&table)]).status.code(), Some(0));
+    let (log, cut) = (table.with_extension("mcap"), folder.path().join("cut.mcap"));
+    let bytes = std::fs::read(&log).expect("the log");
+    std::fs::write(&cut, &bytes[..bytes.len() * 3 / 4]).expect("a cut log");
+    let diagnose = ["--most", "1", "--holdout", text(&log)];
+    for (command, more) in [
+        (&["info"][..], &[][..]),
+        (&["check", "--model", "emps"], &[]),
+        (&["export", "--force"], &[]),
+        (&["identify", "--model", "emps", "--starts", "1"], &[]),
+        (&["identify", "--model", "emps", "--method", "frf"], &[]),
+        (&["identify", "--model", "emps", "--method", "etf"], &[]),
+        (&["simulate", "--model", "emps", "--input"], &[]),
+        (&["diagnose", "--model", "emps"], &diagnose),
+    ] {
+        let output = socam(&[command, &[text(&cut)], more].concat());
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{command:?}: {stderr}");
+    }
+}
+
 /// A mass of 1 kg that a force swings.
 fn axis_row(t: f64) -> String {
     format!("{t},{},{}\n", (6.0 * t).sin(), 0.2 - (6.0 * t).sin() / 36.0)
