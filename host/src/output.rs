@@ -153,6 +153,11 @@ pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyho
             format!("`{}` would be written over itself; name another file with -o", target.display());
         return Err(WrongArguments(problem).into());
     }
+    check_free(target, replace)
+}
+
+/// Refuses to replace a file unless it may be replaced. An empty file is nothing.
+fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
         anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", target.display());
     }
@@ -211,10 +216,16 @@ fn painted(text: &str, colour: &str) -> String {
 
 /// A file that will be there whole or not at all. It never replaces a recording.
 pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
+    create_new(path, true)
+}
+
+/// The same for a model or a calibration, which people edit by hand: it replaces an older one only if it may.
+pub(crate) fn create_new(path: &Path, replace: bool) -> anyhow::Result<OutputFile> {
     if socam_recording::detect(path).is_ok() {
         let problem = format!("`{}` is a recording; name another file to write", path.display());
         return Err(WrongArguments(problem).into());
     }
+    check_free(path, replace)?;
     Ok(OutputFile::create(path)?)
 }
 

@@ -159,6 +159,32 @@ fn conversions_replace_nothing_unasked() {
 }
 
 #[test]
+fn models_and_calibrations_replace_nothing_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [axis, model] = ["axis.csv", "model.toml"].map(|name| folder.path().join(name));
+    // With friction: the model refuses a fit that is a trace below zero.
+    let rows = (0..4000).map(|i| f64::from(i) / 1000.0).map(|t| {
+        let (acceleration, speed) = ((6.0 * t).sin(), -(6.0 * t).cos() / 6.0);
+        let force = acceleration + 0.6 * speed + 0.3 * speed.signum();
+        format!("{t},{force},{}\n", 0.2 - acceleration / 36.0)
+    });
+    let rows: String = rows.collect();
+    std::fs::write(&axis, format!("t_s,force_N,position_m\n{rows}")).expect("a file");
+    std::fs::write(&model, "# edited by hand").expect("a file");
+    let (axis, written) = (text(&axis), ["--write-model", text(&model)]);
+    let identify =
+        [&["identify", axis, "--model", "emps", "--method", "inverse-dynamics"], &written[..]].concat();
+    refused(&identify, 1, "model.toml` exists already; choose another name, or --force to replace it");
+    refused(&[&["diagnose", axis, "--model", "emps"], &written[..]].concat(), 1, "exists already");
+    refused(&[&["calibrate", axis], &written[..]].concat(), 1, "exists already");
+    refused(&["calibrate", axis, "-o", text(&model)], 1, "exists already");
+    assert_eq!(std::fs::read_to_string(&model).expect("the file"), "# edited by hand");
+    let forced = socam(&[&identify[..], &["--force"]].concat());
+    assert_eq!(forced.status.code(), Some(0), "{}", String::from_utf8_lossy(&forced.stderr));
+    assert!(std::fs::read_to_string(&model).expect("the model").contains("schema = "));
+}
+
+#[test]
 fn a_legacy_log_becomes_si_by_its_calibration() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);

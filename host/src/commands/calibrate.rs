@@ -43,6 +43,9 @@ pub(crate) struct Args {
     /// Write the model, with measured stiffnesses as priors, to this file, for `identify --model`
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
+    /// Replace the calibration and the model, if they exist
+    #[arg(long)]
+    force: bool,
     /// Standard uncertainty of the reference instruments, per cent of the reading
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     reference_accuracy: f64,
@@ -68,9 +71,11 @@ struct Document<'a> {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let assumed = assumed(&args)?;
     let model = model_file::load(&args.model)?;
-    let targets = [&args.write_calibration, &args.write_model, &args.plot];
-    let [calibration_file, model_target, plot_target] =
-        targets.map(|path| path.as_deref().map(output::create).transpose());
+    // A plot is drawn again at no cost; a calibration and a model may have been edited by hand.
+    let targets =
+        [(&args.write_calibration, args.force), (&args.write_model, args.force), (&args.plot, true)];
+    let [calibration_file, model_target, plot_target] = targets
+        .map(|(path, replace)| path.as_deref().map(|path| output::create_new(path, replace)).transpose());
     let (calibration_file, model_target, plot_target) = (calibration_file?, model_target?, plot_target?);
     let mut found = Found::default();
     let mut runs = Vec::new();

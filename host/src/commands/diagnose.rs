@@ -62,6 +62,9 @@ pub(crate) struct Args {
     /// Write the corrected model to this file
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
+    /// Replace the file of --write-model, if it exists
+    #[arg(long)]
+    force: bool,
     /// Write index.html, diagnosis.json and model.toml into this directory
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -87,7 +90,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return steady::run(&args, &model);
     }
     let interrupt = Interrupt::listen();
-    let target = args.write_model.as_deref().map(output::create).transpose()?;
+    let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     let open = |runs: &[String]| {
         // Outputs that are missing at most grid points would have no spectra.

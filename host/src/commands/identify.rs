@@ -56,7 +56,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut options = options(&args, &model)?;
     let interrupt = Interrupt::listen();
     // The output file is created before the fit, so that an error is reported before it.
-    let target = args.write_model.as_deref().map(output::create).transpose()?;
+    let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
     if let Some(twice) = args.runs.iter().enumerate().find(|(i, run)| args.runs[..*i].contains(run)) {
         let message = format!("`{}` is named twice; its samples would count double", twice.1);

@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         }
         options.repeatability = repeatability;
     }
-    let target = args.write_model.as_deref().map(output::create).transpose()?;
+    let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     let open = |run: &String| {
         let table = Steady::open(Path::new(run))?;
         table.warnings.iter().for_each(|warning| output::warn(format_args!("`{run}`: {warning}")));

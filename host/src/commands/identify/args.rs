@@ -62,6 +62,9 @@ pub(crate) struct Args {
     /// Write the model with the identified values to this file
     #[arg(long, value_name = "FILE")]
     pub(super) write_model: Option<PathBuf>,
+    /// Replace the file of --write-model, if it exists
+    #[arg(long)]
+    pub(super) force: bool,
     /// Print one JSON document instead of tables
     #[arg(long)]
     pub(super) json: bool,
