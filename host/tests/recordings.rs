@@ -93,7 +93,6 @@ fn every_command_says_by_its_exit_code_that_a_recording_is_cut_off() {
         (&["export", "--force"], &[]),
         (&["identify", "--model", "emps", "--starts", "1"], &[]),
         (&["identify", "--model", "emps", "--method", "frf"], &[]),
-        (&["identify", "--model", "emps", "--method", "etf"], &[]),
         (&["simulate", "--model", "emps", "--input"], &[]),
         (&["diagnose", "--model", "emps"], &diagnose),
     ] {
