@@ -24,10 +24,10 @@ pub fn too_deep(text: &str) -> Option<usize> {
             TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket => open.push(kind),
             // A bracket of the other kind closes nothing.
             TokenKind::RightSquareBracket if open.last() == Some(&TokenKind::LeftSquareBracket) => {
-                drop(open.pop())
+                open.pop();
             }
             TokenKind::RightCurlyBracket if open.last() == Some(&TokenKind::LeftCurlyBracket) => {
-                drop(open.pop())
+                open.pop();
             }
             _ => {}
         }
