@@ -3,6 +3,9 @@
 //! A [`Target`] is one parser: a function of an input with stated properties, and seeds that the project's own writers make. The program
 //! `socam-fuzz` mutates seeds and the inputs of `corpus/`; `guided/` lets libFuzzer choose inputs by coverage for the same functions.
 
+mod damage;
+mod hostile;
+mod links;
 pub mod mutation;
 mod seeds;
 mod targets;
@@ -36,11 +39,17 @@ pub struct Target {
 /// The target of a name.
 #[must_use]
 pub fn target(name: &str) -> Option<&'static Target> {
-    TARGETS.iter().find(|target| target.name == name)
+    TARGETS.iter().chain([&targets::BROKEN]).find(|target| target.name == name)
 }
 
 /// The folder of kept inputs of a target: each was a defect once, or is hostile by its size or nesting.
 #[must_use]
 pub fn corpus(target: &Target) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name)
+}
+
+/// Inputs of a target that are hostile by their size or nesting, to be parsed once.
+#[must_use]
+pub fn hostile(target: &Target) -> Vec<Vec<u8>> {
+    hostile::inputs(target.extension)
 }

@@ -44,7 +44,8 @@ pub(crate) fn logs(folder: &Path) -> Vec<Vec<u8>> {
     all
 }
 
-fn record(path: &Path, rows: i64) -> Option<()> {
+/// A recording of this many samples. The speed of a sample is a quarter of its number.
+pub(crate) fn record(path: &Path, rows: i64) -> Option<()> {
     let channels = vec![Channel::new("motor_speed", Unit::RadPerS), Channel::new("torque_in", Unit::Nm)];
     let attachment = Attachment {
         name: "model.toml".into(),
@@ -98,8 +99,7 @@ pub(crate) fn tables(_: &Path) -> Vec<Vec<u8>> {
     let long: String = (0..200).map(|k| format!("{},{},{}\n", 0.001 * f64::from(k), k % 7, k * k)).collect();
     let mut all = texts([
         "t_s,motor_speed_rad_s,torque_in_Nm\n0,1,2\n0.001,1.5,\n0.002,,-3e2\n",
-        "# a comment\r\nt_s,a_rad,b\r\n-1,+0.5,7\r\n0,1e-3,8\r\n",
-        "t_ms;a_rad\n0,5;1,25\n1,0;2,5\n",
+        "t_s,a_rad,b\r\n-1,+0.5,7\r\n\r\n0,1e-3,8\r\n",
         "t_s,\"a, quoted_rad\"\n0,1\n1,2\n3,4\n",
     ]);
     all.push(format!("t_s,a_rad,b_Nm\n{long}").into_bytes());
@@ -118,7 +118,7 @@ pub(crate) fn steady_states(_: &Path) -> Vec<Vec<u8>> {
 pub(crate) fn legacy_logs(_: &Path) -> Vec<Vec<u8>> {
     texts([
         "samprate=0.01;\namplitude=1.5;\ndata=[\n0.1 0.2 0.3 0.4 1.5\n0.1 0.2 0.3 0.4 1.5\n];\n",
-        "samprate=0.005\nfreq=2;\ndata={{0.1,0.2,0.3,0.4,1.5},\n{0.1,0.2,0.3,0.4,1.5}};\n",
+        "% a comment\nsamprate=200\nfrequency=2;\noffset=-1e-3;\ndata={0.1,0.2,0.3,0.4,1.5;0.1,0.2,0.3,0.4,1.5\n1 2 3 4 5};\n",
     ])
 }
 

@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use socam_calibrate::Pairs;
-use socam_core::Ring;
+use socam_core::MAX_CHANNELS;
 use socam_dashboard::document;
 use socam_model::Model;
 use socam_recording::{
     Calibration, Dataset, LegacyLog, ProfileFile, Recovered, Selection, Steady, read_attachments, recover,
 };
-use socam_wire::{BoardLink, Decoder, MAX_FRAME, ToBoard, ToHost};
 
-use crate::{Input, Target, seeds};
+use crate::{Input, Target, damage, links, seeds};
 
 /// Most values of a recording that are loaded: a file of a few hundred bytes may rightly hold more samples than are worth reading.
 const MOST_VALUES: u64 = 1 << 20;
@@ -19,8 +18,9 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 11] = [
+pub const TARGETS: [Target; 12] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
+    Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
     Target { name: "steady", extension: "csv", parse: steady, seeds: seeds::steady_states },
     Target { name: "legacy", extension: "m", parse: legacy, seeds: seeds::legacy_logs },
@@ -29,9 +29,20 @@ pub const TARGETS: [Target; 11] = [
     Target { name: "profile", extension: "toml", parse: profile, seeds: seeds::profiles },
     Target { name: "calibration", extension: "toml", parse: calibration, seeds: seeds::calibrations },
     Target { name: "report", extension: "json", parse: report, seeds: seeds::reports },
-    Target { name: "host-link", extension: "bin", parse: host_link, seeds: seeds::to_host },
-    Target { name: "board-link", extension: "bin", parse: board_link, seeds: seeds::to_board },
+    Target { name: "host-link", extension: "bin", parse: links::host_link, seeds: seeds::to_host },
+    Target { name: "board-link", extension: "bin", parse: links::board_link, seeds: seeds::to_board },
 ];
+
+/// A parser with defects, which shows that they are noticed; not one of [`TARGETS`].
+pub(crate) const BROKEN: Target =
+    Target { name: "broken", extension: "bin", parse: broken, seeds: |_| vec![b"a".to_vec()] };
+
+/// Panics at a `p`, and takes 4 GB at an `m`.
+fn broken(input: Input<'_>) -> bool {
+    assert!(!input.bytes.contains(&b'p'), "a defect");
+    let taken = if input.bytes.contains(&b'm') { 4_000_000_000 } else { 1 };
+    std::hint::black_box(vec![1_u8; taken]).len() == 1
+}
 
 /// Loads a recording that opened: every column has as many values as there are times.
 fn load(data: &Dataset) -> bool {
@@ -39,6 +50,11 @@ fn load(data: &Dataset) -> bool {
         return true;
     }
     let Ok(loaded) = data.load_all() else { return false };
+    let Ok(again) = data.load_all() else { panic!("a recording that was read is not read again") };
+    for (first, second) in loaded.columns.iter().zip(&again.columns) {
+        let is_same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        assert!(first.values().iter().zip(second.values()).all(is_same), "a recording read twice");
+    }
     let lengths = loaded.columns.iter().map(|column| column.values().len());
     assert!(lengths.chain([data.rows() as usize]).all(|length| length == loaded.time_s.len()));
     true
@@ -96,60 +112,28 @@ fn model(input: Input<'_>) -> bool {
     true
 }
 
+/// A profile that is written again reads equal.
 fn profile(input: Input<'_>) -> bool {
     let parsed = std::str::from_utf8(input.bytes).ok().and_then(|text| ProfileFile::parse(text).ok());
-    parsed.is_some_and(|profile| profile.profile(SAMPLE_PERIOD_US).is_ok())
+    let Some(profile) = parsed else { return false };
+    let again = ProfileFile::parse(&profile.to_toml());
+    assert_eq!(again.as_ref().ok(), Some(&profile), "a profile that is written again: {again:?}");
+    profile.profile(SAMPLE_PERIOD_US).is_ok()
 }
 
+/// A calibration that a board may get converts every count to a finite number.
 fn calibration(input: Input<'_>) -> bool {
-    std::str::from_utf8(input.bytes).is_ok_and(|text| Calibration::parse(text).is_ok())
+    let parsed = std::str::from_utf8(input.bytes).ok().and_then(|text| Calibration::parse(text).ok());
+    let Some(calibration) = parsed.filter(|calibration| calibration.config(SAMPLE_PERIOD_US).is_ok()) else {
+        return false;
+    };
+    for count in [i16::MIN, 0, i16::MAX] {
+        assert!(calibration.values(count, &[count; MAX_CHANNELS]).all(f64::is_finite), "value of {count}");
+    }
+    true
 }
 
 /// What the dashboard opens: diagnoses, identifications, models and profiles.
 fn report(input: Input<'_>) -> bool {
     std::str::from_utf8(input.bytes).is_ok_and(|text| document::parse("report.json", text).is_ok())
-}
-
-/// Messages do not depend on how the bytes arrive.
-fn host_link(input: Input<'_>) -> bool {
-    let messages = |pieces: std::slice::Chunks<'_, u8>| -> Vec<String> {
-        let mut decoder = Decoder::<ToHost>::new();
-        let mut all = Vec::new();
-        for mut piece in pieces {
-            all.extend(std::iter::from_fn(|| decoder.next(&mut piece)).map(|one| format!("{one:?}")));
-        }
-        all
-    };
-    let whole = messages(input.bytes.chunks(input.bytes.len().max(1)));
-    assert_eq!(whole, messages(input.bytes.chunks(7)), "messages of whole and of divided bytes");
-    whole.iter().any(|message| message.starts_with("Ok"))
-}
-
-/// The board answers each message once, however the bytes arrive.
-fn board_link(input: Input<'_>) -> bool {
-    let requests = |size: usize| -> Vec<String> {
-        let mut ring = Ring::<16>::new();
-        let (_, samples) = ring.split();
-        let mut link = BoardLink::new(seeds::identity(), samples);
-        let mut out = [0; MAX_FRAME];
-        let mut all = Vec::new();
-        for mut piece in input.bytes.chunks(size) {
-            let mut asked = Vec::new();
-            while let Some(length) = link.receive(&mut piece, &mut out, |request| {
-                asked.push(format!("{request:?}"));
-                Ok(())
-            }) {
-                let mut frame = &out[..length];
-                let answer = Decoder::<ToHost>::new().next(&mut frame);
-                assert!(matches!(answer, Some(Ok(ToHost::Hello(_) | ToHost::Answer { .. }))), "{answer:?}");
-            }
-            all.append(&mut asked);
-        }
-        all
-    };
-    let whole = requests(input.bytes.len().max(1));
-    assert_eq!(whole, requests(5), "requests of whole and of divided bytes");
-    let mut decoder = Decoder::<ToBoard>::new();
-    let mut bytes = input.bytes;
-    std::iter::from_fn(|| decoder.next(&mut bytes)).any(|one| one.is_ok())
 }
