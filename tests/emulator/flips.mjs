@@ -9,13 +9,16 @@ const WITHIN_NS = 2_000_000;
 const AGAIN_NS = 1_000_000;
 const STEP_NS = 10_000;
 const NEAR_V = 1e-3;
+const SAMPLING_EXCEPTION = 17;
+const GPIO_OUT_SET = 0xd0000014;
+const ENABLE = 1 << 22;
 
 const around = (at, bytes) => Array.from({ length: (2 * bytes) / 4 + 1 }, (_, word) => at - bytes + 4 * word);
 
 export class Flips {
   /**
    * Bits of the words of the sampling interrupt's data that hold one of `values`, or of `limits` with the word in front of each, or
-   * `near.value` within `near.bytes` of `near.of`. `heartbeats`: a frame of the host for each.
+   * `near.value` within `near.bytes` of `near.of`. `heartbeats`: two frames of the host for each bit.
    */
   constructor(board, { values, limits, near, bytes, heartbeats }) {
     this.board = board;
@@ -38,6 +41,15 @@ export class Flips {
     this.outcome = { words: words.size, left: 0, off: 0, same: 0, harmful: [], peakV: 0 };
   }
 
+  runs() {
+    return this.board.enabled && Math.abs(this.board.output.volts - this.volts) < NEAR_V;
+  }
+
+  /** Ends a sampling interrupt that is under way: it holds its data. */
+  leave() {
+    while (this.board.chip.core.IPSR === SAMPLING_EXCEPTION) this.board.runFor(STEP_NS);
+  }
+
   /** Flips one bit, looks, and puts all the data back; returns whether there are more. */
   next() {
     const { board, outcome } = this;
@@ -46,19 +58,25 @@ export class Flips {
     const { at, bit } = this.bits.pop();
     const tick = board.writes;
     while (board.writes === tick) board.runFor(STEP_NS);
+    this.leave();
+    if (!this.runs()) throw new Error('the run is over before the next bit is flipped');
     const kept = sram.slice(this.start, this.start + this.bytes);
     board.peakV = 0;
     sramView.setUint32(at, sramView.getUint32(at, true) ^ (1 << bit), true);
     board.usb.say(this.heartbeats.pop());
     const { writes } = board;
     board.runFor(WITHIN_NS);
+    this.leave();
     const hasTicked = board.writes > writes;
     outcome.peakV = Math.max(outcome.peakV, board.peakV);
     if (!hasTicked) outcome.harmful.push({ offset: at - this.start, bit, late: true });
     else if (!board.enabled && output.volts === 0) outcome.off += 1;
-    else if (board.enabled && Math.abs(output.volts - this.volts) < NEAR_V && board.chip === chip) outcome.same += 1;
+    else if (this.runs() && board.chip === chip) outcome.same += 1;
     else outcome.harmful.push({ offset: at - this.start, bit, volts: output.volts, enabled: board.enabled });
+    // The run goes on as if nothing had happened, with its enable line where the restored data say that it is.
     sram.set(kept, this.start);
+    chip.rp2040.writeUint32(GPIO_OUT_SET, ENABLE);
+    board.usb.say(this.heartbeats.pop());
     board.runFor(AGAIN_NS);
     outcome.left = this.bits.length;
     return outcome.left > 0 && board.chip === chip;

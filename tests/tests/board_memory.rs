@@ -51,8 +51,8 @@ impl Host {
     }
 }
 
-/// More heartbeats than there are bits to flip.
-const HEARTBEATS: usize = 2000;
+/// More than two for each bit to flip.
+const HEARTBEATS: usize = 2500;
 
 /// The words that the output depends on, and those of limits.
 fn words(config: &Config) -> [Vec<u32>; 2] {
@@ -123,8 +123,6 @@ fn no_bit_that_flips_in_the_configuration_moves_the_bench() {
     assert_eq!((&outcome["harmful"], &outcome["left"]), (&json!([]), &json!(0)));
     // Bits that are noticed are so before the next voltage is computed.
     assert!(outcome["peakV"].as_f64().unwrap() <= 1.501, "{outcome}");
-    assert!(
-        outcome["words"].as_u64().unwrap() >= 30 && outcome["off"].as_u64().unwrap() >= 25 * 32,
-        "{outcome}"
-    );
+    let [words, off] = ["words", "off"].map(|count| outcome[count].as_u64().unwrap());
+    assert!(words >= 34 && off >= 33 * 32, "{outcome}");
 }
