@@ -12,12 +12,12 @@ use socam_tests::emulator::{Emulator, bench};
 use socam_tests::firmware;
 use socam_wire::{Encoder, MAX_FRAME, ToBoard};
 
-/// 1.5 V for ten minutes of the board's time.
+/// 0.6 V for ten minutes of the board's time: the drive is switched on and off hundreds of times a second, and must not over-speed.
 const PROFILE: Profile = Profile {
     command: Command::Voltage,
-    shape: Shape::Constant { level_micro: 1_500_000 },
+    shape: Shape::Constant { level_micro: 600_000 },
     ramp_us: 0,
-    limit_micro: 1_500_000,
+    limit_micro: 600_000,
     slew_micro_s: 3_000_000,
     duration_us: 600_000_000,
 };
@@ -122,7 +122,7 @@ fn no_bit_that_flips_in_the_configuration_moves_the_bench() {
     println!("measured: bits flipped in the configuration: {outcome}");
     assert_eq!((&outcome["harmful"], &outcome["left"]), (&json!([]), &json!(0)));
     // Bits that are noticed are so before the next voltage is computed.
-    assert!(outcome["peakV"].as_f64().unwrap() <= 1.501, "{outcome}");
+    assert!(outcome["peakV"].as_f64().unwrap() <= 0.601, "{outcome}");
     let [words, off] = ["words", "off"].map(|count| outcome[count].as_u64().unwrap());
-    assert!(words >= 34 && off >= 33 * 32, "{outcome}");
+    assert!(words >= 34 && off >= 27 * 32, "{outcome}");
 }

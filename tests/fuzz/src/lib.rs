@@ -1,7 +1,7 @@
 //! Fuzzing of every parser of bytes that may come from strangers.
 //!
 //! A [`Target`] is one parser: a function of an input with stated properties, and seeds that the project's own writers make. The program
-//! `socam-fuzz` mutates seeds and the inputs of `corpus/`; `guided/` lets libFuzzer choose inputs by coverage for the same functions.
+//! `socam-fuzz` mutates seeds and the inputs of `corpus/`.
 
 mod damage;
 mod hostile;

@@ -33,12 +33,6 @@ struct Args {
     /// Only this input, to see a failure again.
     #[arg(long, requires = "target")]
     input: Option<PathBuf>,
-    /// Print the parsers' names.
-    #[arg(long)]
-    list: bool,
-    /// Write the seeds and the kept inputs into this folder, for other fuzzers.
-    #[arg(long, requires = "target")]
-    write_seeds: Option<PathBuf>,
     /// Run in this process, as the program calls itself.
     #[arg(long, hide = true, requires = "target")]
     worker: Option<PathBuf>,
@@ -47,17 +41,6 @@ struct Args {
 fn main() -> anyhow::Result<ExitCode> {
     let args = Args::parse();
     let chosen = chosen(args.target.as_deref())?;
-    if args.list {
-        chosen.iter().for_each(|target| println!("{}", target.name));
-        return Ok(ExitCode::SUCCESS);
-    }
-    if let Some(folder) = &args.write_seeds {
-        for (number, bytes) in worker::whole(chosen[0], folder)?.iter().enumerate() {
-            let path = folder.join(format!("whole-{number}"));
-            std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
-        }
-        return Ok(ExitCode::SUCCESS);
-    }
     if let Some(path) = &args.input {
         let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
         return Ok(worker::once(chosen[0], &bytes));

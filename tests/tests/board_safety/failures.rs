@@ -123,8 +123,12 @@ pub(super) fn answer(board: &Emulator, request: Request) -> Result<(), Refusal> 
     let mut line = TcpStream::connect(("127.0.0.1", board.port)).unwrap();
     line.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
     let mut frame = [0; MAX_FRAME];
-    let len = Encoder::new().encode(&ToBoard::Request { number: 1, request }, &mut frame).unwrap();
-    line.write_all(&frame[..len]).unwrap();
+    let mut encoder = Encoder::new();
+    // The first frame may have the number of the last host's only one, which is not heard twice.
+    for message in [ToBoard::Hello, ToBoard::Request { number: 1, request }] {
+        let len = encoder.encode(&message, &mut frame).unwrap();
+        line.write_all(&frame[..len]).unwrap();
+    }
     let (mut decoder, mut buffer) = (Decoder::<ToHost>::new(), [0; 4096]);
     loop {
         let count = line.read(&mut buffer).unwrap();
