@@ -8,6 +8,8 @@ use crate::{ModelError, Parameter, Prior, effects::Kind, units};
 
 /// Largest value of a parameter, SI: the equations of much larger ones overflow.
 pub const LARGEST_VALUE: f64 = 1e30;
+/// Smallest magnitude of a parameter beside zero, SI: quotients by much smaller ones overflow.
+const SMALLEST_VALUE: f64 = 1e-60;
 
 impl Reader<'_> {
     pub(super) fn read_parameter(&mut self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
@@ -27,6 +29,12 @@ impl Reader<'_> {
                 format!(
                     "parameters.{label}.value is beyond {LARGEST_VALUE:e} in SI, which nothing mechanical is"
                 ),
+            );
+        }
+        if *raw.value.get_ref() != 0.0 && (raw.value.get_ref() * unit.factor).abs() < SMALLEST_VALUE {
+            return self.fail(
+                &raw.value,
+                format!("parameters.{label}.value is nearer to 0 than {SMALLEST_VALUE:e} in SI; write 0 if that is meant"),
             );
         }
         let [low, high] =

@@ -182,6 +182,7 @@ fn a_model_beyond_the_limits_is_refused_in_words() {
         (format!("{text}\n{nodes}"), "at most 100 [[nodes]]"),
         (text.replacen("[parameters]\n", &format!("[parameters]\n{parameters}"), 1), "more than 300 names"),
         (text.replacen("value = 1.24", "value = 1e308", 1), "k1.value is beyond 1e30"),
+        (text.replacen("value = 1.24", "value = -1e-320", 1), "k1.value is nearer to 0 than 1e-60"),
     ] {
         let problem = Model::parse(&text).unwrap_err().to_string();
         assert!(problem.contains(said), "{problem}");
