@@ -174,13 +174,13 @@ fn a_closed_loop_run_matches_the_virtual_board() {
         ["record", "-o", &simulated, "--device", "sim", "--calibration", &file, "--profile", &profile];
     let _ = run(arguments.iter().chain(&["--duration", "10s"])).done();
     let (ours, theirs) = (columns(&emulated), columns(&simulated));
-    // The bench's sensor noise in both, and what it stirs up in the closed loop; the board's command acts some 0.06 ms later, of which the
-    // virtual board knows nothing.
+    // The bench's sensor noise in both, and what it stirs up in the closed loop; the board's command acts 0.06 ms later,
+    // and each microsecond more adds 0.02 at the input torque.
     for (channel, noise) in [(1, 0.02), (2, 0.01), (3, 2e-3), (4, 1e-2)] {
         let squares: f64 = ours[channel].iter().zip(&theirs[channel]).map(|(a, b)| (a - b).powi(2)).sum();
         let rms = (squares / ours[channel].len() as f64).sqrt() / (std::f64::consts::SQRT_2 * noise);
         println!("measured: {}: differs by {rms:.2} times the noise of both", CHANNELS[channel]);
-        assert!((0.5..2.5).contains(&rms), "{}: {rms}", CHANNELS[channel]);
+        assert!((0.5..2.2).contains(&rms), "{}: {rms}", CHANNELS[channel]);
     }
 
     // The same counts lead to the same commands on a Cortex-M0+ and here, bit by bit.
@@ -266,7 +266,13 @@ fn every_profile_runs_and_is_the_hosts_own_bit_by_bit() {
         assert_eq!(columns(&ours)[0], columns(&theirs)[0], "{profile}");
     }
     let info = run(["info", &path(&folder, "board.mcap")]).done();
-    for known in ["ADS8688", "firmware: 0.1.0 ", "mean skew between channels 0 ns", "0 link errors"] {
+    for known in [
+        "ADS8688",
+        "firmware: 0.1.0 ",
+        "mean skew between channels 0 ns",
+        "0 link errors",
+        "enable_read_back: at the board's pin only",
+    ] {
         assert!(info.contains(known), "{info}");
     }
     let mut last = |what: &str| board.log().into_iter().rfind(|happened| happened.what == what).unwrap();
