@@ -21,8 +21,6 @@ use crate::{
 const FINALISTS: usize = 6;
 /// Rounds of such a fit: iterations, and the largest multiple of the last model's deviance that it may have after them.
 const ROUNDS: [(usize, f64); 2] = [(10, 10.0), (20, 1.0)];
-/// Share of the base model's excess over sensor noise that may be left: further effects are then found in free runs.
-const LEFT: f64 = 0.01;
 
 /// A candidate at the values of its regression.
 struct Regressed {
@@ -56,7 +54,9 @@ impl Path {
         let tried: Vec<_> = regressed.into_iter().map(|one| (one.candidate, one.p_value)).collect();
         let Some(choice) = choice::among(context, &path, &tried, &finalists)? else { return Ok(None) };
         path.add(context, choice)?;
-        let is_near = |path: &Self| path.noise.excess() < FAR_BEYOND_NOISE.max(LEFT * self.noise.excess());
+        // As much less than before as is far: further effects are then found in free runs.
+        let near = FAR_BEYOND_NOISE.max(self.noise.excess() / FAR_BEYOND_NOISE);
+        let is_near = |path: &Self| path.noise.excess() < near;
         Ok(Some(path).filter(|path| !path.terms.is_empty() && is_near(path)))
     }
 
