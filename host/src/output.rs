@@ -82,14 +82,14 @@ pub(crate) fn warn(text: impl std::fmt::Display) {
 
 /// Opens a recording (`RUN` or `RUN@FROM..TO`) and says its warnings.
 pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
-    let data = Dataset::open(run)?;
+    let data = socam_import::open(run)?;
     say_warnings(run, &data);
     Ok(data)
 }
 
 /// The same, all channels of irregular samples interpolated: to look at.
 pub(crate) fn open_regular(run: &str) -> anyhow::Result<Dataset> {
-    let data = Dataset::open(run)?;
+    let data = socam_import::open(run)?;
     let data = if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth)? } else { data };
     say_warnings(run, &data);
     Ok(data)
@@ -101,7 +101,7 @@ pub(crate) const GRID_PARTS: u32 = 4;
 /// The same for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
 /// that bend at their samples.
 pub(crate) fn open_for(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let data = Dataset::open(run)?;
+    let data = socam_import::open(run)?;
     let data = if data.steps()?.are_irregular() { on_regular_grid(&data, model, parts)? } else { data };
     say_warnings(run, &data);
     Ok(data)

@@ -74,7 +74,7 @@ pub enum RecordingError {
         problem: String,
     },
     /// An MCAP log that this program's recorder did not write.
-    #[error("`{}` is an MCAP log without `socam.Sample` messages (its topics: {topics}); export them to a .csv with `t_s` first", .path.display())]
+    #[error("`{}` is an MCAP log without `socam.Sample` messages (its topics: {topics}); `socam-host import` reads the numbers in them", .path.display())]
     ForeignMcap {
         /// The file.
         path: PathBuf,
@@ -207,6 +207,16 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
+    /// Whether the file is in a form of other programs, which may be imported.
+    #[must_use]
+    pub fn is_foreign(&self) -> bool {
+        match self {
+            Self::Foreign { .. } | Self::ForeignMcap { .. } | Self::NoChannels { .. } => true,
+            Self::Line { problem, .. } => matches!(problem, LineProblem::WrongHeader { .. }),
+            _ => false,
+        }
+    }
+
     /// An error of the operating system, told apart where the remedy differs.
     pub(crate) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         if source.kind() == std::io::ErrorKind::IsADirectory {

@@ -44,15 +44,15 @@ const FOREIGN: [(&[u8], &str); 10] = [
     (b"\xfe\xff", "is text in UTF-16 (save it as UTF-8)"),
     (
         b"MATLAB 5.0 MAT-file",
-        "is a MATLAB .mat file, which this version does not read (save the columns as .csv)",
+        "is a MATLAB .mat file (`socam-host import` reads it)",
     ),
-    (b"\x89HDF", "is an HDF5 or MATLAB 7.3 file (save the columns as .csv)"),
-    (b"PAR1", "is a Parquet file (save the columns as .csv)"),
+    (b"\x89HDF", "is an HDF5 or MATLAB 7.3 file (`socam-host import` reads it)"),
+    (b"PAR1", "is a Parquet file (`socam-host import` reads it)"),
     (b"PK\x03\x04", "is a zip archive or a spreadsheet (unpack it, or save it as .csv)"),
     (b"\x1f\x8b", "is compressed with gzip (decompress it first)"),
-    (b"#ROSBAG", "is a ROS 1 bag (convert it to .csv)"),
-    (b"SQLite format 3", "is an SQLite database, perhaps a ROS 2 bag (convert it to .csv)"),
-    (b"MDF ", "is an MDF measurement file (save the channels as .csv)"),
+    (b"#ROSBAG", "is a ROS 1 bag (convert it with `mcap convert`)"),
+    (b"SQLite format 3", "is an SQLite database, perhaps a ROS 2 bag (convert it with `mcap convert`)"),
+    (b"MDF ", "is an MDF measurement file (`socam-host import` reads version 4)"),
 ];
 
 /// Detects the format by a file's first bytes.

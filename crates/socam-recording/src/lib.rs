@@ -80,7 +80,7 @@ pub use output_file::OutputFile;
 pub use profile_file::{Course, ProfileFile};
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
-pub use settings::SettingsError;
+pub use settings::{Fields, SettingsError, read as read_settings};
 pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};

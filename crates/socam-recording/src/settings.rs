@@ -1,5 +1,7 @@
 //! Reads TOML settings key by key, so that every error names the line, the key and what was expected.
 
+mod lists;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
@@ -18,12 +20,19 @@ pub struct SettingsError {
 
 impl SettingsError {
     /// An error of the file as a whole.
-    pub(crate) fn new(message: impl Into<String>) -> Self {
+    pub fn new(message: impl Into<String>) -> Self {
         Self { file: None, line: None, message: message.into() }
     }
 
+    /// An error at a line, from 1.
+    #[must_use]
+    pub fn at(line: usize, message: impl Into<String>) -> Self {
+        Self { line: Some(line), ..Self::new(message) }
+    }
+
     /// Adds the file's path.
-    pub(crate) fn in_file(mut self, file: &Path) -> Self {
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
         self.file = Some(file.to_owned());
         self
     }
@@ -44,7 +53,10 @@ impl std::fmt::Display for SettingsError {
 impl std::error::Error for SettingsError {}
 
 /// Reads a settings file as text.
-pub(crate) fn read(path: &Path) -> Result<String, SettingsError> {
+///
+/// # Errors
+/// When it cannot be read; the error names it.
+pub fn read(path: &Path) -> Result<String, SettingsError> {
     #[cfg(not(target_arch = "wasm32"))]
     let text = crate::files::read_text(path);
     #[cfg(target_arch = "wasm32")]
@@ -53,19 +65,25 @@ pub(crate) fn read(path: &Path) -> Result<String, SettingsError> {
 }
 
 /// One table of a settings file. Its getters record errors and return a default; [`Fields::finish`] returns the first error.
-pub(crate) struct Fields<'t> {
+pub struct Fields<'t> {
     text: &'t str,
     /// Start of the table in the file.
     line: usize,
     values: BTreeMap<String, Spanned<DeValue<'t>>>,
     known: Vec<String>,
+    /// Lines of the keys that were read.
+    lines: BTreeMap<String, usize>,
     /// Errors of invalid values, then of missing keys.
     problems: Vec<SettingsError>,
     missing: Vec<SettingsError>,
 }
 
 impl<'t> Fields<'t> {
-    pub(crate) fn parse(text: &'t str) -> Result<Self, SettingsError> {
+    /// The top table of a file.
+    ///
+    /// # Errors
+    /// When the text is no TOML.
+    pub fn parse(text: &'t str) -> Result<Self, SettingsError> {
         if let Some(line) = socam_text::too_deep(text) {
             let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
             return Err(SettingsError { line: Some(line), ..SettingsError::new(message) });
@@ -80,12 +98,13 @@ impl<'t> Fields<'t> {
 
     fn over(text: &'t str, line: usize, table: DeTable<'t>) -> Self {
         let values = table.into_iter().map(|(key, value)| (key.into_inner().into_owned(), value)).collect();
-        Self { text, line, values, known: Vec::new(), problems: Vec::new(), missing: Vec::new() }
+        let (known, lines) = (Vec::new(), BTreeMap::new());
+        Self { text, line, values, known, lines, problems: Vec::new(), missing: Vec::new() }
     }
 
     /// Succeeds when every key was read and every value was valid. Invalid values are reported first (the word of a shape decides
     /// which keys exist), then unknown keys (the likely reason for a missing one), then missing keys.
-    pub(crate) fn finish(self) -> Result<(), SettingsError> {
+    pub fn finish(self) -> Result<(), SettingsError> {
         if let Some(problem) = self.problems.into_iter().next() {
             return Err(problem);
         }
@@ -106,7 +125,7 @@ impl<'t> Fields<'t> {
     }
 
     /// Records an error of the table as a whole.
-    pub(crate) fn complain(&mut self, message: String) {
+    pub fn complain(&mut self, message: String) {
         self.note(self.line, message);
     }
 
@@ -118,7 +137,25 @@ impl<'t> Fields<'t> {
         self.known.push(key.to_owned());
         let value = self.values.remove(key)?;
         let line = line_of(self.text, value.span().start);
+        self.lines.insert(key.to_owned(), line);
         Some((line, value.into_inner()))
+    }
+
+    /// Whether a key is in the table.
+    #[must_use]
+    pub fn is_given(&self, key: &str) -> bool {
+        self.values.contains_key(key)
+    }
+
+    /// Line of a key that was read; of the table where it is left out.
+    #[must_use]
+    pub fn line(&self, key: &str) -> usize {
+        self.lines.get(key).copied().unwrap_or(self.line)
+    }
+
+    /// Records an error of a key's value.
+    pub fn complain_about(&mut self, key: &str, message: String) {
+        self.note(self.line(key), message);
     }
 
     fn missing(&mut self, key: &str, expected: &str) {
@@ -132,7 +169,7 @@ impl<'t> Fields<'t> {
     }
 
     /// An optional number.
-    pub(crate) fn maybe_number(&mut self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    pub fn maybe_number(&mut self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         let (line, value) = self.take(key)?;
         let expected = format!("a number from {} to {}", range.start(), range.end());
         let written = match &value {
@@ -147,7 +184,7 @@ impl<'t> Fields<'t> {
     }
 
     /// A number.
-    pub(crate) fn number(&mut self, key: &str, range: RangeInclusive<f64>) -> f64 {
+    pub fn number(&mut self, key: &str, range: RangeInclusive<f64>) -> f64 {
         if !self.values.contains_key(key) {
             self.missing(key, &format!("a number from {} to {}", range.start(), range.end()));
         }
@@ -155,7 +192,7 @@ impl<'t> Fields<'t> {
     }
 
     /// An optional whole number.
-    pub(crate) fn maybe_whole(&mut self, key: &str, range: RangeInclusive<u32>) -> Option<u32> {
+    pub fn maybe_whole(&mut self, key: &str, range: RangeInclusive<u32>) -> Option<u32> {
         let (line, value) = self.take(key)?;
         let expected = format!("a whole number from {} to {}", range.start(), range.end());
         match &value {
@@ -168,7 +205,7 @@ impl<'t> Fields<'t> {
     }
 
     /// A whole number.
-    pub(crate) fn whole(&mut self, key: &str, range: RangeInclusive<u32>) -> u32 {
+    pub fn whole(&mut self, key: &str, range: RangeInclusive<u32>) -> u32 {
         if !self.values.contains_key(key) {
             self.missing(key, &format!("a whole number from {} to {}", range.start(), range.end()));
         }
@@ -176,7 +213,7 @@ impl<'t> Fields<'t> {
     }
 
     /// true or false; false by default.
-    pub(crate) fn flag(&mut self, key: &str) -> bool {
+    pub fn flag(&mut self, key: &str) -> bool {
         let Some((line, value)) = self.take(key) else {
             return false;
         };
@@ -187,14 +224,14 @@ impl<'t> Fields<'t> {
     }
 
     /// The file's schema: optional, but not another one.
-    pub(crate) fn schema(&mut self, expected: &str) {
+    pub fn schema(&mut self, expected: &str) {
         if let Some(schema) = self.maybe_text("schema").filter(|schema| schema != expected) {
             self.complain(format!("schema is \"{schema}\", but this version reads \"{expected}\""));
         }
     }
 
     /// An optional text.
-    pub(crate) fn maybe_text(&mut self, key: &str) -> Option<String> {
+    pub fn maybe_text(&mut self, key: &str) -> Option<String> {
         let (line, value) = self.take(key)?;
         match value.as_str() {
             Some(text) => Some(text.to_owned()),
@@ -203,7 +240,7 @@ impl<'t> Fields<'t> {
     }
 
     /// A text.
-    pub(crate) fn text(&mut self, key: &str) -> String {
+    pub fn text(&mut self, key: &str) -> String {
         if !self.values.contains_key(key) {
             self.missing(key, "a text in quotes");
         }
@@ -211,7 +248,7 @@ impl<'t> Fields<'t> {
     }
 
     /// An optional word of several.
-    pub(crate) fn maybe_choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub fn maybe_choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let (line, value) = self.take(key)?;
         let chosen = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
         match chosen {
@@ -221,7 +258,7 @@ impl<'t> Fields<'t> {
     }
 
     /// One of several words; the first one after an error.
-    pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> T {
+    pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> T {
         if !self.values.contains_key(key) {
             self.missing(key, &one_of(choices));
         }
@@ -229,7 +266,7 @@ impl<'t> Fields<'t> {
     }
 
     /// A table inside this one; read as empty if missing.
-    pub(crate) fn table<T>(&mut self, key: &str, read: impl FnOnce(&mut Fields<'t>) -> T) -> T {
+    pub fn table<T>(&mut self, key: &str, read: impl FnOnce(&mut Fields<'t>) -> T) -> T {
         let table = match self.take(key) {
             Some((line, DeValue::Table(table))) => Some(Fields::over(self.text, line, table)),
             Some((line, value)) => self.expected(line, key, &format!("a table [{key}]"), &describe(&value)),
@@ -239,33 +276,6 @@ impl<'t> Fields<'t> {
         let value = read(&mut table);
         self.problems.extend(table.finish().err());
         value
-    }
-
-    /// The tables of a list; at least one.
-    pub(crate) fn tables<T>(&mut self, key: &str, mut read: impl FnMut(&mut Fields<'t>) -> T) -> Vec<T> {
-        let expected = format!("one table [[{key}]] or more");
-        let tables = match self.take(key) {
-            Some((_, DeValue::Array(tables))) => tables,
-            Some((line, value)) => {
-                return self.expected(line, key, &expected, &describe(&value)).unwrap_or_default();
-            }
-            None => {
-                self.missing(key, &expected);
-                return Vec::new();
-            }
-        };
-        let mut values = Vec::new();
-        for table in tables {
-            let line = line_of(self.text, table.span().start);
-            if let DeValue::Table(table) = table.into_inner() {
-                let mut table = Fields::over(self.text, line, table);
-                values.push(read(&mut table));
-                self.problems.extend(table.finish().err());
-            } else {
-                self.note(line, format!("`{key}` holds something else; expected {expected}"));
-            }
-        }
-        values
     }
 }
 

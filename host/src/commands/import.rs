@@ -1,36 +1,51 @@
-//! `import`: other formats to MCAP.
+//! `import`: recordings of other programs to MCAP.
+
+mod understood;
 
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use anyhow::Context;
+use socam_import::{Imported, Mapping};
 use socam_recording::{Attachment, Calibration, Dataset, Format, LegacyLog, Selection, import_mcap};
 
 use super::{Outcome, record};
-use crate::output;
+use crate::output::{self, WrongArguments};
 
-/// Turn .csv or legacy .m recordings into MCAP logs
+/// Turn recordings of other programs into MCAP logs
 ///
-/// A .csv begins with a header: `t_s` first (seconds), then one column per channel with its unit at the end of the name, such as
-/// command_V, motor_speed_rad_s or torque_in_Nm. A legacy .m holds volts: speeds are converted to rad/s by the thesis' sensitivities,
+/// Reads text tables (.csv and relatives: any separator, decimal commas, units in names or in a line), MDF 4, TDMS, MATLAB .mat, HDF5,
+/// Parquet, Arrow, and MCAP of other programs (ROS 2, protobuf, JSON), found by their content. A file that states the units and times of
+/// all its signals is read as it is. For others, --propose writes a mapping of signals to channels, in which what the file does not say
+/// stands as "?"; complete it and pass it by --map. A legacy .m holds volts: speeds are converted to rad/s by the thesis' sensitivities,
 /// torques stay in volts unless a calibration is given.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  socam-host import run.csv                                        writes run.mcap
+  socam-host import bench.tdms                                      writes bench.mcap
+  socam-host import log.csv --propose -o log.toml                   what is in it, and a mapping to complete
+  socam-host import log.csv --map log.toml -o run.mcap
+  socam-host import monday.csv tuesday.csv --map log.toml           the same mapping for several
   socam-host import run.csv@2..10 -o part.mcap --note \"new coupling\"
   socam-host import old.m --calibration bench.toml")]
 pub(crate) struct Args {
-    /// Recordings (.csv or .m), or parts of them: RUN@FROM..TO in seconds
+    /// Recordings, or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    /// Log to write, for a single RUN [default: beside RUN, with the extension .mcap]
+    /// File to write, for a single RUN [default: beside RUN, with the extension .mcap; a mapping goes to stdout]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write a mapping of the file's signals to channels, to be completed
+    #[arg(long, conflicts_with_all = ["map", "calibration", "note"])]
+    propose: bool,
+    /// Mapping of signals to channels, as --propose writes it
+    #[arg(long, value_name = "MAP.toml", conflicts_with = "calibration")]
+    map: Option<PathBuf>,
     /// Calibration file (`template calibration` prints one) that converts the volts of a legacy .m log into SI: channels in the order of the log's inputs
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
-    /// Replace an existing log
+    /// Replace an existing file
     #[arg(long)]
     force: bool,
     /// Note to store in the log
@@ -40,11 +55,59 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     output::single_output(&args.runs, args.output.as_deref())?;
+    if args.propose {
+        return propose(&args);
+    }
     let calibration = args.calibration.as_deref().map(read_calibration).transpose()?;
+    let map = args.map.as_deref().map(read_mapping).transpose()?;
+    let mut outcome = Outcome::Done;
     for run in &args.runs {
-        import(run, &args, calibration.as_ref())?;
+        let selection = Selection::parse(run)?;
+        let log = match (&map, &calibration) {
+            (Some((mapping, attachment)), _) => Log::mapped(&selection, mapping, attachment)?,
+            (None, Some((calibration, attachment))) => Log {
+                attachments: attachment.to_vec(),
+                ..Log::own(Dataset::open_calibrated(&selection, calibration)?, &selection)?
+            },
+            (None, None) => Log::stated(&selection)?,
+        };
+        output::say_warnings(run, &log.data);
+        log.write(&selection, &args)?;
+        if Outcome::on([&log.data]) == Outcome::LostSamples {
+            outcome = Outcome::LostSamples;
+        }
+    }
+    Ok(outcome)
+}
+
+/// Writes a mapping to complete, and says what it is based on.
+fn propose(args: &Args) -> anyhow::Result<Outcome> {
+    let [run] = args.runs.as_slice() else {
+        let problem = format!("--propose takes one recording, not {}", args.runs.len());
+        return Err(WrongArguments(problem).into());
+    };
+    let path = Selection::parse(run)?.path;
+    let proposal = socam_import::propose(&path)?;
+    output::say(understood::proposed(&proposal));
+    match &args.output {
+        None => output::print(&proposal.text)?,
+        Some(target) => {
+            output::check_target(target, &path, args.force)?;
+            let mut file = output::create_new(target, args.force)?;
+            file.write_all(proposal.text.as_bytes())
+                .with_context(|| format!("cannot write `{}`", target.display()))?;
+            file.commit()?;
+            output::say(format_args!("mapping written to {}", target.display()));
+        }
     }
     Ok(Outcome::Done)
+}
+
+fn read_mapping(path: &Path) -> anyhow::Result<(Mapping, [Attachment; 1])> {
+    let mapping = Mapping::open(path)?;
+    let text =
+        socam_recording::read_text(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    Ok((mapping, record::attachment("import.toml", text)))
 }
 
 /// A calibration with the text of its file, which is stored in the log.
@@ -55,31 +118,62 @@ fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1]
     Ok((calibration, record::attachment("calibration.toml", text)))
 }
 
-fn import(
-    run: &str,
-    args: &Args,
-    calibration: Option<&(Calibration, [Attachment; 1])>,
-) -> anyhow::Result<()> {
-    let selection = Selection::parse(run)?;
-    let data = match calibration {
-        Some((calibration, _)) => Dataset::open_calibrated(&selection, calibration)?,
-        None => Dataset::open_selection(&selection)?,
-    };
-    output::say_warnings(run, &data);
-    let target = args.output.clone().unwrap_or_else(|| selection.path.with_extension("mcap"));
-    output::check_target(&target, &selection.path, args.force)?;
-    let mut metadata = settings(&data, &selection)?;
-    metadata.insert("host".into(), env!("CARGO_PKG_VERSION").into());
-    metadata.extend(args.note.clone().map(|note| ("note".to_owned(), note)));
-    let attachments = calibration.map(|(_, attachment)| attachment.to_vec()).unwrap_or_default();
-    import_mcap(&data, modified_unix_ns(&selection), metadata, attachments, &target)?;
-    output::say(format_args!(
-        "{} samples of {} channels written to {}",
-        data.rows(),
-        data.channels().len(),
-        target.display()
-    ));
-    Ok(())
+/// A recording that is to be written, and what is stored with it.
+struct Log {
+    data: Dataset,
+    start_unix_ns: u64,
+    metadata: BTreeMap<String, String>,
+    attachments: Vec<Attachment>,
+}
+
+impl Log {
+    /// A recording of one of this program's formats.
+    fn own(data: Dataset, selection: &Selection) -> anyhow::Result<Self> {
+        let metadata = settings(&data, selection)?;
+        Ok(Self { data, start_unix_ns: modified_unix_ns(selection), metadata, attachments: Vec::new() })
+    }
+
+    /// A recording that says itself what its numbers are.
+    fn stated(selection: &Selection) -> anyhow::Result<Self> {
+        match Dataset::open_selection(selection) {
+            Err(error) if error.is_foreign() && socam_import::detect(&selection.path).is_ok() => {
+                Ok(Self::imported(socam_import::import_stated(selection)?, selection))
+            }
+            opened => Self::own(opened?, selection),
+        }
+    }
+
+    fn mapped(selection: &Selection, mapping: &Mapping, attachment: &[Attachment]) -> anyhow::Result<Self> {
+        let log = Self::imported(socam_import::import(selection, mapping)?, selection);
+        Ok(Self { attachments: attachment.to_vec(), ..log })
+    }
+
+    fn imported(imported: Imported, selection: &Selection) -> Self {
+        output::say(understood::imported(&imported));
+        let start_unix_ns = match imported.start_unix_ns {
+            0 => modified_unix_ns(selection),
+            start => start,
+        };
+        let metadata = [("source".to_owned(), selection.name())].into();
+        let data = imported.data.with_notes(imported.notes);
+        Self { data, start_unix_ns, metadata, attachments: Vec::new() }
+    }
+
+    fn write(&self, selection: &Selection, args: &Args) -> anyhow::Result<()> {
+        let target = args.output.clone().unwrap_or_else(|| selection.path.with_extension("mcap"));
+        output::check_target(&target, &selection.path, args.force)?;
+        let mut metadata = self.metadata.clone();
+        metadata.insert("host".into(), env!("CARGO_PKG_VERSION").into());
+        metadata.extend(args.note.clone().map(|note| ("note".to_owned(), note)));
+        import_mcap(&self.data, self.start_unix_ns, metadata, self.attachments.clone(), &target)?;
+        output::say(format_args!(
+            "{} samples of {} channels written to {}",
+            self.data.rows(),
+            self.data.channels().len(),
+            target.display()
+        ));
+        Ok(())
+    }
 }
 
 /// The run's settings that the thesis' program noted in its log.

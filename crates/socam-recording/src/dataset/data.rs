@@ -137,6 +137,13 @@ impl Dataset {
         self.contents.as_deref()
     }
 
+    /// With notes of a reader among its warnings.
+    #[must_use]
+    pub fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.warnings.extend(notes.into_iter().map(Warning::Note));
+        self
+    }
+
     /// Warnings from opening: what was not read, and what is missing.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {

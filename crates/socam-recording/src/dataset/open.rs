@@ -116,7 +116,20 @@ impl Dataset {
         time_s: Vec<f64>,
         columns: Vec<Vec<f64>>,
     ) -> Result<Self> {
-        let name = name.into();
+        Self::from_columns_within(&Selection::whole(name.into()), channels, time_s, columns)
+    }
+
+    /// The selected part of columns in memory.
+    ///
+    /// # Errors
+    /// As [`Dataset::from_columns`], and when no row is selected.
+    pub fn from_columns_within(
+        selection: &Selection,
+        channels: Vec<Channel>,
+        time_s: Vec<f64>,
+        columns: Vec<Vec<f64>>,
+    ) -> Result<Self> {
+        let name = selection.name();
         let problem = |problem: String| Err(RecordingError::Table { name: name.clone(), problem });
         if channels.len() != columns.len() {
             return problem(format!("{} columns for {} channels", columns.len(), channels.len()));
@@ -137,8 +150,7 @@ impl Dataset {
                 return problem(format!("channel `{}` holds an infinity", channel.name));
             }
         }
-        let selection = Selection::whole(&name);
-        Self::from_table(name, channels, Table { time_s, columns }, &selection)
+        Self::from_table(name, channels, Table { time_s, columns }, selection)
     }
 
     /// A dataset of the selected part of a table in memory.

@@ -8,7 +8,7 @@ use socam_sim::{Replay, Start, Truth};
 /// Simulates the model with the inputs of a recording; an error is one sentence.
 pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
     let replay = || -> anyhow::Result<Dataset> {
-        let data = Dataset::open(run)?;
+        let data = socam_import::open(run)?;
         let truth = Truth::new(model, &[], &[])?;
         let replay = Replay { truth, disturbances: Vec::new(), start: Start::Fitted };
         let done = replay.run(&data)?;

@@ -49,7 +49,7 @@ pub(super) fn info(run: &str) -> anyhow::Result<Info> {
     if detect(&path)? == Format::SteadyStates {
         return Ok(Info::of_steady(&Steady::open(&path)?));
     }
-    Ok(Info::of(&Dataset::open(run)?))
+    Ok(Info::of(&socam_import::open(run)?))
 }
 
 /// Whether the report shows the content of a warning elsewhere.

@@ -1,0 +1,66 @@
+//! Errors, each of one sentence.
+
+use std::path::{Path, PathBuf};
+
+/// The result of this crate.
+pub type Result<T, E = ImportError> = std::result::Result<T, E>;
+
+/// Why a file or a mapping is refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// The system refuses to open or read the file.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file as a whole.
+    #[error("`{}` {problem}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// One line of a text file.
+    #[error("`{}`, line {line}: {problem}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Its line, from 1.
+        line: usize,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A file that does not state what its numbers are.
+    #[error("`{}` {problem}; `socam-host import {} --propose -o map.toml` writes a mapping to complete, for `import --map map.toml`", path.display(), path.display())]
+    Unstated {
+        /// The file.
+        path: PathBuf,
+        /// What it does not say.
+        problem: String,
+    },
+    /// A mapping.
+    #[error(transparent)]
+    Mapping(#[from] socam_recording::SettingsError),
+    /// The recording that was made.
+    #[error(transparent)]
+    Recording(#[from] socam_recording::RecordingError),
+}
+
+impl ImportError {
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.into(), source }
+    }
+
+    pub(crate) fn file(path: &Path, problem: impl Into<String>) -> Self {
+        Self::File { path: path.into(), problem: problem.into() }
+    }
+
+    pub(crate) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
+        Self::Line { path: path.into(), line, problem: problem.into() }
+    }
+}

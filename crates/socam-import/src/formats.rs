@@ -1,0 +1,146 @@
+//! The formats, and how a file's is found.
+
+mod arrow;
+mod hdf5;
+mod matlab;
+mod mcap;
+mod mdf;
+mod parquet;
+mod tree;
+
+use std::fs::File;
+use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use crate::error::{ImportError, Result};
+use crate::source::{Source, Wanted};
+use crate::{TextLayout, tdms, text};
+
+/// A format that this crate reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Lines of numbers: CSV and its relatives.
+    Text,
+    /// ASAM MDF 4 (`.mf4`).
+    Mdf4,
+    /// TDMS of National Instruments.
+    Tdms,
+    /// MATLAB `.mat` up to version 7.
+    Mat,
+    /// HDF5, and MATLAB `.mat` of version 7.3.
+    Hdf5,
+    /// Parquet.
+    Parquet,
+    /// An Arrow file, also called Feather.
+    ArrowFile,
+    /// A stream of Arrow messages.
+    ArrowStream,
+    /// MCAP of another program.
+    Mcap,
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Text => "text",
+            Self::Mdf4 => "MDF4",
+            Self::Tdms => "TDMS",
+            Self::Mat => "MATLAB .mat",
+            Self::Hdf5 => "HDF5",
+            Self::Parquet => "Parquet",
+            Self::ArrowFile | Self::ArrowStream => "Arrow",
+            Self::Mcap => "MCAP",
+        })
+    }
+}
+
+const MAGIC: [(&[u8], Kind); 9] = [
+    (b"MDF     4", Kind::Mdf4),
+    (b"UnFinMF ", Kind::Mdf4),
+    (b"TDSm", Kind::Tdms),
+    (b"MATLAB 5.0 MAT-file", Kind::Mat),
+    (b"MATLAB 7.3 MAT-file", Kind::Hdf5),
+    (b"\x89HDF\r\n\x1a\n", Kind::Hdf5),
+    (b"PAR1", Kind::Parquet),
+    (b"ARROW1", Kind::ArrowFile),
+    (b"\x89MCAP0\r\n", Kind::Mcap),
+];
+
+/// First bytes of formats that are not read, with what to do.
+const REFUSED: [(&[u8], &str); 9] = [
+    (b"MDF     ", "is MDF of a version before 4; convert it to MDF 4 with the program that wrote it"),
+    (b"#ROSBAG", "is a ROS 1 bag; convert it with `mcap convert`"),
+    (b"SQLite format 3", "is an SQLite database, perhaps a ROS 2 bag; convert it with `mcap convert`"),
+    (b"PK\x03\x04", "is a zip archive or a spreadsheet; unpack it, or save the sheet as .csv"),
+    (b"\xd0\xcf\x11\xe0", "is an old spreadsheet or document; save the sheet as .csv"),
+    (b"\x1f\x8b", "is compressed with gzip; decompress it first"),
+    (b"\x28\xb5\x2f\xfd", "is compressed with zstd; decompress it first"),
+    (b"BZh", "is compressed with bzip2; decompress it first"),
+    (b"7z\xbc\xaf", "is a 7z archive; unpack it"),
+];
+
+/// Finds the format of a file by its first bytes.
+///
+/// # Errors
+/// When it cannot be read, is empty, or is in a format that is not read.
+pub fn detect(path: &Path) -> Result<Kind> {
+    let is_file = path.metadata().map_err(|error| ImportError::io(path, error))?.is_file();
+    if !is_file {
+        return Err(ImportError::file(path, "is a folder, a pipe or a device; name a file"));
+    }
+    let mut head = Vec::new();
+    let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
+    file.take(4096).read_to_end(&mut head).map_err(|error| ImportError::io(path, error))?;
+    if head.is_empty() {
+        return Err(ImportError::file(path, "is empty; record again"));
+    }
+    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Ok(*kind);
+    }
+    if let Some((_, problem)) = REFUSED.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Err(ImportError::file(path, *problem));
+    }
+    if head.starts_with(&[0xff, 0xff, 0xff, 0xff]) && head.len() > 8 {
+        return Ok(Kind::ArrowStream);
+    }
+    let is_utf16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
+    if head.contains(&0) && !is_utf16 {
+        return Err(ImportError::file(path, "is a binary file of no format known here"));
+    }
+    Ok(Kind::Text)
+}
+
+/// Reads signals of a file of any format. `layout` and `date`: how a text file is read, instead of what is found.
+///
+/// Values are kept in memory, 8 bytes each; `wanted` names those that are.
+///
+/// # Errors
+/// When the file cannot be read, or is damaged before its first value. What is left aside is in [`Source::notes`].
+pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted: &Wanted) -> Result<Source> {
+    let kind = detect(path)?;
+    let read = || match kind {
+        Kind::Text => text::read(path, layout, date, wanted),
+        Kind::Tdms => tdms::read(path, wanted),
+        Kind::Mdf4 => mdf::read(path, wanted),
+        Kind::Mat => matlab::read(path, wanted),
+        Kind::Hdf5 => hdf5::read(path, wanted),
+        Kind::Parquet => parquet::read(path, wanted),
+        Kind::ArrowFile => arrow::read_file(path, wanted),
+        Kind::ArrowStream => arrow::read_stream(path, wanted),
+        Kind::Mcap => mcap::read(path, wanted),
+    };
+    // Libraries that read these formats may panic on a damaged file.
+    let source = catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| {
+        Err(ImportError::file(
+            path,
+            format!("is damaged: its {kind} cannot be read; copy it again from its source"),
+        ))
+    })?;
+    if source.signals() == 0 && wanted.signals.is_none() {
+        let notes = source.notes.join("; ");
+        let notes = if notes.is_empty() { String::new() } else { format!(" ({notes})") };
+        return Err(ImportError::file(path, format!("holds no column of numbers{notes}")));
+    }
+    Ok(source)
+}

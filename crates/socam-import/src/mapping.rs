@@ -1,0 +1,304 @@
+//! The mapping of a file's signals to channels: what `import --propose` writes and `import --map` reads.
+
+use std::path::Path;
+
+use socam_recording::{Fields, SettingsError, Unit, read_settings};
+
+use crate::error::Result;
+use crate::text::TextLayout;
+use crate::unit;
+
+/// Schema of the mapping file.
+pub const SCHEMA: &str = "socam.import/1";
+
+/// How the signals of a file become channels of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mapping {
+    /// How a text file is read; found from the file where it is left out.
+    pub text: Option<TextLayout>,
+    /// Form of dates, as in `strptime`.
+    pub date_format: Option<String>,
+    /// Clocks; the first one gives the recording its times.
+    pub clocks: Vec<Clock>,
+    /// Channels, at least one.
+    pub channels: Vec<ChannelMap>,
+}
+
+/// The clock of a group of signals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clock {
+    /// The group; `None` where the file has one.
+    pub group: Option<String>,
+    /// Where its times are.
+    pub time: Time,
+    /// Added to its times, s.
+    pub offset_s: f64,
+    /// What its stamps are worth.
+    pub stamps: Stamps,
+    /// Its line in the mapping; 0 where it was not read from one.
+    pub line: usize,
+}
+
+/// Where the times of a clock are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Time {
+    /// In a signal, in a unit of so many seconds.
+    Signal(String, f64),
+    /// Nowhere: the samples were taken at this rate, Hz.
+    Rate(f64),
+}
+
+/// What time stamps are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stamps {
+    /// A sample was taken when its stamp says.
+    Exact,
+    /// Samples were taken at even times, and written down a little later each: a line is fitted to the stamps.
+    Jitter,
+}
+
+/// What a channel is between the samples of another clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// Linear.
+    Linear,
+    /// The last value.
+    Hold,
+    /// Missing: each sample is put at the nearest row.
+    Missing,
+}
+
+/// How a signal becomes a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelMap {
+    /// Name of the channel, without its unit.
+    pub name: String,
+    /// The signal: its name, or its group's name, a slash and its name.
+    pub signal: String,
+    /// Unit of the channel.
+    pub unit: Unit,
+    /// The signal's unit as written.
+    pub unit_text: String,
+    /// SI value of one of the signal, and of zero.
+    pub factor: f64,
+    /// SI value of zero.
+    pub offset: f64,
+    /// Range after which the signal begins anew, in its unit: an encoder's 65536 counts or 360 degrees.
+    pub wrap: Option<f64>,
+    /// Value that stands for none.
+    pub missing: Option<f64>,
+    /// What it is between samples of another clock; `None` to decide by the rates.
+    pub between: Option<Between>,
+    /// Its line in the mapping; 0 where it was not read from one.
+    pub line: usize,
+}
+
+impl Mapping {
+    /// Reads a mapping file.
+    ///
+    /// # Errors
+    /// One sentence with file, line and what was expected.
+    pub fn open(path: &Path) -> Result<Self> {
+        let text = read_settings(path)?;
+        Ok(Self::parse(&text).map_err(|error| error.in_file(path))?)
+    }
+
+    /// Reads the text of a mapping.
+    ///
+    /// ```
+    /// use socam_import::Mapping;
+    ///
+    /// let text = "[[clocks]]\ntime = \"Zeit\"\nunit = \"ms\"\n[channels.motor_speed]\nsignal = \"n\"\nunit = \"rpm\"\n";
+    /// let mapping = Mapping::parse(text)?;
+    /// assert_eq!((mapping.clocks.len(), mapping.channels[0].name.as_str()), (1, "motor_speed"));
+    /// let error = Mapping::parse(&text.replace("rpm", "?")).unwrap_err();
+    /// assert!(error.to_string().starts_with("line 6: `unit` of `motor_speed` is not known yet"), "{error}");
+    /// # Ok::<(), socam_recording::SettingsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// One sentence with the line and what was expected.
+    pub fn parse(text: &str) -> Result<Self, SettingsError> {
+        let mut fields = Fields::parse(text)?;
+        fields.schema(SCHEMA);
+        let _source = fields.maybe_text("source");
+        let text = fields.is_given("text").then(|| fields.table("text", text_layout));
+        let date_format = fields.maybe_text("date_format");
+        let clocks = fields.maybe_tables("clocks", clock);
+        let channels = fields.named_tables("channels", channel);
+        if channels.is_empty() {
+            fields.complain("it maps no channel; add [channels.NAME] with `signal` and `unit`".into());
+        }
+        fields.finish()?;
+        let mapping = Self { text, date_format, clocks, channels };
+        mapping.check_columns()?;
+        Ok(mapping)
+    }
+
+    fn check_columns(&self) -> Result<(), SettingsError> {
+        for (index, channel) in self.channels.iter().enumerate() {
+            if let Some(other) = self.channels[..index].iter().find(|other| other.name == channel.name) {
+                let message = format!(
+                    "`{}` is mapped in line {} already; give it another name",
+                    channel.name, other.line
+                );
+                return Err(SettingsError::at(channel.line, message));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn text_layout(fields: &mut Fields<'_>) -> TextLayout {
+    let separators = [(",", b','), (";", b';'), ("tab", b'\t'), ("|", b'|'), ("space", b' ')];
+    let line = 0..=u32::MAX;
+    let encoding = fields.maybe_text("encoding").unwrap_or_else(|| "utf-8".into());
+    if encoding_rs::Encoding::for_label(encoding.as_bytes()).is_none() {
+        let message = format!(
+            "`encoding` is \"{encoding}\"; expected utf-8, utf-16le, windows-1252 or another web name"
+        );
+        fields.complain_about("encoding", message);
+    }
+    let separator = fields.choice("separator", &separators);
+    let decimal_comma = fields.maybe_choice("decimal", &[(".", false), (",", true)]).unwrap_or(false);
+    let header_line = fields.maybe_whole("header_line", line.clone()).unwrap_or(0) as usize;
+    let units_line = fields.maybe_whole("units_line", line).unwrap_or(0) as usize;
+    let first_line = fields.whole("first_line", 1..=u32::MAX) as usize;
+    if decimal_comma && separator == b',' {
+        fields.complain_about("decimal", "a comma cannot stand between cells and within numbers".into());
+    }
+    for (key, at) in [("header_line", header_line), ("units_line", units_line)] {
+        if at >= first_line && at > 0 {
+            fields.complain_about(
+                key,
+                format!("`{key}` is {at}, but numbers begin in line {first_line}; expected a line above"),
+            );
+        }
+    }
+    TextLayout {
+        encoding,
+        separator,
+        decimal_comma,
+        header_line,
+        units_line,
+        first_line,
+        ends_in_separator: fields.flag("ends_in_separator"),
+        missing: fields.maybe_texts("missing").unwrap_or_default(),
+    }
+}
+
+fn clock(fields: &mut Fields<'_>) -> Clock {
+    let group = fields.maybe_text("group");
+    let rate_hz = fields.maybe_number("rate_Hz", 1e-6..=1e9);
+    let time = match (fields.maybe_text("time"), rate_hz) {
+        (Some(_), Some(_)) => {
+            fields.complain_about("rate_Hz", "a clock has either `time` or `rate_Hz`; leave one out".into());
+            Time::Rate(1.0)
+        }
+        (None, Some(rate_hz)) => Time::Rate(rate_hz),
+        (Some(signal), None) => {
+            let unit = fields.maybe_text("unit");
+            let seconds = unit.as_deref().and_then(unit::seconds);
+            if seconds.is_none() {
+                let found = unit.map_or("left out".to_owned(), |unit| format!("\"{unit}\""));
+                let message = format!("`unit` of the clock is {found}; expected s, ms, us, ns, min or h");
+                fields.complain_about("unit", message);
+            }
+            Time::Signal(signal, seconds.unwrap_or(1.0))
+        }
+        (None, None) => {
+            fields.complain("a clock needs `time`, the signal with the times, or `rate_Hz`".into());
+            Time::Rate(1.0)
+        }
+    };
+    let stamps = [("exact", Stamps::Exact), ("jitter", Stamps::Jitter)];
+    Clock {
+        group,
+        time,
+        offset_s: fields.maybe_number("offset_s", -1e9..=1e9).unwrap_or(0.0),
+        stamps: fields.maybe_choice("stamps", &stamps).unwrap_or(Stamps::Exact),
+        line: fields.line(""),
+    }
+}
+
+fn channel(name: &str, fields: &mut Fields<'_>) -> ChannelMap {
+    let line = fields.line("");
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if name.is_empty() || !name.chars().all(is_plain) {
+        fields.complain(format!("`{name}` is no name of a channel; use letters, digits and underscores"));
+    }
+    let signal = fields.text("signal");
+    let unit_text = fields.text("unit");
+    let scale = fields.maybe_number("scale", -1e30..=1e30);
+    let offset = fields.maybe_number("offset", -1e30..=1e30);
+    let to = fields.maybe_text("to");
+    let per_turn = fields.maybe_number("counts_per_turn", 1e-6..=1e12);
+    let per_metre = fields.maybe_number("counts_per_m", 1e-6..=1e12);
+    let (unit, factor, zero) =
+        conversion(name, fields, &unit_text, (scale, offset, to.as_deref()), (per_turn, per_metre));
+    let between = [("linear", Between::Linear), ("hold", Between::Hold), ("missing", Between::Missing)];
+    ChannelMap {
+        name: name.to_owned(),
+        signal,
+        unit,
+        unit_text,
+        factor,
+        offset: zero,
+        wrap: fields.maybe_number("wrap", 1e-9..=1e18),
+        missing: fields.maybe_number("missing", -1e300..=1e300),
+        between: fields.maybe_choice("between", &between),
+        line,
+    }
+}
+
+/// Unit of the channel, SI value of one and of zero.
+fn conversion(
+    name: &str,
+    fields: &mut Fields<'_>,
+    text: &str,
+    (scale, offset, to): (Option<f64>, Option<f64>, Option<&str>),
+    (per_turn, per_metre): (Option<f64>, Option<f64>),
+) -> (Unit, f64, f64) {
+    let refused = (Unit::One, 1.0, 0.0);
+    if unit::is_counts(text) {
+        return match (per_turn, per_metre) {
+            (Some(counts), None) => (Unit::Rad, std::f64::consts::TAU / counts, offset.unwrap_or(0.0)),
+            (None, Some(counts)) => (Unit::M, 1.0 / counts, offset.unwrap_or(0.0)),
+            _ => {
+                let message = format!("`{name}` is in counts; say `counts_per_turn` or `counts_per_m`");
+                fields.complain_about("unit", message);
+                refused
+            }
+        };
+    }
+    if let Some(key) = per_turn.map(|_| "counts_per_turn").or(per_metre.map(|_| "counts_per_m")) {
+        fields.complain_about(key, format!("`{key}` is for a signal whose `unit` is \"counts\""));
+    }
+    let Some(from) = unit::parse(text) else {
+        let message = if text.trim() == "?" {
+            format!(
+                "`unit` of `{name}` is not known yet; write the unit of the numbers in the file, such as \"rpm\" or \"N m\""
+            )
+        } else {
+            format!(
+                "`unit` of `{name}` is \"{text}\", which is no unit known here; write one such as rpm, deg/s, N m, mm, A or 1, and what a number stands for with `scale` and `to`"
+            )
+        };
+        fields.complain_about("unit", message);
+        return refused;
+    };
+    match (to, scale) {
+        (None, None) => (from.unit, from.factor, from.offset + offset.unwrap_or(0.0)),
+        (None, Some(scale)) => (from.unit, scale * from.factor, scale * from.offset + offset.unwrap_or(0.0)),
+        (Some(to), scale) => match unit::parse(to) {
+            Some(to) => {
+                let factor = scale.unwrap_or(1.0) * to.factor * from.factor;
+                (to.unit, factor, offset.unwrap_or(0.0) * to.factor + to.offset)
+            }
+            None => {
+                fields.complain_about("to", format!("`to` is \"{to}\", which is no unit known here"));
+                refused
+            }
+        },
+    }
+}

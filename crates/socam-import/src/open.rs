@@ -1,0 +1,30 @@
+//! Recordings of any format, as every command opens them.
+
+use socam_recording::{Dataset, Selection};
+
+use crate::error::Result;
+use crate::formats::detect;
+use crate::propose::import_stated;
+
+/// Opens a recording, or a part of one: MCAP, CSV and legacy logs of `socam`, and files of other programs that state the units and times
+/// of all their signals. What was left aside is among its warnings.
+///
+/// # Errors
+/// When the file cannot be read, is damaged, or does not say what its numbers are.
+pub fn open(run: &str) -> Result<Dataset> {
+    open_selection(&Selection::parse(run)?)
+}
+
+/// As [`open`], of a selection.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_selection(selection: &Selection) -> Result<Dataset> {
+    match Dataset::open_selection(selection) {
+        Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {
+            let imported = import_stated(selection)?;
+            Ok(imported.data.with_notes(imported.notes))
+        }
+        opened => Ok(opened?),
+    }
+}

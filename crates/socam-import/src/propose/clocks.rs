@@ -1,0 +1,123 @@
+//! Which signal holds a group's times, and in which unit.
+
+use super::ProposedClock;
+use crate::mapping::Stamps;
+use crate::source::{Group, Signal, Source};
+use crate::times::Times;
+use crate::unit;
+
+/// Words that name times.
+const WORDS: [&str; 10] =
+    ["t", "time", "times", "timestamp", "stamp", "zeit", "temps", "clock", "secs", "elapsed"];
+
+/// The clock of each group.
+pub(super) fn find(source: &Source) -> Vec<ProposedClock> {
+    let mut clocks: Vec<ProposedClock> =
+        source.groups.iter().enumerate().map(|(index, group)| clock(index, group)).collect();
+    // The fastest clock gives the rows.
+    clocks.sort_by(|a, b| b.rate_hz().unwrap_or(0.0).total_cmp(&a.rate_hz().unwrap_or(0.0)));
+    super::clocks::offsets(source, &mut clocks);
+    clocks
+}
+
+fn clock(index: usize, group: &Group) -> ProposedClock {
+    let none = ProposedClock {
+        group: index,
+        time: None,
+        assumed: None,
+        times: None,
+        stamps: Stamps::Exact,
+        offset: None,
+    };
+    let candidates = group.signals.iter().enumerate().filter_map(|(column, signal)| {
+        let (unit, assumed) = time_unit(signal, group.time == Some(column))?;
+        let seconds = unit::seconds(&unit)?;
+        let (times, stamps) = usable(group, column, seconds)?;
+        // A message's own stamp is nearer to the measurement than the time of its arrival.
+        let rank = match signal.name.as_str() {
+            name if name.contains("stamp") => 3,
+            _ if group.time == Some(column) => 2,
+            "publish_time" => 1,
+            _ => 2,
+        };
+        Some((rank, column, unit, assumed, times, stamps))
+    });
+    // Of equals the first one in the file.
+    let best = candidates.reduce(|best, next| if next.0 > best.0 { next } else { best });
+    match best {
+        Some((_, column, unit, assumed, times, stamps)) => {
+            ProposedClock { time: Some((column, unit)), assumed, times: Some(times), stamps, ..none }
+        }
+        None => none,
+    }
+}
+
+/// Whether a signal is named like a time.
+pub(super) fn is_time_like(signal: &Signal) -> bool {
+    let (bare, in_name) = unit::in_name(&signal.name);
+    let stated = signal.unit.as_deref().or(in_name.as_deref());
+    let is_time_unit =
+        stated.is_some_and(|text| unit::seconds(text).is_some() && unit::parse(text).is_none());
+    is_time_unit || is_named(&bare)
+}
+
+fn is_named(bare: &str) -> bool {
+    let small = super::names::channel(bare);
+    let last = small.rsplit('_').next().unwrap_or(&small);
+    WORDS.contains(&small.as_str()) || WORDS.contains(&last)
+}
+
+/// The unit of a time, and a sentence where the file does not state it.
+fn time_unit(signal: &Signal, is_declared: bool) -> Option<(String, Option<String>)> {
+    let (bare, in_name) = unit::in_name(&signal.name);
+    let stated = signal.unit.clone().or(in_name);
+    match stated.filter(|text| unit::seconds(text).is_some()) {
+        Some(unit) if is_declared || is_named(&bare) || unit::parse(&unit).is_none() => Some((unit, None)),
+        Some(_) => None,
+        None if is_named(&bare) => {
+            let first = signal.absolute().find(|value| value.is_finite())?;
+            // Seconds since 1970 are of this size for the next two hundred years, and so are their thousandths.
+            let (unit, why) = match first {
+                first if first > 1e17 => ("ns", "its size is that of nanoseconds since 1970".to_owned()),
+                first if first > 1e14 => ("us", "its size is that of microseconds since 1970".into()),
+                first if first > 1e11 => ("ms", "its size is that of milliseconds since 1970".into()),
+                first if first > 1e8 => ("s", "its size is that of seconds since 1970".into()),
+                _ => {
+                    let step = crate::times::median_step_s(&signal.values)
+                        .filter(|step| *step > 0.0 && *step < 0.5)?;
+                    ("s", format!("its step of {} would be {:.6} Hz", short(step), 1.0 / step))
+                }
+            };
+            Some((
+                unit.into(),
+                Some(format!("the unit of the time `{}`, taken for {unit}: {why}", signal.name)),
+            ))
+        }
+        None => None,
+    }
+}
+
+fn short(number: f64) -> String {
+    format!("{:.6}", number).trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The times, where they increase, or would if they were evened out.
+fn usable(group: &Group, column: usize, seconds: f64) -> Option<(Times, Stamps)> {
+    let exact = Times::of_signal(group, column, seconds, Stamps::Exact);
+    let is_still = matches!(&exact, Err(problem) if problem.contains("stands still"));
+    match exact {
+        Ok(times) => Some((times, Stamps::Exact)),
+        Err(_) if is_still => {
+            Times::of_signal(group, column, seconds, Stamps::Jitter).ok().map(|times| (times, Stamps::Jitter))
+        }
+        Err(_) => None,
+    }
+}
+
+/// Offsets between clocks, where two of them measured the same motion.
+fn offsets(source: &Source, clocks: &mut [ProposedClock]) {
+    let Some((base, others)) = clocks.split_first_mut() else { return };
+    for clock in others {
+        clock.offset = crate::offset::between(source, (base.group, &base.times), (clock.group, &clock.times));
+    }
+}

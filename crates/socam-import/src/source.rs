@@ -1,0 +1,182 @@
+//! What a file holds, before anything is said about units and names of channels.
+
+use std::collections::HashSet;
+
+/// Signals of a file, in groups that share a clock each.
+#[derive(Debug, Clone, Default)]
+pub struct Source {
+    /// Groups with at least one signal.
+    pub groups: Vec<Group>,
+    /// What was left aside, or is worth knowing, in one sentence each.
+    pub notes: Vec<String>,
+    /// How the lines of a text file were read.
+    pub text: Option<crate::TextLayout>,
+}
+
+/// Signals that were sampled together.
+#[derive(Debug, Clone, Default)]
+pub struct Group {
+    /// Its name in the file; empty where the file has none.
+    pub name: String,
+    /// Signals, all of the same length.
+    pub signals: Vec<Signal>,
+    /// The signal that the file itself declares as the times of the others.
+    pub time: Option<usize>,
+    /// Whether rows come in the order of their arrival, so that they are sorted by their times.
+    pub is_by_arrival: bool,
+}
+
+/// One column of numbers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Signal {
+    /// Its name in the group.
+    pub name: String,
+    /// The unit that the file states apart from the name, as written there.
+    pub unit: Option<String>,
+    /// Values; NaN is a missing one. What they are relative to is in `origin`.
+    pub values: Vec<f64>,
+    /// Added to every value. Large integers, such as times since 1970 in nanoseconds, keep their digits in this way.
+    pub origin: i64,
+}
+
+impl Signal {
+    /// A signal of floating-point values.
+    pub(crate) fn new(name: impl Into<String>, unit: Option<String>, values: Vec<f64>) -> Self {
+        Self { name: name.into(), unit: unit.filter(|unit| !unit.trim().is_empty()), values, origin: 0 }
+    }
+
+    /// A signal of integers, some of which may be missing.
+    pub(crate) fn of_integers(
+        name: impl Into<String>,
+        unit: Option<String>,
+        values: impl Iterator<Item = Option<i64>> + Clone,
+    ) -> Self {
+        // Below this size every integer is a floating-point number.
+        const EXACT: u64 = 1 << 53;
+        let first = values.clone().flatten().next().unwrap_or(0);
+        let origin = if first.unsigned_abs() >= EXACT { first } else { 0 };
+        let relative = |value: Option<i64>| value.map_or(f64::NAN, |value| value.wrapping_sub(origin) as f64);
+        Self { origin, ..Self::new(name, unit, values.map(relative).collect()) }
+    }
+
+    /// Values with the origin added.
+    pub fn absolute(&self) -> impl Iterator<Item = f64> + '_ {
+        self.values.iter().map(|value| value + self.origin as f64)
+    }
+}
+
+/// Which signals are read, and how much of them.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Names as in a mapping (`signal` or `group/signal`); `None` for all.
+    pub signals: Option<HashSet<String>>,
+    /// Most rows of a group.
+    pub most_rows: usize,
+}
+
+impl Wanted {
+    /// Everything.
+    pub const ALL: Self = Self { signals: None, most_rows: usize::MAX };
+
+    /// Whether a signal is read.
+    pub(crate) fn takes(&self, group: &str, signal: &str) -> bool {
+        self.signals
+            .as_ref()
+            .is_none_or(|names| names.contains(signal) || names.contains(&format!("{group}/{signal}")))
+    }
+}
+
+impl Source {
+    /// Number of signals, clocks included.
+    #[must_use]
+    pub fn signals(&self) -> usize {
+        self.groups.iter().map(|group| group.signals.len()).sum()
+    }
+
+    /// Finds a signal by `signal`, where that name is unique, or by `group/signal`.
+    pub fn find(&self, name: &str) -> Found<'_> {
+        let mut found = Found::None;
+        for (index, group) in self.groups.iter().enumerate() {
+            for (column, signal) in group.signals.iter().enumerate() {
+                let is_full = name.strip_suffix(&signal.name).and_then(|head| head.strip_suffix('/'));
+                if is_full.is_some_and(|head| head == group.name) {
+                    return Found::One(index, column, signal);
+                }
+                if signal.name == name {
+                    found = match found {
+                        Found::None => Found::One(index, column, signal),
+                        Found::One(..) => Found::Several(2),
+                        Found::Several(count) => Found::Several(count + 1),
+                    };
+                }
+            }
+        }
+        found
+    }
+
+    /// The name by which [`Source::find`] finds a signal.
+    #[must_use]
+    pub fn name_of(&self, group: usize, column: usize) -> String {
+        let (group, signal) = (&self.groups[group], &self.groups[group].signals[column]);
+        match self.find(&signal.name) {
+            Found::Several(_) => format!("{}/{}", group.name, signal.name),
+            _ => signal.name.clone(),
+        }
+    }
+
+    /// Gives every signal of a group another name, and drops groups without signals.
+    pub(crate) fn tidy(mut self) -> Self {
+        for group in &mut self.groups {
+            let mut taken = HashSet::new();
+            for signal in &mut group.signals {
+                let bare = signal.name.clone();
+                let mut count = 1;
+                while !taken.insert(signal.name.clone()) {
+                    count += 1;
+                    signal.name = format!("{bare} ({count})");
+                }
+            }
+        }
+        self.groups.retain(|group| !group.signals.is_empty());
+        self
+    }
+}
+
+/// The result of a search by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Found<'s> {
+    /// No signal has this name.
+    None,
+    /// Group, column and signal.
+    One(usize, usize, &'s Signal),
+    /// So many signals of different groups have it.
+    Several(usize),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_integers_keep_their_digits() {
+        let stamps = [1_700_000_000_123_456_789_i64, 1_700_000_000_123_456_790];
+        let signal = Signal::of_integers("t", None, stamps.iter().map(|t| Some(*t)));
+        assert_eq!((signal.origin, signal.values.as_slice()), (stamps[0], [0.0, 1.0].as_slice()));
+        let small = Signal::of_integers("n", None, [Some(3), None].into_iter());
+        assert_eq!((small.origin, small.values[0], small.values[1].is_nan()), (0, 3.0, true));
+    }
+
+    #[test]
+    fn a_name_in_two_groups_needs_its_group() {
+        let group = |name: &str| Group {
+            name: name.into(),
+            signals: vec![Signal::new("speed", None, vec![1.0])],
+            ..Group::default()
+        };
+        let source = Source { groups: vec![group("motor"), group("load")], ..Source::default() };
+        assert_eq!(source.find("speed"), Found::Several(2));
+        assert!(matches!(source.find("load/speed"), Found::One(1, 0, _)));
+        assert_eq!(source.find("torque"), Found::None);
+        assert_eq!(source.name_of(1, 0), "load/speed");
+    }
+}
