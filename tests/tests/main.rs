@@ -18,6 +18,7 @@ mod diagnose_steady;
 mod firmware_image;
 mod frequency;
 mod identify;
+mod import;
 #[cfg(unix)]
 mod interrupt;
 mod lab_jobs;

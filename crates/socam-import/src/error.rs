@@ -60,6 +60,15 @@ impl ImportError {
         Self::File { path: path.into(), problem: problem.into() }
     }
 
+    /// A damaged file, and what its reader says, as one sentence.
+    pub(crate) fn damaged(path: &Path, error: impl std::fmt::Display) -> Self {
+        let said = error.to_string().replace(['\n', '\r'], " ").replace(". ", ": ");
+        Self::file(
+            path,
+            format!("is damaged or cut off: {}; copy it again from its source", said.trim_end_matches('.')),
+        )
+    }
+
     pub(crate) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
         Self::Line { path: path.into(), line, problem: problem.into() }
     }

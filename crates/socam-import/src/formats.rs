@@ -138,7 +138,8 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
         ))
     })?;
     if source.signals() == 0 && wanted.signals.is_none() {
-        let notes = source.notes.join("; ");
+        let notes: Vec<String> = source.notes.iter().map(ToString::to_string).collect();
+        let notes = notes.join("; ");
         let notes = if notes.is_empty() { String::new() } else { format!(" ({notes})") };
         return Err(ImportError::file(path, format!("holds no column of numbers{notes}")));
     }

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use socam_recording::{Channel, Dataset, Selection, SettingsError};
+use socam_recording::{Channel, Dataset, Selection, SettingsError, Warning};
 
 use crate::align::{align, unwrap, usual};
 use crate::error::{ImportError, Result};
@@ -15,14 +15,12 @@ use crate::times::{Times, median_step_s};
 /// A recording made of a file.
 #[derive(Debug)]
 pub struct Imported {
-    /// The recording.
+    /// The recording; what was left out or changed is among its warnings.
     pub data: Dataset,
     /// When it began, ns since 1970; 0 where the file does not say.
     pub start_unix_ns: u64,
     /// What became of each channel.
     pub channels: Vec<Understood>,
-    /// What was left out or changed, in one sentence each.
-    pub notes: Vec<String>,
 }
 
 /// What a signal was understood to be.
@@ -67,7 +65,7 @@ pub fn import(selection: &Selection, mapping: &Mapping) -> Result<Imported> {
 
 /// Makes a recording of what was read.
 fn assemble(selection: &Selection, mapping: &Mapping, source: Source) -> Result<Imported> {
-    let file = File { path: selection.path.clone(), source };
+    let file = File { path: selection.path.clone(), mapping: mapping.file.clone(), source };
     let mut used: Vec<usize> = Vec::new();
     let mut found = Vec::new();
     for channel in &mapping.channels {
@@ -112,16 +110,24 @@ fn assemble(selection: &Selection, mapping: &Mapping, source: Source) -> Result<
     for (index, clock) in clocks.iter().enumerate() {
         let group = &file.source.groups[index].name;
         let place = if group.is_empty() { String::new() } else { format!("`{group}`: ") };
-        notes.extend(clock.iter().flat_map(|(times, _)| &times.notes).map(|note| format!("{place}{note}")));
+        notes.extend(
+            clock
+                .iter()
+                .flat_map(|(times, _)| &times.notes)
+                .map(|note| Warning::Note(format!("{place}{note}"))),
+        );
     }
     let (channels, columns, understood) = imported;
     let data = Dataset::from_columns_within(selection, channels, rows_s, columns)?;
-    Ok(Imported { data, start_unix_ns: base_times.start_unix_ns(), channels: understood, notes })
+    let data = data.with_warnings(notes);
+    Ok(Imported { data, start_unix_ns: base_times.start_unix_ns(), channels: understood })
 }
 
 /// A file's signals, with its path for errors.
 struct File {
     path: PathBuf,
+    /// The mapping's file.
+    mapping: Option<PathBuf>,
     source: Source,
 }
 
@@ -130,9 +136,12 @@ impl File {
         ImportError::file(&self.path, problem)
     }
 
-    /// An error of the mapping where it has lines, else of the file.
+    /// An error of the mapping where it has a file, else of the recording.
     fn at(&self, line: usize, message: String) -> ImportError {
-        if line == 0 { self.problem(message) } else { SettingsError::at(line, message).into() }
+        match &self.mapping {
+            Some(mapping) if line > 0 => SettingsError::at(line, message).in_file(mapping).into(),
+            _ => self.problem(message),
+        }
     }
 
     /// Group and column of a channel's signal.

@@ -1,6 +1,6 @@
 //! The mapping of a file's signals to channels: what `import --propose` writes and `import --map` reads.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use socam_recording::{Fields, SettingsError, Unit, read_settings};
 
@@ -14,6 +14,8 @@ pub const SCHEMA: &str = "socam.import/1";
 /// How the signals of a file become channels of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mapping {
+    /// Its file, for errors.
+    pub file: Option<PathBuf>,
     /// How a text file is read; found from the file where it is left out.
     pub text: Option<TextLayout>,
     /// Form of dates, as in `strptime`.
@@ -100,7 +102,8 @@ impl Mapping {
     /// One sentence with file, line and what was expected.
     pub fn open(path: &Path) -> Result<Self> {
         let text = read_settings(path)?;
-        Ok(Self::parse(&text).map_err(|error| error.in_file(path))?)
+        let mapping = Self::parse(&text).map_err(|error| error.in_file(path))?;
+        Ok(Self { file: Some(path.into()), ..mapping })
     }
 
     /// Reads the text of a mapping.
@@ -130,7 +133,7 @@ impl Mapping {
             fields.complain("it maps no channel; add [channels.NAME] with `signal` and `unit`".into());
         }
         fields.finish()?;
-        let mapping = Self { text, date_format, clocks, channels };
+        let mapping = Self { file: None, text, date_format, clocks, channels };
         mapping.check_columns()?;
         Ok(mapping)
     }
@@ -273,6 +276,10 @@ fn conversion(
     }
     if let Some(key) = per_turn.map(|_| "counts_per_turn").or(per_metre.map(|_| "counts_per_m")) {
         fields.complain_about(key, format!("`{key}` is for a signal whose `unit` is \"counts\""));
+    }
+    if text.is_empty() {
+        // A unit that is left out is reported as missing.
+        return refused;
     }
     let Some(from) = unit::parse(text) else {
         let message = if text.trim() == "?" {

@@ -22,8 +22,7 @@ pub fn open(run: &str) -> Result<Dataset> {
 pub fn open_selection(selection: &Selection) -> Result<Dataset> {
     match Dataset::open_selection(selection) {
         Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {
-            let imported = import_stated(selection)?;
-            Ok(imported.data.with_notes(imported.notes))
+            Ok(import_stated(selection)?.data)
         }
         opened => Ok(opened?),
     }

@@ -83,14 +83,15 @@ pub fn propose(path: &Path) -> Result<Proposal> {
     let channels = channels(&source, &clocks);
     let text = write::mapping(path, &source, &clocks, &channels);
     let unknown_unit = |proposed: &Proposed| format!("the unit of `{}`{}", proposed.signal, proposed.guess);
-    let mut unknown: Vec<String> = channels.iter().filter(|c| c.unit.is_none()).map(unknown_unit).collect();
+    let mut unknown: Vec<String> =
+        channels.iter().filter(|c| c.unit.is_none() && !c.is_constant()).map(unknown_unit).collect();
     for clock in clocks.iter().filter(|clock| clock.time.is_none()) {
         let group = &source.groups[clock.group].name;
         let place = if group.is_empty() { String::new() } else { format!(" of group `{group}`") };
         unknown.push(format!("when the samples{place} were taken"));
     }
-    let assumed = clocks.iter().filter_map(|clock| clock.assumed.clone()).collect();
-    let notes = source.notes.clone();
+    let assumed = clocks.iter().filter_map(|clock| clock.assumption(&source)).collect();
+    let notes = source.notes.iter().map(ToString::to_string).collect();
     Ok(Proposal { format: detect(path)?.to_string(), text, unknown, assumed, notes, channels })
 }
 
@@ -112,6 +113,14 @@ pub fn import_stated(selection: &Selection) -> Result<Imported> {
         let problem = format!("does not say {list}");
         return Err(ImportError::Unstated { path: path.into(), problem });
     }
+    if proposal.channels.iter().all(Proposed::is_constant) {
+        let notes = proposal.notes.join("; ");
+        let problem = format!(
+            "holds nothing but times and constants{}",
+            if notes.is_empty() { notes } else { format!(" ({notes})") }
+        );
+        return Err(ImportError::file(path, problem));
+    }
     import(selection, &Mapping::parse(&proposal.text)?)
 }
 
@@ -125,7 +134,8 @@ fn channels(source: &Source, clocks: &[ProposedClock]) -> Vec<Proposed> {
             if is_time || group.time == Some(column) || clocks::is_time_like(signal) {
                 continue;
             }
-            let mut proposed = Proposed::of(signal, source.name_of(index, column));
+            let prefix = names::common_prefix(group);
+            let mut proposed = Proposed::of(signal, source.name_of(index, column), prefix);
             proposed.rate_hz = clock.and_then(ProposedClock::rate_hz);
             proposed.name =
                 names::unique(&proposed.name, &group.name, |name| channels.iter().any(|c| c.name == *name));
@@ -136,6 +146,13 @@ fn channels(source: &Source, clocks: &[ProposedClock]) -> Vec<Proposed> {
 }
 
 impl ProposedClock {
+    /// What is assumed of its unit, and why.
+    fn assumption(&self, source: &Source) -> Option<String> {
+        let (column, unit) = self.time.as_ref()?;
+        let name = &source.groups[self.group].signals[*column].name;
+        Some(format!("the unit of the time `{name}`, taken for {unit} because {}", self.assumed.as_ref()?))
+    }
+
     fn rate_hz(&self) -> Option<f64> {
         let step = crate::times::median_step_s(&self.times.as_ref()?.seconds)?;
         (step > 0.0).then(|| step.recip())
@@ -143,15 +160,16 @@ impl ProposedClock {
 }
 
 impl Proposed {
-    fn of(signal: &Signal, full_name: String) -> Self {
+    fn of(signal: &Signal, full_name: String, prefix: usize) -> Self {
         let (bare, in_name) = unit::in_name(&signal.name);
+        let own = bare.get(prefix..).filter(|own| !own.is_empty()).unwrap_or(&bare);
         let stated = signal.unit.clone().or(in_name);
         let is_known = |text: &String| unit::parse(text).is_some();
         let held = || signal.absolute().filter(|value| value.is_finite());
         let range = held().map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let guess = names::guess(&bare, stated.as_deref(), signal);
         Self {
-            name: names::channel(&bare),
+            name: names::channel(own),
             signal: full_name,
             unit: stated.filter(is_known),
             guess,

@@ -2,13 +2,15 @@
 
 use std::collections::HashSet;
 
+use socam_recording::Warning;
+
 /// Signals of a file, in groups that share a clock each.
 #[derive(Debug, Clone, Default)]
 pub struct Source {
     /// Groups with at least one signal.
     pub groups: Vec<Group>,
-    /// What was left aside, or is worth knowing, in one sentence each.
-    pub notes: Vec<String>,
+    /// What was left aside, is missing, or is worth knowing.
+    pub notes: Vec<Warning>,
     /// How the lines of a text file were read.
     pub text: Option<crate::TextLayout>,
 }
@@ -37,12 +39,19 @@ pub struct Signal {
     pub values: Vec<f64>,
     /// Added to every value. Large integers, such as times since 1970 in nanoseconds, keep their digits in this way.
     pub origin: i64,
+    /// What its unit is by a convention that the file does not state.
+    pub hint: Option<&'static str>,
 }
 
 impl Signal {
     /// A signal of floating-point values.
     pub(crate) fn new(name: impl Into<String>, unit: Option<String>, values: Vec<f64>) -> Self {
-        Self { name: name.into(), unit: unit.filter(|unit| !unit.trim().is_empty()), values, origin: 0 }
+        Self {
+            name: name.into(),
+            unit: unit.filter(|unit| !unit.trim().is_empty()),
+            values,
+            ..Self::default()
+        }
     }
 
     /// A signal of integers, some of which may be missing.
@@ -124,7 +133,7 @@ impl Source {
         }
     }
 
-    /// Gives every signal of a group another name, and drops groups without signals.
+    /// Gives every group and every signal of a group another name, and drops groups without signals.
     pub(crate) fn tidy(mut self) -> Self {
         for group in &mut self.groups {
             let mut taken = HashSet::new();
@@ -138,6 +147,15 @@ impl Source {
             }
         }
         self.groups.retain(|group| !group.signals.is_empty());
+        let mut taken = HashSet::new();
+        for group in &mut self.groups {
+            let bare = group.name.clone();
+            let mut count = 1;
+            while !taken.insert(group.name.clone()) {
+                count += 1;
+                group.name = format!("{bare} ({count})");
+            }
+        }
         self
     }
 }

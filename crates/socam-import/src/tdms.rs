@@ -11,6 +11,8 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 use meta::{LeadIn, Object, Property, path_parts};
@@ -45,14 +47,13 @@ pub(crate) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
             Ok(next) => at = next,
             // What was read before a damaged or cut segment is good.
             Err(problem) if at > 0 => {
-                reader.notes.push(format!("the file is damaged or cut off at byte {at} ({problem}); samples from there on are missing"));
+                reader.notes.push(Warning::Incomplete {
+                    what: format!("samples from byte {at} on are missing ({problem})"),
+                });
                 break;
             }
             Err(problem) => {
-                return Err(ImportError::file(
-                    path,
-                    format!("is damaged or cut off: {problem}; copy it again"),
-                ));
+                return Err(ImportError::damaged(path, problem));
             }
         }
     }
@@ -67,7 +68,7 @@ struct Reader<'w> {
     names: Vec<String>,
     channels: BTreeMap<String, Channel>,
     layout: Layout,
-    notes: Vec<String>,
+    notes: Vec<Warning>,
 }
 
 impl Reader<'_> {
@@ -81,7 +82,7 @@ impl Reader<'_> {
         let next =
             (at + 28).checked_add(lead.next_offset).filter(|next| *next <= self.length && *next >= raw_at);
         if next.is_none() {
-            self.notes.push("the last segment is cut off; what is missing is at the end".into());
+            self.notes.push(Warning::Incomplete { what: "its last segment is not complete".into() });
         }
         let next = next.unwrap_or(self.length);
         if lead.has_description() {
@@ -170,7 +171,8 @@ impl Reader<'_> {
             let Some((group, name)) = path_parts(path) else { continue };
             let Some(channel) = self.channels.remove(path) else { continue };
             if channel.storage.is_some_and(|storage| !storage.is_number()) {
-                self.notes.push(format!("channel `{group}/{name}` is no number and is left aside"));
+                self.notes
+                    .push(Warning::Note(format!("channel `{group}/{name}` is no number and is left aside")));
                 continue;
             }
             if channel.values.is_empty() {

@@ -63,11 +63,11 @@ impl Times {
             notes.push(format!("stamps evened out, by {:.3} ms at most", 1e3 * moved_s));
         }
         check(&seconds, &rows, &signal.name)?;
-        Ok(Self { epoch_ns, seconds, rows, notes }.from_start())
+        Ok(Self { epoch_ns, seconds, rows, notes }.counted_from_start())
     }
 
     /// Absolute times count from the first one.
-    fn from_start(mut self) -> Self {
+    fn counted_from_start(mut self) -> Self {
         let first_ns = (self.seconds[0] * 1e9).round() as i128;
         if self.epoch_ns + first_ns >= ABSOLUTE_NS {
             let first_s = self.seconds[0];

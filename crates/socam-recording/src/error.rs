@@ -212,7 +212,8 @@ impl RecordingError {
     pub fn is_foreign(&self) -> bool {
         match self {
             Self::Foreign { .. } | Self::ForeignMcap { .. } | Self::NoChannels { .. } => true,
-            Self::Line { problem, .. } => matches!(problem, LineProblem::WrongHeader { .. }),
+            Self::Line { problem: LineProblem::WrongHeader { .. }, .. } => true,
+            Self::Line { problem: LineProblem::NotText, line, .. } => *line == 1,
             _ => false,
         }
     }

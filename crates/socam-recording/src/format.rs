@@ -42,10 +42,7 @@ const MCAP_MAGIC: &[u8] = mcap::MAGIC;
 const FOREIGN: [(&[u8], &str); 10] = [
     (b"\xff\xfe", "is text in UTF-16 (save it as UTF-8)"),
     (b"\xfe\xff", "is text in UTF-16 (save it as UTF-8)"),
-    (
-        b"MATLAB 5.0 MAT-file",
-        "is a MATLAB .mat file (`socam-host import` reads it)",
-    ),
+    (b"MATLAB 5.0 MAT-file", "is a MATLAB .mat file (`socam-host import` reads it)"),
     (b"\x89HDF", "is an HDF5 or MATLAB 7.3 file (`socam-host import` reads it)"),
     (b"PAR1", "is a Parquet file (`socam-host import` reads it)"),
     (b"PK\x03\x04", "is a zip archive or a spreadsheet (unpack it, or save it as .csv)"),

@@ -63,6 +63,12 @@ pub enum Warning {
         /// Number that can be read.
         read: u64,
     },
+    /// A file of another program that is damaged or cut off.
+    #[error("the file is damaged or cut off: {what}")]
+    Incomplete {
+        /// What is missing, in words.
+        what: String,
+    },
     /// Any other note of a reader.
     #[error("{0}")]
     Note(String),
@@ -76,6 +82,7 @@ impl Warning {
             Self::MissingSamples { written, read } => {
                 Some(format!("of {written} samples that were written {read} can be read"))
             }
+            Self::Incomplete { what } => Some(what.clone()),
             _ => None,
         }
     }

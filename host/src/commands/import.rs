@@ -155,8 +155,7 @@ impl Log {
             start => start,
         };
         let metadata = [("source".to_owned(), selection.name())].into();
-        let data = imported.data.with_notes(imported.notes);
-        Self { data, start_unix_ns, metadata, attachments: Vec::new() }
+        Self { data: imported.data, start_unix_ns, metadata, attachments: Vec::new() }
     }
 
     fn write(&self, selection: &Selection, args: &Args) -> anyhow::Result<()> {

@@ -15,6 +15,8 @@ use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
 use arrow_ipc::reader::{FileReader, StreamReader};
 use arrow_schema::{ArrowError, DataType, Field, SchemaRef, TimeUnit};
 
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 
@@ -31,7 +33,7 @@ pub(super) fn read_stream(path: &Path, wanted: &Wanted) -> Result<Source> {
 }
 
 fn damaged(path: &Path, error: &ArrowError) -> ImportError {
-    ImportError::file(path, format!("is damaged or cut off: {error}; copy it again from its source"))
+    ImportError::damaged(path, error)
 }
 
 fn read(
@@ -48,7 +50,9 @@ fn read(
         }
         match kind(field.data_type()) {
             Some(kind) => columns.push((index, kind, Vec::new(), Vec::new())),
-            None => notes.push(format!("column `{}` is no number and is left aside", field.name())),
+            None => {
+                notes.push(Warning::Note(format!("column `{}` is no number and is left aside", field.name())))
+            }
         }
     }
     let mut rows = 0;

@@ -12,9 +12,7 @@ use crate::source::{Source, Wanted};
 const DEEPEST: usize = 16;
 
 pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let damaged = |error: Error| {
-        ImportError::file(path, format!("is damaged or cut off: {error}; copy it again from its source"))
-    };
+    let damaged = |error: Error| ImportError::damaged(path, error);
     let file = File::open_streaming(path).map_err(damaged)?;
     let mut arrays = Arrays::new(wanted);
     // MATLAB writes matrices with rows and columns exchanged, and says its class at each.

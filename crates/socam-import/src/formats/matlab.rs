@@ -1,78 +1,150 @@
-//! MATLAB `.mat` files up to version 7.
+//! MATLAB `.mat` files up to version 7, read by their published description (MathWorks, "MAT-File Format").
+//!
+//! Of the two libraries in Rust, one panics at files that are cut off and reads only what MATLAB itself wrote; the other knows no
+//! structures.
 
+mod element;
+
+use std::io::Read as _;
 use std::path::Path;
 
-use matrw::{MatVariable, MatlabType};
+use element::{Elements, Problem};
 
 use super::tree::Arrays;
 use crate::error::{ImportError, Result};
 use crate::source::{Source, Wanted};
 
-/// Beginning of a file of MATLAB.
-const TEXT: &[u8] = b"MATLAB 5.0 MAT-file, ";
+/// Bytes before the first variable.
+const HEAD_BYTES: usize = 128;
+/// Structures within structures that are looked into.
+const DEEPEST: usize = 16;
+/// Most bytes that a compressed variable may have.
+const LARGEST: u64 = 1 << 32;
+
+/// Types of elements.
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+
+/// Classes of arrays.
+const CELL: u32 = 1;
+const STRUCTURE: u32 = 2;
+const OBJECT: u32 = 3;
+const CHARACTERS: u32 = 4;
+const SPARSE: u32 = 5;
+const NUMBERS: std::ops::RangeInclusive<u32> = 6..=15;
 
 pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let mut bytes = std::fs::read(path).map_err(|error| ImportError::io(path, error))?;
-    // The library reads files of MATLAB alone, whose text goes on with a comma; SciPy, Octave and others write other words there.
-    if let Some(text) = bytes.get_mut(..TEXT.len()) {
-        text.copy_from_slice(TEXT);
-    }
-    let file = matrw::load_matfile_from_u8(&bytes)
-        .map_err(|_| ImportError::file(path, "is damaged or cut off; copy it again from its source"))?;
-    let mut variables: Vec<_> = file.iter().collect();
-    variables.sort_by_key(|(name, _)| name.as_str());
+    let bytes = std::fs::read(path).map_err(|error| ImportError::io(path, error))?;
     let mut arrays = Arrays::new(wanted);
-    for (name, variable) in variables {
-        collect(&mut arrays, name, variable);
+    match variables(&mut arrays, &bytes) {
+        Ok(()) => {}
+        // Variables before the cut are whole.
+        Err(problem) if !arrays.is_empty() => {
+            arrays.incomplete(format!("variables at its end are missing ({problem})"));
+        }
+        Err(problem) => {
+            return Err(ImportError::damaged(path, problem));
+        }
     }
     Ok(arrays.finish())
 }
 
-fn collect(arrays: &mut Arrays<'_>, path: &str, variable: &MatVariable) {
-    match variable {
-        MatVariable::NumericArray(array) => match variable.numeric_type().and_then(numbers) {
-            Some(values) if array.is_complex() => {
-                arrays.leave(path, &format!("holds {} complex numbers", values.len()));
-            }
-            Some(values) => {
-                let dimensions = variable.dim();
-                let columns = match dimensions.as_slice() {
-                    [1, _] => 1,
-                    [_, columns] => *columns,
-                    _ => return arrays.leave(path, "has more than two dimensions"),
-                };
-                arrays.add(path, None, columns, &values);
-            }
-            // Text.
-            None => {}
-        },
-        MatVariable::Structure(structure) => {
-            for field in structure.fieldnames() {
-                if let Some(inner) = structure.get(&field) {
-                    collect(arrays, &format!("{path}.{field}"), inner);
+fn variables(arrays: &mut Arrays<'_>, bytes: &[u8]) -> Result<(), Problem> {
+    let is_big_endian = match bytes.get(126..HEAD_BYTES) {
+        Some(b"IM") => false,
+        Some(b"MI") => true,
+        _ => return Err("its first 128 bytes are not those of a .mat file".into()),
+    };
+    let mut elements = Elements::new(bytes.get(HEAD_BYTES..).unwrap_or_default(), is_big_endian);
+    while let Some((kind, content)) = elements.next()? {
+        match kind {
+            COMPRESSED => {
+                let mut plain = Vec::new();
+                let inflated = flate2::read::ZlibDecoder::new(content).take(LARGEST).read_to_end(&mut plain);
+                inflated.map_err(|_| "a compressed variable is incomplete".to_owned())?;
+                let mut inner = Elements::new(&plain, is_big_endian);
+                if let Some((MATRIX, content)) = inner.next()? {
+                    matrix(arrays, "", content, is_big_endian, 0)?;
                 }
             }
+            MATRIX => matrix(arrays, "", content, is_big_endian, 0)?,
+            _ => {}
         }
-        MatVariable::Compressed(_) => arrays.leave(path, "could not be decompressed"),
-        MatVariable::CellArray(_) | MatVariable::StructureArray(_) => arrays.leave(path, "is a list"),
-        _ => arrays
-            .leave(path, "is of a class that is not read (a timetable or another object: save its columns)"),
     }
+    Ok(())
 }
 
-fn numbers(values: &MatlabType) -> Option<Vec<f64>> {
-    Some(match values {
-        MatlabType::F64(values) => values.clone(),
-        MatlabType::F32(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::U8(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::I8(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::U16(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::I16(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::U32(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::I32(values) => values.iter().map(|v| f64::from(*v)).collect(),
-        MatlabType::U64(values) => values.iter().map(|v| *v as f64).collect(),
-        MatlabType::I64(values) => values.iter().map(|v| *v as f64).collect(),
-        MatlabType::BOOL(values) => values.iter().map(|v| f64::from(u8::from(*v))).collect(),
-        MatlabType::UTF8(_) | MatlabType::UTF16(_) => return None,
-    })
+/// Reads one array; fields of structures are arrays too. `path`: the name, where the array has none of its own.
+fn matrix(
+    arrays: &mut Arrays<'_>,
+    path: &str,
+    content: &[u8],
+    is_big_endian: bool,
+    depth: usize,
+) -> Result<(), Problem> {
+    let mut elements = Elements::new(content, is_big_endian);
+    let Some(flags) = elements.integers()? else { return Ok(()) };
+    let class = flags.first().map_or(0, |flags| *flags as u32 & 0xff);
+    let is_complex = flags.first().is_some_and(|flags| *flags as u32 & 0x800 != 0);
+    if class > *NUMBERS.end() {
+        arrays
+            .leave(path, "is of a class that is not read (a timetable or another object: save its columns)");
+        return Ok(());
+    }
+    let dimensions = elements.integers()?.unwrap_or_default();
+    let name = elements.text()?.unwrap_or_default();
+    let path = if name.is_empty() { path.to_owned() } else { name };
+    match class {
+        CHARACTERS => {}
+        CELL => arrays.leave(&path, "is a list"),
+        SPARSE => arrays.leave(&path, "is sparse"),
+        STRUCTURE | OBJECT if dimensions.iter().any(|length| *length != 1) => {
+            arrays.leave(&path, "is a list")
+        }
+        STRUCTURE | OBJECT if depth < DEEPEST => {
+            if class == OBJECT {
+                elements.next()?;
+            }
+            structure(arrays, &path, &mut elements, is_big_endian, depth)?;
+        }
+        _ if NUMBERS.contains(&class) && is_complex => arrays.leave(&path, "holds complex numbers"),
+        _ if NUMBERS.contains(&class) => {
+            let columns = match dimensions.as_slice() {
+                [1, _] => 1,
+                [_, columns] => usize::try_from(*columns).unwrap_or(0),
+                _ => {
+                    arrays.leave(&path, "has more than two dimensions");
+                    return Ok(());
+                }
+            };
+            if arrays.takes(&path, columns) {
+                arrays.add(&path, None, columns, &elements.numbers()?);
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn structure(
+    arrays: &mut Arrays<'_>,
+    path: &str,
+    elements: &mut Elements<'_>,
+    is_big_endian: bool,
+    depth: usize,
+) -> Result<(), Problem> {
+    let length = elements.integers()?.and_then(|length| length.first().copied()).unwrap_or(0);
+    let Some((_, names)) = elements.next()? else { return Ok(()) };
+    let length =
+        usize::try_from(length).ok().filter(|length| *length > 0).ok_or("a structure without names")?;
+    let names = names.chunks(length).map(|name| {
+        let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
+        String::from_utf8_lossy(name).into_owned()
+    });
+    for name in names {
+        if let Some((MATRIX, content)) = elements.next()? {
+            matrix(arrays, &format!("{path}.{name}"), content, is_big_endian, depth + 1)?;
+        }
+    }
+    Ok(())
 }

@@ -15,12 +15,20 @@ use mcapdecode_protobuf::ProtobufDecoder;
 use mcapdecode_ros2idl::Ros2IdlDecoder;
 use mcapdecode_ros2msg::Ros2MsgDecoder;
 
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 use flatten::{Number, Numbers};
 
 /// Longest record that is read, bytes.
 const LONGEST_RECORD: usize = 1 << 28;
+/// Fields of ROS' JointState and the units that its convention (REP 103) gives them.
+const JOINT_STATE: [(&str, &str); 3] = [
+    ("position.", "by the convention of ROS \"rad\", or \"m\" of a prismatic joint"),
+    ("velocity.", "by the convention of ROS \"rad/s\", or \"m/s\" of a prismatic joint"),
+    ("effort.", "by the convention of ROS \"N m\", or \"N\" of a prismatic joint"),
+];
 /// Most signals of a topic.
 const MOST_SIGNALS: usize = 512;
 
@@ -32,15 +40,12 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     match read {
         Ok(()) => {}
         Err(problem) if messages > 0 => {
-            log.notes.push(format!(
-                "the log is damaged or cut off ({problem}); messages after {messages} are missing"
-            ));
+            log.notes.push(Warning::Incomplete {
+                what: format!("messages after {messages} are missing ({problem})"),
+            });
         }
         Err(problem) => {
-            return Err(ImportError::file(
-                path,
-                format!("is damaged or cut off: {problem}; copy it again from its source"),
-            ));
+            return Err(ImportError::damaged(path, problem));
         }
     }
     Ok(log.finish())
@@ -51,13 +56,14 @@ struct Log<'w> {
     /// Name, encoding and content of each schema.
     schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
     topics: BTreeMap<u16, Topic>,
-    notes: Vec<String>,
+    notes: Vec<Warning>,
 }
 
 /// A topic while its messages are read.
 struct Topic {
     name: String,
     decoder: Decoder,
+    is_joint_state: bool,
     rows: usize,
     damaged: usize,
     columns: Vec<Column>,
@@ -108,10 +114,12 @@ impl Log<'_> {
                 let schema = self.schemas.get(&channel.schema_id);
                 let decoder = decoder(&channel.message_encoding, schema);
                 let decoder = decoder.unwrap_or_else(|why| {
-                    self.notes.push(format!("topic `{}` is left aside: {why}", channel.topic));
+                    self.notes.push(Warning::Note(format!("topic `{}` is left aside: {why}", channel.topic)));
                     Decoder::None
                 });
+                let is_joint_state = schema.is_some_and(|(name, ..)| name.ends_with("/JointState"));
                 let topic = Topic {
+                    is_joint_state,
                     name: channel.topic,
                     decoder,
                     rows: 0,
@@ -136,8 +144,10 @@ impl Log<'_> {
         let mut groups = Vec::new();
         for topic in self.topics.into_values() {
             if topic.damaged > 0 {
-                self.notes
-                    .push(format!("topic `{}`: {} messages cannot be decoded", topic.name, topic.damaged));
+                self.notes.push(Warning::Note(format!(
+                    "topic `{}`: {} messages cannot be decoded",
+                    topic.name, topic.damaged
+                )));
             }
             if topic.columns.iter().any(|column| !is_clock(&column.path)) {
                 groups.push(topic.finish());
@@ -212,7 +222,12 @@ impl Topic {
 
     fn finish(self) -> Group {
         let rows = self.rows;
-        let signals = self.columns.into_iter().map(|column| column.finish(rows)).collect();
+        let hint = |path: &str| {
+            let field = JOINT_STATE.iter().find(|(field, _)| self.is_joint_state && path.starts_with(field));
+            field.map(|(_, unit)| *unit)
+        };
+        let finish = |column: Column| Signal { hint: hint(&column.path), ..column.finish(rows) };
+        let signals = self.columns.into_iter().map(finish).collect();
         Group { name: self.name, signals, time: Some(0), is_by_arrival: true }
     }
 }

@@ -6,6 +6,8 @@ use std::path::Path;
 use mdf4_rs::parsing::DataBlockData;
 use mdf4_rs::{Channel, DecodedValue, Error, MDF};
 
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 
@@ -13,7 +15,7 @@ use crate::source::{Group, Signal, Source, Wanted};
 const MASTER: [u8; 2] = [2, 3];
 
 pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let damaged = |error: Error| ImportError::file(path, sentence(&error));
+    let damaged = |error: Error| refused(path, &error);
     let name =
         path.to_str().ok_or_else(|| ImportError::file(path, "has a name that is not UTF-8; rename it"))?;
     let file = MDF::from_file(name).map_err(damaged)?;
@@ -23,9 +25,8 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     };
     let mut source = Source::default();
     if file.raw().is_unfinalized {
-        source.notes.push(
-            "the program that wrote the file did not finish it; samples at its end may be missing".into(),
-        );
+        let what = "the program that wrote it did not finish it, so that samples at its end may be missing";
+        source.notes.push(Warning::Incomplete { what: what.into() });
     }
     for (index, group) in file.channel_groups().iter().enumerate() {
         let name = group.name().map_err(damaged)?.filter(|name| !name.is_empty());
@@ -93,7 +94,7 @@ fn channel(
     channel: &Channel<'_>,
     group: &str,
     wanted: &Wanted,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Warning>,
 ) -> Result<Option<Signal>, Error> {
     let name = channel.name()?.unwrap_or_else(|| "channel without a name".into());
     let is_master = MASTER.contains(&channel.block().channel_type);
@@ -115,7 +116,7 @@ fn channel(
         });
     }
     if !is_number {
-        notes.push(format!("channel `{name}` is no number and is left aside"));
+        notes.push(Warning::Note(format!("channel `{name}` is no number and is left aside")));
         return Ok(None);
     }
     // The standard says that masters are in seconds where they are times.
@@ -123,14 +124,14 @@ fn channel(
     Ok(Some(Signal::new(name, unit, values)))
 }
 
-fn sentence(error: &Error) -> String {
+fn refused(path: &Path, error: &Error) -> ImportError {
     match error {
         Error::TooShortBuffer { actual, expected, .. } => {
-            format!(
-                "is cut off: {expected} bytes are needed where {actual} are left; copy it again from its source"
-            )
+            ImportError::damaged(path, format!("{expected} bytes are needed where {actual} are left"))
         }
-        Error::FileVersioningError(version) => format!("is MDF {version}; versions from 4.1 on are read"),
-        other => format!("is damaged: {other}; copy it again from its source"),
+        Error::FileVersioningError(version) => {
+            ImportError::file(path, format!("is MDF {version}; versions from 4.1 on are read"))
+        }
+        other => ImportError::damaged(path, other),
     }
 }

@@ -10,13 +10,13 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 
 pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let damaged = |error: ParquetError| {
-        ImportError::file(path, format!("is damaged or cut off: {error}; copy it again from its source"))
-    };
+    let damaged = |error: ParquetError| ImportError::damaged(path, error);
     let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(damaged)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
@@ -29,7 +29,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
         let is_list = column.max_rep_level() > 0
             || column.self_type().get_basic_info().repetition() == Repetition::REPEATED;
         if is_list {
-            notes.push(format!("column `{name}` is a list and is left aside"));
+            notes.push(Warning::Note(format!("column `{name}` is a list and is left aside")));
             continue;
         }
         match self::column(&reader, index, column, wanted.most_rows).map_err(damaged)? {
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
                 let unit = time_unit(column).map(str::to_owned);
                 group.signals.push(Signal::of_integers(name, unit, values.iter().copied()));
             }
-            None => notes.push(format!("column `{name}` is no number and is left aside")),
+            None => notes.push(Warning::Note(format!("column `{name}` is no number and is left aside"))),
         }
     }
     Ok(Source { groups: vec![group], notes, text: None }.tidy())

@@ -1,5 +1,7 @@
 //! Arrays of a tree of variables (MATLAB, HDF5), as groups of signals of equal length.
 
+use socam_recording::Warning;
+
 use crate::source::{Group, Signal, Source, Wanted};
 
 /// Most columns of a matrix that are taken as signals.
@@ -12,7 +14,7 @@ pub(super) struct Arrays<'w> {
     wanted: &'w Wanted,
     /// Length and signals of each group.
     groups: Vec<(usize, Vec<Signal>)>,
-    notes: Vec<String>,
+    notes: Vec<Warning>,
     /// Names and values of numbers that stand alone: a sample time may be among them.
     scalars: Vec<(String, f64)>,
 }
@@ -28,8 +30,17 @@ impl<'w> Arrays<'w> {
             .any(|column| self.wanted.takes("", &column_name(path, columns, column)))
     }
 
+    /// Whether nothing was added yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.groups.is_empty() && self.scalars.is_empty()
+    }
+
+    pub(super) fn incomplete(&mut self, what: String) {
+        self.notes.push(Warning::Incomplete { what });
+    }
+
     pub(super) fn leave(&mut self, path: &str, why: &str) {
-        self.notes.push(format!("`{path}` {why} and is left aside"));
+        self.notes.push(Warning::Note(format!("`{path}` {why} and is left aside")));
     }
 
     pub(super) fn scalar(&mut self, path: &str, value: f64) {
@@ -71,7 +82,8 @@ impl<'w> Arrays<'w> {
                 last,
                 "fs" | "ts" | "dt" | "rate" | "samplerate" | "sample_rate" | "sampletime" | "sample_time"
             ) {
-                self.notes.push(format!("`{name}` is {value}: a sample rate or a sample time?"));
+                self.notes
+                    .push(Warning::Note(format!("`{name}` is {value}: a sample rate or a sample time?")));
             }
         }
         let is_single = self.groups.len() == 1;
@@ -85,5 +97,5 @@ impl<'w> Arrays<'w> {
 }
 
 fn column_name(path: &str, columns: usize, column: usize) -> String {
-    if columns == 1 { path.to_owned() } else { format!("{path}({})", column + 1) }
+    if columns == 1 { path.to_owned() } else { format!("{path}.{}", column + 1) }
 }

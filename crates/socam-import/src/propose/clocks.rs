@@ -16,7 +16,7 @@ pub(super) fn find(source: &Source) -> Vec<ProposedClock> {
         source.groups.iter().enumerate().map(|(index, group)| clock(index, group)).collect();
     // The fastest clock gives the rows.
     clocks.sort_by(|a, b| b.rate_hz().unwrap_or(0.0).total_cmp(&a.rate_hz().unwrap_or(0.0)));
-    super::clocks::offsets(source, &mut clocks);
+    offsets(source, &mut clocks);
     clocks
 }
 
@@ -85,13 +85,10 @@ fn time_unit(signal: &Signal, is_declared: bool) -> Option<(String, Option<Strin
                 _ => {
                     let step = crate::times::median_step_s(&signal.values)
                         .filter(|step| *step > 0.0 && *step < 0.5)?;
-                    ("s", format!("its step of {} would be {:.6} Hz", short(step), 1.0 / step))
+                    ("s", format!("its step of {} is then {} Hz", short(step), short(1.0 / step)))
                 }
             };
-            Some((
-                unit.into(),
-                Some(format!("the unit of the time `{}`, taken for {unit}: {why}", signal.name)),
-            ))
+            Some((unit.into(), Some(why)))
         }
         None => None,
     }

@@ -1,6 +1,6 @@
 //! Names of channels, and what the unit of a signal may be.
 
-use crate::source::Signal;
+use crate::source::{Group, Signal};
 use crate::unit;
 
 /// A name of a channel: small letters, digits and underscores.
@@ -20,6 +20,16 @@ pub(super) fn channel(name: &str) -> String {
     }
     let plain = plain.trim_matches('_');
     if plain.is_empty() { "signal".into() } else { plain.to_owned() }
+}
+
+/// Length of what the names of all signals of a group begin with, up to a dot.
+pub(super) fn common_prefix(group: &Group) -> usize {
+    let mut names = group.signals.iter().map(|signal| signal.name.as_str());
+    let Some(first) = names.next() else { return 0 };
+    let length = names.fold(first.len(), |length, name| {
+        first.bytes().zip(name.bytes()).take(length).take_while(|(a, b)| a == b).count()
+    });
+    first.get(..length).and_then(|prefix| prefix.rfind('.')).map_or(0, |dot| dot + 1)
 }
 
 /// A name that is not taken: with the group before it, or a number behind it.
@@ -56,6 +66,9 @@ pub(super) fn guess(name: &str, stated: Option<&str>, signal: &Signal) -> String
         }
         Some(text) => return format!(", which the file calls \"{text}\": not known here"),
         None => {}
+    }
+    if let Some(hint) = signal.hint {
+        return format!(", {hint}");
     }
     let small = channel(name);
     let words: Vec<&str> =
@@ -97,7 +110,7 @@ mod tests {
     fn names_become_names_of_channels() {
         for (name, plain) in [
             ("Motor Speed", "motor_speed"),
-            ("velocity[hip]", "velocity_hip"),
+            ("velocity.hip", "velocity_hip"),
             ("Geschw\u{e4}he", "geschwaehe"),
             ("\u{3c9}", "signal"),
         ] {

@@ -53,7 +53,7 @@ fn number(text: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// Cells of a line of text, quotes respected.
-pub(crate) fn split<'l>(line: &'l str, separator: u8) -> Vec<&'l str> {
+pub(crate) fn split(line: &str, separator: u8) -> Vec<&str> {
     if separator == b' ' {
         return line.split_whitespace().collect();
     }

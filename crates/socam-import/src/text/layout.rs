@@ -67,7 +67,9 @@ pub(crate) fn sniff(encoding: &str, text: &str, is_cut: bool) -> Option<TextLayo
 /// How well lines are read in this way, and the first line of numbers: the longest run of lines with equally many cells, most of which
 /// hold numbers.
 fn rate(lines: &[&str], separator: u8, comma: bool) -> Option<(f64, usize)> {
-    let (mut best, mut run): (Option<(f64, usize)>, Option<(usize, usize, f64)>) = (None, None);
+    let mut best: Option<(f64, usize)> = None;
+    // First line, cells and score of the run.
+    let mut run: Option<(usize, usize, f64)> = None;
     for (index, line) in lines.iter().enumerate() {
         if line.trim().is_empty() {
             continue;

@@ -10,6 +10,8 @@ use encoding_rs_io::DecodeReaderBytesBuilder;
 use super::cells::{Cell, cell};
 use super::layout::header;
 use super::{TextLayout, sniff};
+use socam_recording::Warning;
+
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 
@@ -156,7 +158,9 @@ fn finish(path: &Path, columns: Vec<Column>, rows: usize, layout: TextLayout) ->
     for column in columns.into_iter().filter(|column| column.is_wanted) {
         if let Some((line, text)) = column.first_text {
             if column.texts == rows || (2 * column.texts > rows && column.dates.is_empty()) {
-                source.notes.push(format!("column `{}` is text and is left aside", column.name));
+                source
+                    .notes
+                    .push(Warning::Note(format!("column `{}` is text and is left aside", column.name)));
                 continue;
             }
             let problem = format!(
@@ -167,7 +171,9 @@ fn finish(path: &Path, columns: Vec<Column>, rows: usize, layout: TextLayout) ->
         }
         let is_empty = column.dates.is_empty() && column.numbers.iter().all(|value| value.is_nan());
         if is_empty {
-            source.notes.push(format!("column `{}` holds no value and is left aside", column.name));
+            source
+                .notes
+                .push(Warning::Note(format!("column `{}` holds no value and is left aside", column.name)));
             continue;
         }
         group.signals.push(if column.dates.is_empty() {

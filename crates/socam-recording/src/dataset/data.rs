@@ -137,10 +137,10 @@ impl Dataset {
         self.contents.as_deref()
     }
 
-    /// With notes of a reader among its warnings.
+    /// With further warnings of whoever read it.
     #[must_use]
-    pub fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
-        self.warnings.extend(notes.into_iter().map(Warning::Note));
+    pub fn with_warnings(mut self, warnings: impl IntoIterator<Item = Warning>) -> Self {
+        self.warnings.extend(warnings);
         self
     }
 

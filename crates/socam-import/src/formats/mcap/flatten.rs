@@ -1,4 +1,4 @@
-//! Numbers in a message, each with its path: `pose.position.x`, `velocity[2]`, `velocity[elbow]`.
+//! Numbers in a message, each with its path: `pose.position.x`, `velocity.2`, `velocity.elbow`.
 
 use mcapdecode_core::{DataTypeDef, FieldDefs, Value};
 
@@ -82,8 +82,8 @@ impl Numbers {
         let names = names.filter(|names| names.len() == values.len());
         for (index, value) in values.iter().enumerate() {
             let path = match names {
-                Some(names) => format!("{path}[{}]", names[index]),
-                None => format!("{path}[{index}]"),
+                Some(names) => format!("{path}.{}", names[index]),
+                None => format!("{path}.{index}"),
             };
             self.value(&path, &inner.data_type, value, None, depth + 1);
         }
@@ -119,8 +119,8 @@ impl Numbers {
                 let names = names.filter(|names| names.len() == values.len());
                 for (index, value) in values.iter().enumerate() {
                     let path = match names {
-                        Some(names) => format!("{path}[{}]", names[index]),
-                        None => format!("{path}[{index}]"),
+                        Some(names) => format!("{path}.{}", names[index]),
+                        None => format!("{path}.{index}"),
                     };
                     self.json_at(&path, value, None, depth + 1);
                 }
@@ -185,11 +185,11 @@ mod tests {
         numbers.json("", &serde_json::from_str(text).unwrap());
         numbers.0.sort_by(|a, b| a.0.cmp(&b.0));
         let expected = [
-            ("map.x[0]", Number::Float(3.5)),
+            ("map.x.0", Number::Float(3.5)),
             ("ok", Number::Integer(1)),
             ("stamp", Number::Time(2_000_000_005)),
-            ("velocity[hip]", Number::Float(1.5)),
-            ("velocity[knee]", Number::Integer(2)),
+            ("velocity.hip", Number::Float(1.5)),
+            ("velocity.knee", Number::Integer(2)),
         ];
         assert_eq!(numbers.0, expected.map(|(path, number)| (path.to_owned(), number)));
     }
