@@ -1,6 +1,7 @@
 //! The formats, and how a file's is found.
 
 mod arrow;
+mod fence;
 mod hdf5;
 mod matlab;
 mod mcap;
@@ -10,7 +11,6 @@ mod tree;
 
 use std::fs::File;
 use std::io::Read;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::error::{ImportError, Result};
@@ -32,10 +32,8 @@ pub enum Kind {
     Hdf5,
     /// Parquet.
     Parquet,
-    /// An Arrow file, also called Feather.
-    ArrowFile,
-    /// A stream of Arrow messages.
-    ArrowStream,
+    /// An Arrow file, also called Feather, or a stream of Arrow messages.
+    Arrow,
     /// MCAP of another program.
     Mcap,
 }
@@ -49,7 +47,7 @@ impl std::fmt::Display for Kind {
             Self::Mat => "MATLAB .mat",
             Self::Hdf5 => "HDF5",
             Self::Parquet => "Parquet",
-            Self::ArrowFile | Self::ArrowStream => "Arrow",
+            Self::Arrow => "Arrow",
             Self::Mcap => "MCAP",
         })
     }
@@ -63,7 +61,7 @@ const MAGIC: [(&[u8], Kind); 9] = [
     (b"MATLAB 7.3 MAT-file", Kind::Hdf5),
     (b"\x89HDF\r\n\x1a\n", Kind::Hdf5),
     (b"PAR1", Kind::Parquet),
-    (b"ARROW1", Kind::ArrowFile),
+    (b"ARROW1", Kind::Arrow),
     (b"\x89MCAP0\r\n", Kind::Mcap),
 ];
 
@@ -102,7 +100,7 @@ pub fn detect(path: &Path) -> Result<Kind> {
         return Err(ImportError::file(path, *problem));
     }
     if head.starts_with(&[0xff, 0xff, 0xff, 0xff]) && head.len() > 8 {
-        return Ok(Kind::ArrowStream);
+        return Ok(Kind::Arrow);
     }
     let is_utf16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
     if head.contains(&0) && !is_utf16 {
@@ -126,16 +124,12 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
         Kind::Mat => matlab::read(path, wanted),
         Kind::Hdf5 => hdf5::read(path, wanted),
         Kind::Parquet => parquet::read(path, wanted),
-        Kind::ArrowFile => arrow::read_file(path, wanted),
-        Kind::ArrowStream => arrow::read_stream(path, wanted),
+        Kind::Arrow => arrow::read(path, wanted),
         Kind::Mcap => mcap::read(path, wanted),
     };
-    // Libraries that read these formats may panic on a damaged file.
-    let source = catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| {
-        Err(ImportError::file(
-            path,
-            format!("is damaged: its {kind} cannot be read; copy it again from its source"),
-        ))
+    let source = fence::fenced(read).unwrap_or_else(|| {
+        let problem = format!("its {kind} cannot be read");
+        Err(ImportError::damaged(path, problem))
     })?;
     if source.signals() == 0 && wanted.signals.is_none() {
         let notes: Vec<String> = source.notes.iter().map(ToString::to_string).collect();

@@ -76,11 +76,16 @@ struct ProposedClock {
 /// Looks at the first rows of a file and proposes a mapping.
 ///
 /// # Errors
-/// When the file cannot be read, or holds no numbers.
+/// When the file cannot be read, or holds nothing but times and constants.
 pub fn propose(path: &Path) -> Result<Proposal> {
     let source = read(path, None, None, &Wanted { signals: None, most_rows: ROWS })?;
     let clocks = clocks::find(&source);
     let channels = channels(&source, &clocks);
+    if channels.iter().all(Proposed::is_constant) {
+        let notes: Vec<String> = source.notes.iter().map(ToString::to_string).collect();
+        let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
+        return Err(ImportError::file(path, format!("holds nothing but times and constants{notes}")));
+    }
     let text = write::mapping(path, &source, &clocks, &channels);
     let unknown_unit = |proposed: &Proposed| format!("the unit of `{}`{}", proposed.signal, proposed.guess);
     let mut unknown: Vec<String> =
@@ -112,14 +117,6 @@ pub fn import_stated(selection: &Selection) -> Result<Imported> {
         }
         let problem = format!("does not say {list}");
         return Err(ImportError::Unstated { path: path.into(), problem });
-    }
-    if proposal.channels.iter().all(Proposed::is_constant) {
-        let notes = proposal.notes.join("; ");
-        let problem = format!(
-            "holds nothing but times and constants{}",
-            if notes.is_empty() { notes } else { format!(" ({notes})") }
-        );
-        return Err(ImportError::file(path, problem));
     }
     import(selection, &Mapping::parse(&proposal.text)?)
 }

@@ -133,6 +133,19 @@ impl Source {
         }
     }
 
+    /// Signals of a group have the same length, except in a damaged file.
+    fn even_lengths(&mut self) {
+        for group in &mut self.groups {
+            let lengths = || group.signals.iter().map(|signal| signal.values.len());
+            let (shortest, longest) = (lengths().min().unwrap_or(0), lengths().max().unwrap_or(0));
+            if shortest < longest {
+                group.signals.iter_mut().for_each(|signal| signal.values.truncate(shortest));
+                let what = format!("a column has {shortest} values where another has {longest}");
+                self.notes.push(Warning::Incomplete { what });
+            }
+        }
+    }
+
     /// Gives every group and every signal of a group another name, and drops groups without signals.
     pub(crate) fn tidy(mut self) -> Self {
         for group in &mut self.groups {
@@ -147,6 +160,7 @@ impl Source {
             }
         }
         self.groups.retain(|group| !group.signals.is_empty());
+        self.even_lengths();
         let mut taken = HashSet::new();
         for group in &mut self.groups {
             let bare = group.name.clone();

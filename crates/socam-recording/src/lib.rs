@@ -72,6 +72,7 @@ pub use log::contents::{AttachmentInfo, LogContents};
 pub use log::names::{
     EVENT_TOPIC, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
 };
+pub use log::parse::record as parse_log_record;
 pub use log::record::{Recorder, RecordingSummary};
 pub use log::recover::{Recovered, recover};
 pub use log::sample::{Event, SampleRow, Status};

@@ -1,5 +1,7 @@
 //! Whole inputs of each parser, made by the project's own writers or taken from its own files.
 
+mod foreign;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +12,8 @@ use socam_recording::{
 use socam_wire::{
     BoardLink, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard, ToHost,
 };
+
+pub(crate) use foreign::{foreign, foreign_tables, mappings};
 
 /// The repository.
 fn root() -> PathBuf {

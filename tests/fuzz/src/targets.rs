@@ -5,6 +5,7 @@ use std::path::Path;
 use socam_calibrate::Pairs;
 use socam_core::MAX_CHANNELS;
 use socam_dashboard::document;
+use socam_import::Mapping;
 use socam_model::Model;
 use socam_recording::{
     Calibration, Dataset, LegacyLog, ProfileFile, Recovered, Selection, Steady, read_attachments, recover,
@@ -18,11 +19,14 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 15] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
     Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
     Target { name: "steady", extension: "csv", parse: steady, seeds: seeds::steady_states },
+    Target { name: "foreign", extension: "bin", parse: foreign, seeds: seeds::foreign },
+    Target { name: "foreign-table", extension: "csv", parse: foreign, seeds: seeds::foreign_tables },
+    Target { name: "mapping", extension: "toml", parse: mapping, seeds: seeds::mappings },
     Target { name: "legacy", extension: "m", parse: legacy, seeds: seeds::legacy_logs },
     Target { name: "pairs", extension: "csv", parse: pairs, seeds: seeds::pairs },
     Target { name: "model", extension: "toml", parse: model, seeds: seeds::models },
@@ -82,6 +86,21 @@ fn log(input: Input<'_>) -> bool {
 
 fn csv(input: Input<'_>) -> bool {
     opened(input.path).is_some_and(|data| load(&data))
+}
+
+/// What a file of another program proposes is a mapping once its units are known, and the file is read by it in the end or refused.
+fn foreign(input: Input<'_>) -> bool {
+    let Ok(proposal) = socam_import::propose(input.path) else { return false };
+    let complete = proposal.text.replace("\"?\"", "\"1\"").replace("rate_Hz = \"1\"", "rate_Hz = 1");
+    let complete = complete.replace("counts_per_turn = \"1\"", "counts_per_turn = 1");
+    let mapping = Mapping::parse(&complete);
+    let mapping = mapping.unwrap_or_else(|error| panic!("a proposal is no mapping: {error}\n{complete}"));
+    let imported = socam_import::import(&Selection::whole(input.path), &mapping);
+    imported.is_ok_and(|imported| load(&imported.data))
+}
+
+fn mapping(input: Input<'_>) -> bool {
+    std::str::from_utf8(input.bytes).is_ok_and(|text| Mapping::parse(text).is_ok())
 }
 
 /// Every row has a value or an empty cell for each channel.

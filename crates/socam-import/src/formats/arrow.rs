@@ -1,7 +1,7 @@
 //! Arrow files (Feather) and streams.
 
-use std::fs::File;
-use std::io::BufReader;
+mod messages;
+
 use std::path::Path;
 
 use arrow_array::cast::AsArray;
@@ -11,37 +11,19 @@ use arrow_array::types::{
     TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type,
     UInt32Type, UInt64Type,
 };
-use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
-use arrow_ipc::reader::{FileReader, StreamReader};
-use arrow_schema::{ArrowError, DataType, Field, SchemaRef, TimeUnit};
+use arrow_array::{Array, ArrowPrimitiveType};
+use arrow_schema::{DataType, Field, TimeUnit};
 
+use messages::Messages;
 use socam_recording::Warning;
 
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
 
-pub(super) fn read_file(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
-    let reader = FileReader::try_new(BufReader::new(file), None).map_err(|error| damaged(path, &error))?;
-    read(path, wanted, reader.schema(), reader)
-}
-
-pub(super) fn read_stream(path: &Path, wanted: &Wanted) -> Result<Source> {
-    let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
-    let reader = StreamReader::try_new(BufReader::new(file), None).map_err(|error| damaged(path, &error))?;
-    read(path, wanted, reader.schema(), reader)
-}
-
-fn damaged(path: &Path, error: &ArrowError) -> ImportError {
-    ImportError::damaged(path, error)
-}
-
-fn read(
-    path: &Path,
-    wanted: &Wanted,
-    schema: SchemaRef,
-    batches: impl Iterator<Item = Result<RecordBatch, ArrowError>>,
-) -> Result<Source> {
+pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
+    let bytes = std::fs::read(path).map_err(|error| ImportError::io(path, error))?;
+    let mut messages = Messages::open(bytes).map_err(|problem| ImportError::damaged(path, problem))?;
+    let schema = messages.schema.clone();
     let mut notes = Vec::new();
     let mut columns = Vec::new();
     for (index, field) in schema.fields().iter().enumerate() {
@@ -55,15 +37,24 @@ fn read(
             }
         }
     }
+    let taken: Vec<usize> = columns.iter().map(|(index, ..)| *index).collect();
     let mut rows = 0;
-    for batch in batches {
-        let batch = batch.map_err(|error| damaged(path, &error))?;
-        for (index, _, floats, integers) in &mut columns {
-            append(batch.column(*index).as_ref(), floats, integers);
-        }
-        rows += batch.num_rows();
-        if rows >= wanted.most_rows {
-            break;
+    while rows < wanted.most_rows {
+        match messages.rows(&taken) {
+            Ok(None) => break,
+            Ok(Some(batch)) => {
+                for ((.., floats, integers), column) in columns.iter_mut().zip(batch.columns()) {
+                    append(column.as_ref(), floats, integers);
+                }
+                rows += batch.num_rows();
+            }
+            // Rows before a damaged batch are good.
+            Err(problem) if rows > 0 => {
+                notes
+                    .push(Warning::Incomplete { what: format!("rows after {rows} are missing ({problem})") });
+                break;
+            }
+            Err(problem) => return Err(ImportError::damaged(path, problem)),
         }
     }
     let signal = |(index, kind, floats, integers): (usize, Number, Vec<f64>, Vec<Option<i64>>)| {

@@ -7,7 +7,6 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use mcap::McapError;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcapdecode_core::{MessageDecoder, TopicDecoder};
@@ -15,7 +14,7 @@ use mcapdecode_protobuf::ProtobufDecoder;
 use mcapdecode_ros2idl::Ros2IdlDecoder;
 use mcapdecode_ros2msg::Ros2MsgDecoder;
 
-use socam_recording::Warning;
+use socam_recording::{Warning, parse_log_record};
 
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
@@ -87,19 +86,26 @@ enum Decoder {
 }
 
 impl Log<'_> {
-    fn read(&mut self, mut file: impl Read) -> Result<(), McapError> {
+    fn read(&mut self, mut file: impl Read) -> Result<(), String> {
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_skip_end_magic(true)
             .with_record_length_limit(LONGEST_RECORD);
         let mut reader = LinearReader::new_with_options(options);
         while let Some(event) = reader.next_event() {
-            match event? {
+            match event.map_err(|error| error.to_string())? {
+                // The reader asks for as many bytes as a damaged length says.
+                LinearReadEvent::ReadRequest(need) if need > LONGEST_RECORD => {
+                    return Err(format!("a record of {need} bytes is announced"));
+                }
                 LinearReadEvent::ReadRequest(need) => {
-                    let read = file.read(reader.insert(need))?;
+                    let read = file.read(reader.insert(need)).map_err(|error| error.to_string())?;
                     reader.notify_read(read);
                 }
-                LinearReadEvent::Record { opcode, data } => self.record(mcap::parse_record(opcode, data)?),
+                LinearReadEvent::Record { opcode, data } => {
+                    let record = parse_log_record(opcode, data).ok_or("a record is damaged")?;
+                    self.record(record);
+                }
             }
         }
         Ok(())

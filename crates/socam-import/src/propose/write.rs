@@ -40,7 +40,7 @@ pub(super) fn mapping(
     }
     if !left.is_empty() {
         text.push_str("\n# Not proposed as channels:\n");
-        left.iter().for_each(|signal| text.push_str(&format!("#   {}\n", signal.replace(['\n', '\r'], " "))));
+        left.iter().for_each(|signal| text.push_str(&format!("#   {}\n", comment(signal))));
     }
     text
 }
@@ -90,7 +90,7 @@ fn clock(text: &mut String, source: &Source, clock: &ProposedClock) {
         text.push_str("stamps = \"jitter\"   # stamps repeat: they are coarser than the sampling\n");
     }
     if let Some((offset_s, why)) = &clock.offset {
-        let _ = writeln!(text, "# offset_s = {offset_s:.6}   # {why}");
+        let _ = writeln!(text, "# offset_s = {offset_s:.6}   # {}", comment(why));
     }
 }
 
@@ -105,7 +105,7 @@ fn channel(text: &mut String, proposed: &Proposed) {
             text.push_str("unit = \"counts\"\ncounts_per_turn = \"?\"   # or counts_per_m; after four-fold decoding, if there is one\n");
         }
         None => {
-            let guess = proposed.guess.trim_start_matches(',').replace(['\n', '\r'], " ");
+            let guess = comment(proposed.guess.trim_start_matches(','));
             let _ = writeln!(
                 text,
                 "unit = \"?\"   # not stated in the file:{}",
@@ -121,6 +121,11 @@ fn channel(text: &mut String, proposed: &Proposed) {
         };
         let _ = writeln!(text, "# in the file from {low} to {high}{missing}");
     }
+}
+
+/// What may stand in a comment: names come from strangers.
+fn comment(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A string of TOML.

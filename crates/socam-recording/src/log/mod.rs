@@ -13,7 +13,7 @@ mod inflate;
 mod landmark;
 pub(crate) mod names;
 mod order;
-mod parse;
+pub(crate) mod parse;
 mod queue;
 pub(crate) mod record;
 mod records;

@@ -2,8 +2,9 @@
 
 use mcap::records::{Record, op};
 
-/// A record; `None` when it is damaged.
-pub(crate) fn record(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
+/// A record of an MCAP log; `None` when it is damaged.
+#[must_use]
+pub fn record(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
     let after_texts = texts(opcode, body)?;
     // mcap 0.26 panics at an attachment without room for the length of its data and its checksum (read.rs, line 176).
     if opcode == op::ATTACHMENT && after_texts.len() < 12 {
