@@ -9,6 +9,7 @@ mod board_safety;
 mod browser;
 mod catalogue;
 mod challenge;
+mod compare;
 mod core_on_board;
 mod dependencies;
 mod diagnose;

@@ -76,6 +76,17 @@ pub(crate) struct Args {
     progress: bool,
 }
 
+/// Diagnoses one recording with all other options at their defaults, and prints the result as text.
+pub(super) fn of_one(recording: &str, model: &str) -> anyhow::Result<Outcome> {
+    #[derive(clap::Parser)]
+    struct Alone {
+        #[command(flatten)]
+        args: Args,
+    }
+    let alone = <Alone as clap::Parser>::try_parse_from(["diagnose", recording, "--model", model])?;
+    run(alone.args)
+}
+
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
     model_file::set(&mut model, &args.fix, true)?;

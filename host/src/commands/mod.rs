@@ -3,6 +3,7 @@
 mod calibrate;
 mod challenge;
 mod check;
+mod compare;
 mod completions;
 #[cfg(feature = "dashboard")]
 mod dashboard;
@@ -78,6 +79,7 @@ commands! {
     Export => export,
     Identify => identify,
     Diagnose => diagnose,
+    Compare => compare,
     Calibrate => calibrate,
     Efficiency => efficiency,
     Design => design,

@@ -1,0 +1,371 @@
+//! One channel: how large its error is, and what it follows.
+
+use serde::Serialize;
+use socam_recording::Unit;
+
+use crate::error::Result;
+use crate::pair::{Motion, Pair, Pairing, derivative, interpolated};
+use crate::regression;
+use crate::spectrum::{Spectra, spectra};
+
+/// Periods of a recording that are looked at one by one.
+const PERIODS: usize = 50;
+/// A period stands out where its error is so many times the median.
+const OUTSTANDING: f64 = 2.0;
+/// Bins of speed.
+const BINS: usize = 40;
+/// Largest delay that is looked for, as a share of the recording and in seconds.
+const LARGEST_DELAY: (f64, f64) = (0.1, 0.5);
+/// Share of the largest speed over which the sign of a speed is smoothed.
+const SIGN_WIDTH: f64 = 0.002;
+
+/// The law of an offset.
+pub(crate) const CONSTANT: &str = "a constant";
+
+/// A number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The number.
+    pub value: f64,
+    /// Its interval.
+    pub ci95: [f64; 2],
+}
+
+impl Estimate {
+    fn new(value: f64, half_width: f64) -> Self {
+        Self { value, ci95: [value - half_width, value + half_width] }
+    }
+
+    /// Whether the interval leaves out a value.
+    #[must_use]
+    pub fn excludes(&self, value: f64) -> bool {
+        value < self.ci95[0] || value > self.ci95[1]
+    }
+}
+
+/// What an error follows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Law {
+    /// What it is a function of, in words.
+    pub of: String,
+    /// Factor, in the channel's unit per unit of what it follows.
+    pub factor: Estimate,
+    /// Unit of the factor.
+    pub unit: String,
+    /// Share of the error's power that nothing else here explains.
+    pub share: f64,
+    /// Probability of this by chance, corrected for the number of tests.
+    pub p_value: f64,
+}
+
+/// A span of time in which the error stands out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Period {
+    /// Where it begins and ends, s.
+    pub time_s: [f64; 2],
+    /// Root mean square of the error in it.
+    pub rms: f64,
+}
+
+/// One channel of a recording beside its simulation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelComparison {
+    /// Name of the measured channel.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Standard deviation of the measurement.
+    pub measured_std: f64,
+    /// Root mean square of measured minus simulated.
+    pub error_rms: f64,
+    /// The same, divided by the standard deviation.
+    pub error_share: f64,
+    /// Whether the error depends on the simulated motion, so that it is no noise.
+    pub differs: bool,
+    /// Smallest probability among the tests, corrected for their number.
+    pub p_value: f64,
+    /// Seconds by which the simulation is early: the recording follows it by so much.
+    pub delay_s: Option<Estimate>,
+    /// Measured divided by simulated.
+    pub gain: Option<Estimate>,
+    /// Measured minus simulated, constant part.
+    pub offset: Option<Estimate>,
+    /// Root mean square of the error without delay, gain and offset.
+    pub error_rms_without: f64,
+    /// Share of the error's power that any linear filter of the simulation explains: a wrong stiffness, inertia, damping or delay.
+    pub linear_share: f64,
+    /// Functions of the simulated motion that the error follows, strongest first.
+    pub laws: Vec<Law>,
+    /// Narrowest band with half of the error's power, Hz.
+    pub half_power_hz: [f64; 2],
+    /// Spans of time in which the error stands out.
+    pub periods: Vec<Period>,
+    /// Error over the simulated speed, bin by bin.
+    pub over_speed: Option<OverSpeed>,
+    #[serde(skip)]
+    pub(crate) drawn: Drawn,
+}
+
+/// Error over speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OverSpeed {
+    /// The channel that gives the speed.
+    pub channel: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Middle of each bin.
+    pub speed: Vec<f64>,
+    /// Mean error.
+    pub mean: Vec<f64>,
+    /// Standard deviation within the bin.
+    pub std: Vec<f64>,
+}
+
+/// What pictures show.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Drawn {
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) measured: Vec<f64>,
+    pub(crate) simulated: Vec<f64>,
+    pub(crate) spectra: Spectra,
+}
+
+pub(crate) fn compare(
+    pair: &Pair,
+    pairing: &Pairing,
+    motion: Option<&Motion>,
+    level: f64,
+) -> Result<ChannelComparison> {
+    let time_s = &pairing.time_s;
+    let error: Vec<f64> = pair.measured.iter().zip(&pair.simulated).map(|(a, b)| a - b).collect();
+    let spectra = spectra(pairing.step_s, &pair.measured, &pair.simulated);
+    let measured_std = std(&pair.measured);
+    let error_rms = rms(&error);
+    let matched = Matched::of(pair, time_s, pairing.step_s);
+    let laws = laws(pair, time_s.len(), &error, motion, level);
+    let tests = (laws.len() + 1) as f64;
+    let mut p_value = (spectra.p_value() * tests).min(1.0);
+    p_value = laws.iter().map(|law| law.p_value).fold(p_value, f64::min);
+    let mut laws: Vec<Law> = laws.into_iter().filter(|law| law.p_value < level && law.share > 1e-3).collect();
+    laws.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Ok(ChannelComparison {
+        name: pair.channel.name.clone(),
+        unit: pair.channel.unit.symbol(),
+        measured_std,
+        error_rms,
+        error_share: if measured_std > 0.0 { error_rms / measured_std } else { f64::INFINITY },
+        differs: p_value < level,
+        p_value,
+        delay_s: matched.as_ref().map(|m| m.delay_s),
+        gain: matched.as_ref().map(|m| m.gain),
+        offset: matched.as_ref().map(|m| m.offset),
+        error_rms_without: matched.as_ref().map_or(error_rms, |m| m.rms),
+        linear_share: spectra.linear_share(),
+        laws,
+        half_power_hz: spectra.half_power_hz(),
+        periods: periods(time_s, &error),
+        over_speed: motion.map(|motion| over_speed(motion, &error)),
+        drawn: Drawn {
+            time_s: time_s.clone(),
+            measured: pair.measured.clone(),
+            simulated: pair.simulated.clone(),
+            spectra,
+        },
+    })
+}
+
+fn rms(values: &[f64]) -> f64 {
+    let held = values.iter().filter(|value| value.is_finite());
+    let (sum, count) = held.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
+fn std(values: &[f64]) -> f64 {
+    let held = || values.iter().filter(|value| value.is_finite());
+    let mean = held().sum::<f64>() / held().count().max(1) as f64;
+    rms(&values.iter().map(|value| value - mean).collect::<Vec<_>>())
+}
+
+/// Delay, gain and offset with which the simulation is nearest to the measurement.
+struct Matched {
+    delay_s: Estimate,
+    gain: Estimate,
+    offset: Estimate,
+    rms: f64,
+}
+
+impl Matched {
+    fn of(pair: &Pair, time_s: &[f64], step_s: f64) -> Option<Self> {
+        let span_s = time_s.last()? - time_s.first()?;
+        let mut delay_s = coarse_delay(pair, step_s, (LARGEST_DELAY.0 * span_s).min(LARGEST_DELAY.1));
+        let mut result = None;
+        for _ in 0..6 {
+            let moved: Vec<f64> = time_s.iter().map(|time| time - delay_s).collect();
+            let simulated = interpolated(&moved, time_s, &pair.simulated);
+            let slope = derivative(time_s, &simulated);
+            let columns = [vec![1.0; time_s.len()], simulated, slope];
+            let fit = regression::fit(&pair.measured, &columns)?;
+            let gain = fit.coefficients[1];
+            if gain.abs() < 1e-3 {
+                return None;
+            }
+            let change_s = -fit.coefficients[2] / gain;
+            delay_s += change_s;
+            let width = |index: usize| fit.half_width(index);
+            result = Some(Self {
+                delay_s: Estimate::new(delay_s, width(2) / gain.abs()),
+                gain: Estimate::new(gain, width(1)),
+                offset: Estimate::new(fit.coefficients[0], width(0)),
+                rms: rms(&pair.measured) * (1.0 - fit.explained).max(0.0).sqrt(),
+            });
+            if !(change_s.abs() > 1e-3 * step_s) {
+                break;
+            }
+        }
+        result.filter(|matched| matched.delay_s.value.abs() < span_s)
+    }
+}
+
+/// The whole number of steps, as seconds, at which the two are most correlated.
+fn coarse_delay(pair: &Pair, step_s: f64, largest_s: f64) -> f64 {
+    let most = ((largest_s / step_s) as isize).min(pair.measured.len() as isize / 2);
+    let centre = |values: &[f64]| {
+        let held: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let mean = held.iter().sum::<f64>() / held.len().max(1) as f64;
+        values.iter().map(|value| if value.is_finite() { value - mean } else { 0.0 }).collect::<Vec<f64>>()
+    };
+    let (measured, simulated) = (centre(&pair.measured), centre(&pair.simulated));
+    let at = |shift: isize| {
+        let (from, to) = (shift.max(0) as usize, (-shift).max(0) as usize);
+        let (a, b) = (&measured[from..], &simulated[to..]);
+        let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        product / a.len().min(b.len()) as f64
+    };
+    let stride = (most / 250).max(1);
+    let coarse =
+        (-most / stride..=most / stride).map(|k| k * stride).max_by(|a, b| at(*a).total_cmp(&at(*b)));
+    let coarse = coarse.unwrap_or(0);
+    let fine = (coarse - stride..=coarse + stride).max_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap_or(coarse);
+    step_s * fine as f64
+}
+
+/// Regressions of the error on functions of the simulated motion; `p_value` is corrected for their number and the coherence's.
+fn laws(pair: &Pair, rows: usize, error: &[f64], motion: Option<&Motion>, level: f64) -> Vec<Law> {
+    let unit = pair.channel.unit;
+    let symbol = unit.symbol();
+    let mut named = vec![(CONSTANT.to_owned(), symbol.to_owned(), vec![1.0; rows])];
+    let is_effort = matches!(unit, Unit::Nm | Unit::N);
+    match motion {
+        Some(motion) => {
+            let largest =
+                motion.speed.iter().filter(|v| v.is_finite()).fold(0.0_f64, |most, v| most.max(v.abs()));
+            let width = (SIGN_WIDTH * largest).max(f64::MIN_POSITIVE);
+            let name = &motion.name;
+            let per = |power: &str| format!("{symbol} per {}{power}", motion.unit.symbol());
+            let speed = || motion.speed.iter();
+            named.push((
+                format!("the sign of {name}"),
+                symbol.into(),
+                speed().map(|v| (v / width).tanh()).collect(),
+            ));
+            if is_effort || pair.channel.name != *name {
+                named.push((name.clone(), per(""), motion.speed.clone()));
+            }
+            if is_effort {
+                named.push((
+                    format!("{name} squared"),
+                    per(" squared"),
+                    speed().map(|v| v * v.abs()).collect(),
+                ));
+            }
+            if !is_effort {
+                named.push((format!("{} itself", pair.channel.name), "1".into(), pair.simulated.clone()));
+            }
+        }
+        None => named.push((format!("{} itself", pair.channel.name), "1".into(), pair.simulated.clone())),
+    }
+    // Each function is tested beside those before it: a constant explains what a speed that hardly changes would explain too. Functions
+    // that say the same as those before them, such as the sign of a speed that never changes, are left out.
+    let tests = (named.len() + 1) as f64;
+    let (mut columns, mut tested) = (Vec::new(), Vec::new());
+    for (of, symbol, column) in named {
+        columns.push(column);
+        match regression::fit(error, &columns) {
+            Some(fit) => tested.push((of, symbol, (fit.p_value(columns.len() - 1) * tests).min(1.0))),
+            None => drop(columns.pop()),
+        }
+    }
+    // Sizes are those beside the others that are there.
+    let is_there = |p_value: f64| p_value < level;
+    let kept: Vec<Vec<f64>> = columns
+        .into_iter()
+        .zip(&tested)
+        .filter(|(_, (.., p))| is_there(*p))
+        .map(|(column, _)| column)
+        .collect();
+    let fit = regression::fit(error, &kept);
+    let mut index = 0;
+    let law = |(of, unit, p_value): (String, String, f64)| {
+        let fit = fit.as_ref().filter(|_| is_there(p_value));
+        let (factor, share) = fit.map_or((Estimate::new(0.0, f64::INFINITY), 0.0), |fit| {
+            index += 1;
+            (Estimate::new(fit.coefficients[index - 1], fit.half_width(index - 1)), fit.shares[index - 1])
+        });
+        Law { of, factor, unit, share, p_value }
+    };
+    tested.into_iter().map(law).collect()
+}
+
+/// Neighbouring spans of time whose error is far above the median.
+fn periods(time_s: &[f64], error: &[f64]) -> Vec<Period> {
+    let n = time_s.len();
+    let span = |k: usize| (k * n / PERIODS, (k + 1) * n / PERIODS);
+    let each: Vec<f64> = (0..PERIODS).map(|k| rms(&error[span(k).0..span(k).1])).collect();
+    let mut sorted = each.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[PERIODS / 2];
+    let mut periods: Vec<(usize, usize)> = Vec::new();
+    for (k, rms) in each.iter().enumerate() {
+        if *rms <= OUTSTANDING * median {
+            continue;
+        }
+        match periods.last_mut() {
+            Some((_, end)) if *end == k => *end = k + 1,
+            _ => periods.push((k, k + 1)),
+        }
+    }
+    let period = |(from, to): (usize, usize)| {
+        let (first, last) = (span(from).0, span(to - 1).1);
+        Period { time_s: [time_s[first], time_s[last - 1]], rms: rms(&error[first..last]) }
+    };
+    let mut periods: Vec<Period> = periods.into_iter().map(period).collect();
+    periods.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+    periods.truncate(3);
+    periods
+}
+
+fn over_speed(motion: &Motion, error: &[f64]) -> OverSpeed {
+    let held = || motion.speed.iter().zip(error).filter(|(v, e)| v.is_finite() && e.is_finite());
+    let (low, high) =
+        held().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (v, _)| (l.min(*v), h.max(*v)));
+    let width = (high - low) / BINS as f64;
+    let mut sums = vec![[0.0; 3]; BINS];
+    for (v, e) in held() {
+        let bin = (((v - low) / width) as usize).min(BINS - 1);
+        sums[bin].iter_mut().zip([1.0, *e, e * e]).for_each(|(sum, part)| *sum += part);
+    }
+    let mut over = OverSpeed {
+        channel: motion.name.clone(),
+        unit: motion.unit.symbol(),
+        speed: Vec::new(),
+        mean: Vec::new(),
+        std: Vec::new(),
+    };
+    for (bin, [count, sum, squares]) in sums.into_iter().enumerate().filter(|(_, [count, ..])| *count >= 5.0)
+    {
+        over.speed.push(low + (bin as f64 + 0.5) * width);
+        over.mean.push(sum / count);
+        over.std.push((squares / count - (sum / count).powi(2)).max(0.0).sqrt());
+    }
+    over
+}

@@ -1,0 +1,95 @@
+//! A recording beside the output of a simulator, without a model: where, when, at which speed and frequency they part.
+//!
+//! The error of a channel is its measurement minus its simulation. Whether there is one is tested without any knowledge of the sensor's
+//! noise: noise is independent of the simulated motion, whatever its spectrum, and an error of a simulator is not. Tests are the coherence
+//! of the error with the simulated channel and regressions of it on functions of the simulated motion, whose variances come from blocks of
+//! the recording; their levels add up to [`Options::false_alarm_rate`].
+
+mod channel;
+mod error;
+mod page;
+mod pair;
+mod regression;
+mod spectrum;
+mod words;
+
+pub use channel::{ChannelComparison, Estimate, Law, Period};
+pub use error::{CompareError, Result};
+pub use page::page;
+pub use pair::{Pairing, pair};
+pub use words::sentences;
+
+use serde::Serialize;
+
+/// How a comparison is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Probability that a difference is reported of a simulation that is right.
+    pub false_alarm_rate: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { false_alarm_rate: 0.01 }
+    }
+}
+
+/// A recording beside a simulation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Always `socam.compare/1`.
+    pub schema: &'static str,
+    /// Name of the recording.
+    pub recording: String,
+    /// Name of the simulation.
+    pub simulation: String,
+    /// `agree` where no channel differs, else `differ`.
+    pub verdict: Verdict,
+    /// Probability that `differ` is said of a simulation that is right.
+    pub false_alarm_rate: f64,
+    /// Common span of time, s.
+    pub time_s: [f64; 2],
+    /// Common rows.
+    pub rows: usize,
+    /// Channels, the largest error beside its signal first.
+    pub channels: Vec<ChannelComparison>,
+    /// What was left aside or is worth knowing.
+    pub warnings: Vec<String>,
+}
+
+/// Whether a simulation differs from a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// No error was found.
+    Agree,
+    /// An error was found in at least one channel.
+    Differ,
+}
+
+/// Compares channels that were paired.
+///
+/// # Errors
+/// [`CompareError`] where too few rows are common.
+pub fn compare(pairing: &Pairing, options: &Options) -> Result<Comparison> {
+    let level = options.false_alarm_rate / pairing.channels.len().max(1) as f64;
+    let motion = pairing.motion();
+    let each =
+        pairing.channels.iter().map(|channel| channel::compare(channel, pairing, motion.as_ref(), level));
+    let mut channels = each.collect::<Result<Vec<_>>>()?;
+    channels.sort_by(|a, b| b.differs.cmp(&a.differs).then(b.error_share.total_cmp(&a.error_share)));
+    let differs = channels.iter().any(|channel| channel.differs);
+    let [first, last] =
+        [pairing.time_s.first(), pairing.time_s.last()].map(|time| time.copied().unwrap_or(0.0));
+    Ok(Comparison {
+        schema: "socam.compare/1",
+        recording: pairing.recording.clone(),
+        simulation: pairing.simulation.clone(),
+        verdict: if differs { Verdict::Differ } else { Verdict::Agree },
+        false_alarm_rate: options.false_alarm_rate,
+        time_s: [first, last],
+        rows: pairing.time_s.len(),
+        channels,
+        warnings: pairing.warnings.clone(),
+    })
+}
