@@ -218,7 +218,7 @@ impl Matched {
                 offset: Estimate::new(fit.coefficients[0], width(0)),
                 rms: rms(&pair.measured) * (1.0 - fit.explained).max(0.0).sqrt(),
             });
-            if !(change_s.abs() > 1e-3 * step_s) {
+            if change_s.is_nan() || change_s.abs() <= 1e-3 * step_s {
                 break;
             }
         }

@@ -35,7 +35,7 @@ pub(crate) fn fit(target: &[f64], columns: &[Vec<f64>]) -> Option<Fit> {
     let size =
         |column: &Vec<f64>| (rows.iter().map(|row| column[*row].powi(2)).sum::<f64>() / n as f64).sqrt();
     let sizes: Vec<f64> = columns.iter().map(size).collect();
-    if sizes.iter().any(|size| *size == 0.0) {
+    if sizes.contains(&0.0) {
         return None;
     }
     let x = DMatrix::from_fn(n, p, |row, column| columns[column][rows[row]] / sizes[column]);
