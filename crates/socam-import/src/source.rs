@@ -155,7 +155,7 @@ impl Source {
                 let mut count = 1;
                 while !taken.insert(signal.name.clone()) {
                     count += 1;
-                    signal.name = format!("{bare} ({count})");
+                    signal.name = format!("{bare} #{count}");
                 }
             }
         }
@@ -167,7 +167,7 @@ impl Source {
             let mut count = 1;
             while !taken.insert(group.name.clone()) {
                 count += 1;
-                group.name = format!("{bare} ({count})");
+                group.name = format!("{bare} #{count}");
             }
         }
         self

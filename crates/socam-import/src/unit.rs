@@ -227,8 +227,9 @@ pub fn in_name(name: &str) -> (String, Option<String>) {
 fn ends(name: &str) -> impl Iterator<Item = (&str, &str)> {
     let spaced = [" / ", ", ", " in "].into_iter().filter_map(move |mark| name.split_once(mark));
     let under = name.match_indices(['_', ' ']).map(move |(at, mark)| (&name[..at], &name[at + mark.len()..]));
-    // `torque_in`, `x_min` and `run_1` end in words and numbers, not in inches, minutes and a unit.
-    let is_word = |unit: &str| matches!(unit, "in" | "min" | "h" | "U" | "1" | "-" | "turn" | "turns");
+    // `torque_in`, `x_min`, `run_1` and `u_m` (of the motor) end in words, numbers and indices; seconds are the exception.
+    let is_word =
+        |unit: &str| matches!(unit, "in" | "min" | "turn" | "turns") || (unit.len() == 1 && unit != "s");
     spaced.chain(under).filter(move |(bare, unit)| !bare.is_empty() && !unit.is_empty() && !is_word(unit))
 }
 
@@ -273,6 +274,8 @@ mod tests {
             ("pos_deg", "pos", Some("deg")),
             ("motor_speed_rad_s", "motor_speed", Some("rad_s")),
             ("torque_in", "torque_in", None),
+            ("u_m", "u_m", None),
+            ("t_s", "t", Some("s")),
             ("kp_1", "kp_1", None),
             ("Drehmoment [Nm]", "Drehmoment", Some("Nm")),
             ("x [furlong]", "x", Some("furlong")),

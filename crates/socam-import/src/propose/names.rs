@@ -70,6 +70,12 @@ pub(super) fn guess(name: &str, stated: Option<&str>, signal: &Signal) -> String
     if let Some(hint) = signal.hint {
         return format!(", {hint}");
     }
+    // socam's own columns end in such letters.
+    let letter =
+        name.rsplit_once('_').map(|(_, end)| end).filter(|end| end.len() == 1 && unit::parse(end).is_some());
+    if let Some(letter) = letter {
+        return format!(", perhaps \"{letter}\", unless the end of its name is an index");
+    }
     let small = channel(name);
     let words: Vec<&str> =
         small.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit())).collect();
