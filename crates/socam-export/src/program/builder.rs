@@ -1,0 +1,380 @@
+//! Builds the assignments in the order in which they need one another.
+
+use socam_model::{Quantity, Site, effects::Acts};
+
+use super::{Assignment, Line, Program, State, Unknown, has_angle_state};
+use crate::{
+    description::{Description, Kind, Lever},
+    error::ExportError,
+    formula::Formula,
+};
+
+pub(super) struct Builder<'d, 'm> {
+    pub(super) d: &'d mut Description<'m>,
+    pub(super) lines: Vec<Line>,
+    pub(super) states: Vec<State>,
+    /// Angle, speed and torque of each coordinate.
+    angle: Vec<String>,
+    speed: Vec<String>,
+    torque: Vec<Vec<Formula>>,
+    /// Torque through each spring, to be replaced as laws are added.
+    pub(super) through: Vec<String>,
+    /// Identifiers of the states of each effect.
+    pub(super) own_states: Vec<Vec<String>>,
+    pub(super) changes: Vec<(usize, String)>,
+}
+
+pub(super) fn name(text: &str) -> Formula {
+    Formula::Name(text.to_owned())
+}
+
+pub(super) fn times(a: Formula, b: Formula) -> Formula {
+    Formula::Binary('*', Box::new(a), Box::new(b))
+}
+
+pub(super) fn plus(a: Formula, b: Formula) -> Formula {
+    Formula::Binary('+', Box::new(a), Box::new(b))
+}
+
+pub(super) fn minus(a: Formula, b: Formula) -> Formula {
+    Formula::Binary('-', Box::new(a), Box::new(b))
+}
+
+pub(super) fn over(a: Formula, b: Formula) -> Formula {
+    Formula::Binary('/', Box::new(a), Box::new(b))
+}
+
+/// A sum, where a negative term is subtracted; zero if there is none.
+pub(super) fn sum(terms: Vec<Formula>) -> Formula {
+    let mut terms = terms.into_iter();
+    let Some(first) = terms.next() else { return Formula::Number(0.0) };
+    terms.fold(first, |sum, term| match term {
+        Formula::Negative(inner) => minus(sum, *inner),
+        term => plus(sum, term),
+    })
+}
+
+pub(super) fn negative(formula: Formula) -> Formula {
+    match formula {
+        Formula::Negative(inner) => *inner,
+        formula => Formula::Negative(Box::new(formula)),
+    }
+}
+
+impl<'d, 'm> Builder<'d, 'm> {
+    pub(super) fn new(d: &'d mut Description<'m>) -> Self {
+        let count = d.coordinates.len();
+        let of = |d: &Description<'_>, index: usize| d.points[d.coordinates[index].node].name.clone();
+        let mut identifiers = |prefix: &str| -> Vec<String> {
+            (0..count)
+                .map(|index| {
+                    let wanted = format!("{prefix}_{}", of(d, index));
+                    d.names.unique(&wanted)
+                })
+                .collect()
+        };
+        let (angle, speed) = (identifiers("q"), identifiers("v"));
+        let through = d.springs.clone();
+        let through = through.iter().map(|spring| d.names.unique(&format!("torque_{spring}"))).collect();
+        Self {
+            lines: Vec::new(),
+            states: Vec::new(),
+            angle,
+            speed,
+            torque: vec![Vec::new(); count],
+            through,
+            own_states: Vec::new(),
+            changes: Vec::new(),
+            d,
+        }
+    }
+
+    pub(super) fn parameter(&self, index: usize) -> Formula {
+        name(&self.d.parameters[index].identifier)
+    }
+
+    pub(super) fn comment(&mut self, words: impl Into<String>) {
+        self.lines.push(Line::Comment(words.into()));
+    }
+
+    pub(super) fn assign(&mut self, name: &str, formula: Formula) {
+        self.lines.push(Line::Assignment(Assignment { name: name.to_owned(), formula }));
+    }
+
+    /// `formula` times a lever.
+    fn by_lever(&self, formula: Formula, lever: &Lever) -> Formula {
+        lever.factors.iter().fold(formula, |product, (ratio, divides)| {
+            if *divides {
+                over(product, self.parameter(*ratio))
+            } else {
+                times(product, self.parameter(*ratio))
+            }
+        })
+    }
+
+    /// Adds a torque on a node to its coordinate's.
+    pub(super) fn push(&mut self, node: usize, torque: Formula) {
+        let point = &self.d.points[node];
+        let (coordinate, lever) = (point.coordinate, point.lever.clone());
+        let scaled = match torque {
+            Formula::Negative(inner) => negative(self.by_lever(*inner, &lever)),
+            torque => self.by_lever(torque, &lever),
+        };
+        self.torque[coordinate].push(scaled);
+    }
+
+    pub(super) fn program(mut self) -> Result<Program, ExportError> {
+        self.nodes()?;
+        self.springs()?;
+        self.bearings();
+        self.inputs()?;
+        self.node_laws()?;
+        let unknowns = self.balances();
+        let outputs = self.outputs()?;
+        Ok(Program { states: self.states, unknowns, lines: self.lines, outputs, changes: self.changes })
+    }
+
+    /// Angles and speeds of nodes, and the states of coordinates.
+    fn nodes(&mut self) -> Result<(), ExportError> {
+        for index in 0..self.d.coordinates.len() {
+            let coordinate = &self.d.coordinates[index];
+            if has_angle_state(coordinate.kind) {
+                let meaning = format!("angle of {}", self.d.points[coordinate.node].name);
+                let rate = name(&self.speed[index]);
+                self.states.push(State { name: self.angle[index].clone(), meaning, rate });
+            }
+        }
+        for used in 0..self.d.model.effects.len() {
+            let count =
+                self.d.model.effects[used].effect.laws().iter().filter(|law| law.acts == Acts::State).count();
+            let wanted = format!("state_{}", self.d.effects[used]);
+            let own = (0..count).map(|_| self.d.names.unique(&wanted)).collect();
+            self.own_states.push(own);
+        }
+        self.prescribed()?;
+        self.comment("motion of the nodes");
+        for node in 0..self.d.points.len() {
+            let point = &self.d.points[node];
+            let (angle, speed, coordinate) = (point.angle.clone(), point.speed.clone(), point.coordinate);
+            let lever = point.lever.clone();
+            let turned = self.by_lever(name(&self.angle[coordinate]), &lever);
+            self.assign(&angle, turned);
+            if self.d.coordinates[coordinate].kind != Kind::Static {
+                let turning = self.by_lever(name(&self.speed[coordinate]), &lever);
+                self.assign(&speed, turning);
+            }
+        }
+        Ok(())
+    }
+
+    /// Torques through springs.
+    fn springs(&mut self) -> Result<(), ExportError> {
+        self.comment("torques through springs");
+        for index in 0..self.d.model.springs.len() {
+            let spring = &self.d.model.springs[index];
+            let between = |from: &str, to: Option<&String>| match to {
+                Some(to) => minus(name(from), name(to)),
+                None => name(from),
+            };
+            let to = spring.to.map(|to| &self.d.points[to]);
+            let from = &self.d.points[spring.from];
+            let twist = between(&from.angle, to.map(|to| &to.angle));
+            let rate = between(&from.speed, to.map(|to| &to.speed));
+            let mut wound = twist.clone();
+            for signal in self.d.inputs.iter().filter(|signal| self.d.twisted(signal) == Some(index)) {
+                let read = name(&signal.identifier);
+                let added = self.d.gain(signal).map_or(read.clone(), |gain| times(gain, read));
+                wound = plus(wound, added);
+            }
+            let mut terms = vec![times(self.parameter(spring.stiffness), wound)];
+            if let Some(damping) = spring.damping {
+                terms.push(times(self.parameter(damping), rate.clone()));
+            }
+            let at_contact =
+                |at: Site| matches!(at, Site::Spring(own) | Site::Gear { contact: own, .. } if own == index);
+            let laws: Vec<usize> = (0..self.d.model.effects.len())
+                .filter(|used| at_contact(self.d.model.effects[*used].at))
+                .collect();
+            for used in laws {
+                let mut bound = vec![("twist", twist.clone()), ("twist_rate", rate.clone())];
+                if let Site::Gear { fast, slow, .. } = self.d.model.effects[used].at {
+                    bound.push(("angle", name(&self.d.points[fast].angle)));
+                    bound.push(("speed", name(&self.d.points[slow].speed)));
+                }
+                terms.extend(self.laws_of(used, Acts::Torque, &bound)?);
+                self.state_laws(used, &bound)?;
+            }
+            let through = self.through[index].clone();
+            self.assign(&through, sum(terms));
+            let (from, to) = (spring.from, spring.to);
+            self.push(from, negative(name(&through)));
+            if let Some(to) = to {
+                self.push(to, name(&through));
+            }
+        }
+        Ok(())
+    }
+
+    fn bearings(&mut self) {
+        for bearing in &self.d.model.bearings {
+            if let Some(damping) = bearing.damping {
+                let drag = times(self.parameter(damping), name(&self.d.points[bearing.node].speed));
+                self.push(bearing.node, negative(drag));
+            }
+        }
+        if let Some(servo) = &self.d.model.servo {
+            let point = &self.d.points[servo.node];
+            let [position, velocity, drive] =
+                [servo.position_gain, servo.velocity_gain, servo.drive_gain].map(|gain| self.parameter(gain));
+            let reference =
+                self.d.inputs.iter().find(|signal| signal.channel.quantity == Quantity::Reference);
+            let reference = reference.map_or(Formula::Number(0.0), |signal| {
+                let read = name(&signal.identifier);
+                self.d.gain(signal).map_or(read.clone(), |gain| times(gain, read))
+            });
+            let error = minus(times(position, minus(reference, name(&point.angle))), name(&point.speed));
+            let torque = self.d.names.unique(&format!("torque_{}", servo.name));
+            self.comment("torque of the servo");
+            self.assign(&torque, times(times(drive, velocity), error));
+            self.push(servo.node, name(&torque));
+            self.through.push(torque);
+        }
+    }
+
+    /// Speeds that inputs prescribe.
+    fn prescribed(&mut self) -> Result<(), ExportError> {
+        for index in 0..self.d.inputs.len() {
+            let signal = &self.d.inputs[index];
+            if signal.channel.quantity != Quantity::Speed {
+                continue;
+            }
+            let Some(node) = self.d.node(&signal.channel.at) else { continue };
+            let (coordinate, lever) = (self.d.points[node].coordinate, self.d.points[node].lever.clone());
+            let speed = self.speed[coordinate].clone();
+            let true_value = self.d.names.unique(&format!("true_{}", signal.channel.name));
+            let inverse = Lever {
+                value: 1.0 / lever.value,
+                factors: lever.factors.iter().map(|(ratio, divides)| (*ratio, !divides)).collect(),
+            };
+            // Laws at this channel may need the angle of the node, which is a state.
+            let angle = name(&self.angle[coordinate]);
+            let angle = self.by_lever(angle, &lever);
+            let read = self.true_input(index, Some(angle))?;
+            self.comment("prescribed speed");
+            self.assign(&true_value, read);
+            let motion = self.by_lever(name(&true_value), &inverse);
+            self.assign(&speed, motion);
+        }
+        Ok(())
+    }
+
+    /// Torques that inputs apply.
+    fn inputs(&mut self) -> Result<(), ExportError> {
+        for index in 0..self.d.inputs.len() {
+            let signal = &self.d.inputs[index];
+            if signal.channel.quantity != Quantity::Torque {
+                continue;
+            }
+            let Some(node) = self.d.node(&signal.channel.at) else { continue };
+            let angle = name(&self.d.points[node].angle);
+            let torque = self.true_input(index, Some(angle))?;
+            self.push(node, torque);
+        }
+        Ok(())
+    }
+
+    /// Laws at nodes and on the slow sides of gears.
+    fn node_laws(&mut self) -> Result<(), ExportError> {
+        for used in 0..self.d.model.effects.len() {
+            let effect = &self.d.model.effects[used];
+            let (node, acts, bound) = match effect.at {
+                Site::Node(node) => {
+                    let point = &self.d.points[node];
+                    (node, Acts::Torque, vec![("speed", name(&point.speed)), ("angle", name(&point.angle))])
+                }
+                Site::Gear { fast, slow, contact } => {
+                    let bound = vec![
+                        ("speed", name(&self.d.points[slow].speed)),
+                        ("angle", name(&self.d.points[fast].angle)),
+                        ("through", name(&self.through[contact])),
+                    ];
+                    (slow, Acts::Drag, bound)
+                }
+                Site::Spring(_) | Site::Channel(_) => continue,
+            };
+            if acts == Acts::Torque {
+                self.state_laws(used, &bound)?;
+            }
+            for term in self.laws_of(used, acts, &bound)? {
+                let law = self.d.names.unique(&format!("torque_{}", self.d.effects[used]));
+                let (id, place) =
+                    (self.d.model.effects[used].effect.id, self.d.model.effects[used].place.clone());
+                self.comment(format!("{id} at {place}"));
+                self.assign(&law, term);
+                self.push(node, name(&law));
+            }
+        }
+        Ok(())
+    }
+
+    /// Balances of torques: rates of the speeds, and the equations of the unknowns.
+    fn balances(&mut self) -> Vec<Unknown> {
+        let mut unknowns = Vec::new();
+        let mut massive = Vec::new();
+        self.comment("torque on each coordinate");
+        for index in 0..self.d.coordinates.len() {
+            let kind = self.d.coordinates[index].kind;
+            let node = self.d.points[self.d.coordinates[index].node].name.clone();
+            let total = self.d.names.unique(&format!("sum_{node}"));
+            let balance = sum(std::mem::take(&mut self.torque[index]));
+            if kind == Kind::Prescribed {
+                continue;
+            }
+            self.assign(&total, balance);
+            let unknown = |name: &str, meaning: String| Unknown {
+                name: name.to_owned(),
+                meaning,
+                balance: Formula::Name(total.clone()),
+            };
+            match kind {
+                Kind::Massive => massive.push((index, total)),
+                Kind::Damped => unknowns.push(unknown(&self.speed[index], format!("speed of {node}"))),
+                _ => unknowns.push(unknown(&self.angle[index], format!("angle of {node}"))),
+            }
+        }
+        for (at, (index, total)) in massive.into_iter().enumerate() {
+            let node = self.d.points[self.d.coordinates[index].node].name.clone();
+            let acceleration = self.d.names.unique(&format!("a_{node}"));
+            let inertia = self.inertia(index);
+            self.assign(&acceleration, over(name(&total), inertia));
+            let state = State {
+                name: self.speed[index].clone(),
+                meaning: format!("speed of {node}"),
+                rate: name(&acceleration),
+            };
+            let angles = self.d.coordinates.iter().filter(|own| has_angle_state(own.kind)).count();
+            self.states.insert(angles + at, state);
+        }
+        unknowns
+    }
+
+    /// Inertia of a coordinate.
+    fn inertia(&self, coordinate: usize) -> Formula {
+        let own = self.d.points.iter().filter(|point| point.coordinate == coordinate);
+        let terms = own.flat_map(|point| point.inertias.iter().map(move |inertia| (point, *inertia)));
+        sum(terms
+            .map(|(point, inertia)| {
+                let once = self.by_lever(self.parameter(inertia), &point.lever);
+                self.by_lever(once, &point.lever)
+            })
+            .collect())
+    }
+
+    /// The acceleration of a node.
+    pub(super) fn acceleration(&self, node: usize) -> Formula {
+        let point = &self.d.points[node];
+        let speed = &self.speed[point.coordinate];
+        let own = self.states.iter().find(|state| state.name == *speed);
+        own.map_or(Formula::Number(0.0), |state| self.by_lever(state.rate.clone(), &point.lever))
+    }
+}
