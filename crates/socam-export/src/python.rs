@@ -3,13 +3,8 @@
 use socam_model::{ChannelTransform, Intersample};
 
 use crate::{
-    Exported, LeftOut, Target,
-    description::Description,
-    error::ExportError,
-    formula::PYTHON,
-    header,
-    names::quoted,
-    program::Program,
+    Exported, LeftOut, Target, description::Description, error::ExportError, formula::PYTHON, header,
+    names::quoted, program::Program,
 };
 
 /// What does not depend on the model.
