@@ -61,8 +61,9 @@ pub(crate) struct Description<'m> {
 }
 
 impl<'m> Description<'m> {
-    pub(crate) fn of(model: &'m Model, provenance: &'m Provenance) -> Self {
+    pub(crate) fn of(model: &'m Model, provenance: &'m Provenance, name: &str) -> Self {
         let mut names = Names::new();
+        let identifier = names.unique(name);
         let intervals = intervals(model);
         let parameters = model.parameters.iter().zip(intervals);
         let parameters = parameters.map(|(own, ci95)| Parameter {
@@ -113,7 +114,6 @@ impl<'m> Description<'m> {
         let effects = model.effects.iter();
         let effects =
             effects.map(|used| names.unique(&format!("{}_{}", used.place, used.effect.id))).collect();
-        let identifier = names.unique(&model.name);
         Self {
             model,
             provenance,

@@ -9,7 +9,7 @@
 //! use socam_model::Model;
 //!
 //! let model = Model::builtin("two-mass").expect("an embedded model");
-//! let exported = export(&model, &Provenance::new("two-mass", &model.text), Target::Python)?;
+//! let exported = export(&model, &Provenance::new("two-mass", &model.text), Target::Python, "bench")?;
 //! assert!(exported.text.contains("def simulate("));
 //! assert!(exported.left_out.is_empty());
 //! # Ok::<(), socam_export::ExportError>(())
@@ -92,11 +92,10 @@ impl Target {
         }
     }
 
-    /// The stem that a file of this target must have for its simulator to find it, made of a wanted one: MATLAB, Simscape and Python find a
-    /// file by the identifier that it defines.
+    /// Whether the simulator finds a file by the name that it defines, so that the file's stem must be the [`identifier`].
     #[must_use]
-    pub fn stem(self, wanted: &str) -> String {
-        names::identifier(wanted)
+    pub const fn is_found_by_name(self) -> bool {
+        matches!(self, Self::Matlab | Self::Simscape | Self::Modelica)
     }
 }
 
@@ -130,12 +129,27 @@ impl std::fmt::Display for LeftOut {
     }
 }
 
-/// The model as a file of a target, with the values that [`Model::parameters`] have.
+/// A name that every target takes, like `wanted`.
+///
+/// ```
+/// assert_eq!(socam_export::identifier("two-mass (new)"), "two_mass_new");
+/// ```
+#[must_use]
+pub fn identifier(wanted: &str) -> String {
+    names::Names::new().unique(wanted)
+}
+
+/// The model as a file of a target, with the values that [`Model::parameters`] have. The file defines the [`identifier`] of `name`.
 ///
 /// # Errors
 /// [`ExportError::NoMotion`] where nothing of the model's motion would be right in the target.
-pub fn export(model: &Model, provenance: &Provenance, target: Target) -> Result<Exported, ExportError> {
-    let mut description = Description::of(model, provenance);
+pub fn export(
+    model: &Model,
+    provenance: &Provenance,
+    target: Target,
+    name: &str,
+) -> Result<Exported, ExportError> {
+    let mut description = Description::of(model, provenance, name);
     match target {
         Target::Mujoco => mujoco::write(&description),
         Target::Urdf => urdf::write(&description),

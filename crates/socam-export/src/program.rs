@@ -3,7 +3,7 @@
 //! The states are the angles of all coordinates that have one, the speeds of the massive ones, and the states of effects and filters. The
 //! speeds of damped and the angles of static coordinates are unknowns, for which the balance of their torques is solved.
 
-mod builder;
+pub(crate) mod builder;
 mod effects;
 
 use crate::{
@@ -67,16 +67,21 @@ impl Program {
 
     /// The assignments, each in a line of its own, with `before` in front of each line and `after` behind each assignment.
     pub(crate) fn written(&self, dialect: &Dialect, before: &str, comment: &str, after: &str) -> String {
-        let mut text = String::new();
-        for line in &self.lines {
-            let line = match line {
-                Line::Comment(words) => format!("{comment} {}", crate::names::line(words)),
-                Line::Assignment(own) => format!("{} = {}{after}", own.name, own.formula.written(dialect)),
-            };
-            text.push_str(&format!("{before}{line}\n"));
-        }
-        text
+        written(&self.lines, dialect, before, comment, after)
     }
+}
+
+/// See [`Program::written`].
+pub(crate) fn written(lines: &[Line], dialect: &Dialect, before: &str, comment: &str, after: &str) -> String {
+    let mut text = String::new();
+    for line in lines {
+        let line = match line {
+            Line::Comment(words) => format!("{comment} {}", crate::names::line(words)),
+            Line::Assignment(own) => format!("{} = {}{after}", own.name, own.formula.written(dialect)),
+        };
+        text.push_str(&format!("{before}{line}\n"));
+    }
+    text
 }
 
 /// Whether a coordinate's angle is a state.

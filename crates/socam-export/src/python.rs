@@ -43,10 +43,11 @@ pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {
             channel.scale, channel.offset
         ));
     }
-    text.push_str("]\n\n# Name and column of what the model predicts.\nOUTPUTS = [\n");
+    text.push_str("]\n\n# Name, column, scale and offset of what the model predicts: SI value = scale times the column + offset.\nOUTPUTS = [\n");
     for signal in &d.outputs {
         let (name, column) = (quoted(&signal.channel.name), quoted(&signal.channel.column));
-        text.push_str(&format!("    ({name}, {column}),\n"));
+        let (scale, offset) = (signal.channel.scale, signal.channel.offset);
+        text.push_str(&format!("    ({name}, {column}, {scale:?}, {offset:?}),\n"));
     }
     text.push_str("]\n");
     text.push_str(&tables(d, &program));

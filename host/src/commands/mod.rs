@@ -11,6 +11,7 @@ mod design;
 mod diagnose;
 mod efficiency;
 mod export;
+mod export_model;
 mod flash;
 mod identify;
 mod import;
@@ -76,6 +77,7 @@ commands! {
     Check => check,
     Import => import,
     Export => export,
+    ExportModel => export_model,
     Identify => identify,
     Diagnose => diagnose,
     Calibrate => calibrate,

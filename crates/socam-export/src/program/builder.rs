@@ -4,48 +4,48 @@ use socam_model::{Quantity, Site, effects::Acts};
 
 use super::{Assignment, Line, Program, State, Unknown, has_angle_state};
 use crate::{
-    description::{Description, Kind, Lever},
+    description::{Description, Kind, Lever, Signal},
     error::ExportError,
     formula::Formula,
 };
 
-pub(super) struct Builder<'d, 'm> {
-    pub(super) d: &'d mut Description<'m>,
-    pub(super) lines: Vec<Line>,
-    pub(super) states: Vec<State>,
+pub(crate) struct Builder<'d, 'm> {
+    pub(crate) d: &'d mut Description<'m>,
+    pub(crate) lines: Vec<Line>,
+    pub(crate) states: Vec<State>,
     /// Angle, speed and torque of each coordinate.
     angle: Vec<String>,
     speed: Vec<String>,
     torque: Vec<Vec<Formula>>,
     /// Torque through each spring, to be replaced as laws are added.
-    pub(super) through: Vec<String>,
+    pub(crate) through: Vec<String>,
     /// Identifiers of the states of each effect.
-    pub(super) own_states: Vec<Vec<String>>,
-    pub(super) changes: Vec<(usize, String)>,
+    pub(crate) own_states: Vec<Vec<String>>,
+    pub(crate) changes: Vec<(usize, String)>,
 }
 
-pub(super) fn name(text: &str) -> Formula {
+pub(crate) fn name(text: &str) -> Formula {
     Formula::Name(text.to_owned())
 }
 
-pub(super) fn times(a: Formula, b: Formula) -> Formula {
+pub(crate) fn times(a: Formula, b: Formula) -> Formula {
     Formula::Binary('*', Box::new(a), Box::new(b))
 }
 
-pub(super) fn plus(a: Formula, b: Formula) -> Formula {
+pub(crate) fn plus(a: Formula, b: Formula) -> Formula {
     Formula::Binary('+', Box::new(a), Box::new(b))
 }
 
-pub(super) fn minus(a: Formula, b: Formula) -> Formula {
+pub(crate) fn minus(a: Formula, b: Formula) -> Formula {
     Formula::Binary('-', Box::new(a), Box::new(b))
 }
 
-pub(super) fn over(a: Formula, b: Formula) -> Formula {
+pub(crate) fn over(a: Formula, b: Formula) -> Formula {
     Formula::Binary('/', Box::new(a), Box::new(b))
 }
 
 /// A sum, where a negative term is subtracted; zero if there is none.
-pub(super) fn sum(terms: Vec<Formula>) -> Formula {
+pub(crate) fn sum(terms: Vec<Formula>) -> Formula {
     let mut terms = terms.into_iter();
     let Some(first) = terms.next() else { return Formula::Number(0.0) };
     terms.fold(first, |sum, term| match term {
@@ -54,7 +54,7 @@ pub(super) fn sum(terms: Vec<Formula>) -> Formula {
     })
 }
 
-pub(super) fn negative(formula: Formula) -> Formula {
+pub(crate) fn negative(formula: Formula) -> Formula {
     match formula {
         Formula::Negative(inner) => *inner,
         formula => Formula::Negative(Box::new(formula)),
@@ -62,7 +62,7 @@ pub(super) fn negative(formula: Formula) -> Formula {
 }
 
 impl<'d, 'm> Builder<'d, 'm> {
-    pub(super) fn new(d: &'d mut Description<'m>) -> Self {
+    pub(crate) fn new(d: &'d mut Description<'m>) -> Self {
         let count = d.coordinates.len();
         let of = |d: &Description<'_>, index: usize| d.points[d.coordinates[index].node].name.clone();
         let mut identifiers = |prefix: &str| -> Vec<String> {
@@ -89,15 +89,15 @@ impl<'d, 'm> Builder<'d, 'm> {
         }
     }
 
-    pub(super) fn parameter(&self, index: usize) -> Formula {
+    pub(crate) fn parameter(&self, index: usize) -> Formula {
         name(&self.d.parameters[index].identifier)
     }
 
-    pub(super) fn comment(&mut self, words: impl Into<String>) {
+    pub(crate) fn comment(&mut self, words: impl Into<String>) {
         self.lines.push(Line::Comment(words.into()));
     }
 
-    pub(super) fn assign(&mut self, name: &str, formula: Formula) {
+    pub(crate) fn assign(&mut self, name: &str, formula: Formula) {
         self.lines.push(Line::Assignment(Assignment { name: name.to_owned(), formula }));
     }
 
@@ -113,7 +113,7 @@ impl<'d, 'm> Builder<'d, 'm> {
     }
 
     /// Adds a torque on a node to its coordinate's.
-    pub(super) fn push(&mut self, node: usize, torque: Formula) {
+    pub(crate) fn push(&mut self, node: usize, torque: Formula) {
         let point = &self.d.points[node];
         let (coordinate, lever) = (point.coordinate, point.lever.clone());
         let scaled = match torque {
@@ -123,7 +123,7 @@ impl<'d, 'm> Builder<'d, 'm> {
         self.torque[coordinate].push(scaled);
     }
 
-    pub(super) fn program(mut self) -> Result<Program, ExportError> {
+    pub(crate) fn program(mut self) -> Result<Program, ExportError> {
         self.nodes()?;
         self.springs()?;
         self.bearings();
@@ -144,13 +144,7 @@ impl<'d, 'm> Builder<'d, 'm> {
                 self.states.push(State { name: self.angle[index].clone(), meaning, rate });
             }
         }
-        for used in 0..self.d.model.effects.len() {
-            let count =
-                self.d.model.effects[used].effect.laws().iter().filter(|law| law.acts == Acts::State).count();
-            let wanted = format!("state_{}", self.d.effects[used]);
-            let own = (0..count).map(|_| self.d.names.unique(&wanted)).collect();
-            self.own_states.push(own);
-        }
+        self.name_states();
         self.prescribed()?;
         self.comment("motion of the nodes");
         for node in 0..self.d.points.len() {
@@ -167,40 +161,99 @@ impl<'d, 'm> Builder<'d, 'm> {
         Ok(())
     }
 
+    /// Names the states of effects.
+    pub(crate) fn name_states(&mut self) {
+        for used in 0..self.d.model.effects.len() {
+            let count =
+                self.d.model.effects[used].effect.laws().iter().filter(|law| law.acts == Acts::State).count();
+            let wanted = format!("state_{}", self.d.effects[used]);
+            let own = (0..count).map(|_| self.d.names.unique(&wanted)).collect();
+            self.own_states.push(own);
+        }
+    }
+
+    /// Twist of a spring and its rate.
+    pub(crate) fn twist(&self, spring: usize) -> (Formula, Formula) {
+        let spring = &self.d.model.springs[spring];
+        let between = |from: &str, to: Option<&String>| match to {
+            Some(to) => minus(name(from), name(to)),
+            None => name(from),
+        };
+        let (from, to) = (&self.d.points[spring.from], spring.to.map(|to| &self.d.points[to]));
+        (between(&from.angle, to.map(|to| &to.angle)), between(&from.speed, to.map(|to| &to.speed)))
+    }
+
+    /// What the laws of an effect at a spring or gear see.
+    pub(crate) fn seen_at_spring(&self, used: usize, spring: usize) -> Vec<(&'static str, Formula)> {
+        let (twist, rate) = self.twist(spring);
+        let mut bound = vec![("twist", twist), ("twist_rate", rate)];
+        if let Site::Gear { fast, slow, .. } = self.d.model.effects[used].at {
+            bound.push(("angle", name(&self.d.points[fast].angle)));
+            bound.push(("speed", name(&self.d.points[slow].speed)));
+        }
+        bound
+    }
+
+    /// Effects whose laws act through a spring.
+    pub(crate) fn effects_at(&self, spring: usize) -> Vec<usize> {
+        let here =
+            |at: Site| matches!(at, Site::Spring(own) | Site::Gear { contact: own, .. } if own == spring);
+        (0..self.d.model.effects.len()).filter(|used| here(self.d.model.effects[*used].at)).collect()
+    }
+
+    /// The node on which an effect acts from outside, how its laws act there, and what they see; `None` elsewhere.
+    pub(crate) fn seen_at_node(&self, used: usize) -> Option<(usize, Acts, Vec<(&'static str, Formula)>)> {
+        match self.d.model.effects[used].at {
+            Site::Node(node) => {
+                let point = &self.d.points[node];
+                Some((node, Acts::Torque, vec![("speed", name(&point.speed)), ("angle", name(&point.angle))]))
+            }
+            Site::Gear { fast, slow, contact } => {
+                let bound = vec![
+                    ("speed", name(&self.d.points[slow].speed)),
+                    ("angle", name(&self.d.points[fast].angle)),
+                    ("through", name(&self.through[contact])),
+                ];
+                Some((slow, Acts::Drag, bound))
+            }
+            Site::Spring(_) | Site::Channel(_) => None,
+        }
+    }
+
+    /// Torque of the servo.
+    pub(crate) fn servo(&self) -> Option<(usize, Formula)> {
+        let servo = self.d.model.servo.as_ref()?;
+        let point = &self.d.points[servo.node];
+        let [position, velocity, drive] =
+            [servo.position_gain, servo.velocity_gain, servo.drive_gain].map(|gain| self.parameter(gain));
+        let reference = self.d.inputs.iter().find(|signal| signal.channel.quantity == Quantity::Reference);
+        let reference = reference.map_or(Formula::Number(0.0), |signal| self.gained(signal));
+        let error = minus(times(position, minus(reference, name(&point.angle))), name(&point.speed));
+        Some((servo.node, times(times(drive, velocity), error)))
+    }
+
+    /// An input times its gain.
+    pub(crate) fn gained(&self, signal: &Signal<'_>) -> Formula {
+        let read = name(&signal.identifier);
+        self.d.gain(signal).map_or(read.clone(), |gain| times(gain, read))
+    }
+
     /// Torques through springs.
     fn springs(&mut self) -> Result<(), ExportError> {
         self.comment("torques through springs");
         for index in 0..self.d.model.springs.len() {
             let spring = &self.d.model.springs[index];
-            let between = |from: &str, to: Option<&String>| match to {
-                Some(to) => minus(name(from), name(to)),
-                None => name(from),
-            };
-            let to = spring.to.map(|to| &self.d.points[to]);
-            let from = &self.d.points[spring.from];
-            let twist = between(&from.angle, to.map(|to| &to.angle));
-            let rate = between(&from.speed, to.map(|to| &to.speed));
-            let mut wound = twist.clone();
+            let (twist, rate) = self.twist(index);
+            let mut wound = twist;
             for signal in self.d.inputs.iter().filter(|signal| self.d.twisted(signal) == Some(index)) {
-                let read = name(&signal.identifier);
-                let added = self.d.gain(signal).map_or(read.clone(), |gain| times(gain, read));
-                wound = plus(wound, added);
+                wound = plus(wound, self.gained(signal));
             }
             let mut terms = vec![times(self.parameter(spring.stiffness), wound)];
             if let Some(damping) = spring.damping {
-                terms.push(times(self.parameter(damping), rate.clone()));
+                terms.push(times(self.parameter(damping), rate));
             }
-            let at_contact =
-                |at: Site| matches!(at, Site::Spring(own) | Site::Gear { contact: own, .. } if own == index);
-            let laws: Vec<usize> = (0..self.d.model.effects.len())
-                .filter(|used| at_contact(self.d.model.effects[*used].at))
-                .collect();
-            for used in laws {
-                let mut bound = vec![("twist", twist.clone()), ("twist_rate", rate.clone())];
-                if let Site::Gear { fast, slow, .. } = self.d.model.effects[used].at {
-                    bound.push(("angle", name(&self.d.points[fast].angle)));
-                    bound.push(("speed", name(&self.d.points[slow].speed)));
-                }
+            for used in self.effects_at(index) {
+                let bound = self.seen_at_spring(used, index);
                 terms.extend(self.laws_of(used, Acts::Torque, &bound)?);
                 self.state_laws(used, &bound)?;
             }
@@ -222,21 +275,11 @@ impl<'d, 'm> Builder<'d, 'm> {
                 self.push(bearing.node, negative(drag));
             }
         }
-        if let Some(servo) = &self.d.model.servo {
-            let point = &self.d.points[servo.node];
-            let [position, velocity, drive] =
-                [servo.position_gain, servo.velocity_gain, servo.drive_gain].map(|gain| self.parameter(gain));
-            let reference =
-                self.d.inputs.iter().find(|signal| signal.channel.quantity == Quantity::Reference);
-            let reference = reference.map_or(Formula::Number(0.0), |signal| {
-                let read = name(&signal.identifier);
-                self.d.gain(signal).map_or(read.clone(), |gain| times(gain, read))
-            });
-            let error = minus(times(position, minus(reference, name(&point.angle))), name(&point.speed));
+        if let (Some((node, formula)), Some(servo)) = (self.servo(), &self.d.model.servo) {
             let torque = self.d.names.unique(&format!("torque_{}", servo.name));
             self.comment("torque of the servo");
-            self.assign(&torque, times(times(drive, velocity), error));
-            self.push(servo.node, name(&torque));
+            self.assign(&torque, formula);
+            self.push(node, name(&torque));
             self.through.push(torque);
         }
     }
@@ -286,22 +329,7 @@ impl<'d, 'm> Builder<'d, 'm> {
     /// Laws at nodes and on the slow sides of gears.
     fn node_laws(&mut self) -> Result<(), ExportError> {
         for used in 0..self.d.model.effects.len() {
-            let effect = &self.d.model.effects[used];
-            let (node, acts, bound) = match effect.at {
-                Site::Node(node) => {
-                    let point = &self.d.points[node];
-                    (node, Acts::Torque, vec![("speed", name(&point.speed)), ("angle", name(&point.angle))])
-                }
-                Site::Gear { fast, slow, contact } => {
-                    let bound = vec![
-                        ("speed", name(&self.d.points[slow].speed)),
-                        ("angle", name(&self.d.points[fast].angle)),
-                        ("through", name(&self.through[contact])),
-                    ];
-                    (slow, Acts::Drag, bound)
-                }
-                Site::Spring(_) | Site::Channel(_) => continue,
-            };
+            let Some((node, acts, bound)) = self.seen_at_node(used) else { continue };
             if acts == Acts::Torque {
                 self.state_laws(used, &bound)?;
             }
@@ -371,7 +399,7 @@ impl<'d, 'm> Builder<'d, 'm> {
     }
 
     /// The acceleration of a node.
-    pub(super) fn acceleration(&self, node: usize) -> Formula {
+    pub(crate) fn acceleration(&self, node: usize) -> Formula {
         let point = &self.d.points[node];
         let speed = &self.speed[point.coordinate];
         let own = self.states.iter().find(|state| state.name == *speed);

@@ -15,7 +15,7 @@ type Bound<'n> = [(&'n str, Formula)];
 
 impl Builder<'_, '_> {
     /// The formula of a law with the model's parameters and the given inputs.
-    pub(super) fn law(&self, used: usize, law: &Law, bound: &Bound<'_>) -> Result<Formula, ExportError> {
+    pub(crate) fn law(&self, used: usize, law: &Law, bound: &Bound<'_>) -> Result<Formula, ExportError> {
         let own = &self.d.model.effects[used];
         let missing =
             || ExportError::NoFormula { effect: own.effect.id.to_owned(), place: own.place.clone() };
@@ -43,7 +43,7 @@ impl Builder<'_, '_> {
     }
 
     /// The responses of an effect's laws that act so.
-    pub(super) fn laws_of(
+    pub(crate) fn laws_of(
         &self,
         used: usize,
         acts: Acts,
@@ -54,7 +54,7 @@ impl Builder<'_, '_> {
     }
 
     /// Adds the states of an effect.
-    pub(super) fn state_laws(&mut self, used: usize, bound: &Bound<'_>) -> Result<(), ExportError> {
+    pub(crate) fn state_laws(&mut self, used: usize, bound: &Bound<'_>) -> Result<(), ExportError> {
         let rates = self.laws_of(used, Acts::State, bound)?;
         let own = &self.d.model.effects[used];
         let meaning = format!("state of {} at {}", own.effect.id, own.place);
@@ -73,7 +73,7 @@ impl Builder<'_, '_> {
     }
 
     /// What an input does: its gain times what is recorded, less what laws at its channel add to the reading.
-    pub(super) fn true_input(
+    pub(crate) fn true_input(
         &mut self,
         input: usize,
         angle: Option<Formula>,
@@ -101,7 +101,7 @@ impl Builder<'_, '_> {
     }
 
     /// Readings of all outputs.
-    pub(super) fn outputs(&mut self) -> Result<Vec<Output>, ExportError> {
+    pub(crate) fn outputs(&mut self) -> Result<Vec<Output>, ExportError> {
         self.comment("readings");
         (0..self.d.outputs.len()).map(|output| self.output(output)).collect()
     }

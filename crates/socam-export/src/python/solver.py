@@ -126,10 +126,11 @@ def main():
     columns = dict(zip(rows[0], table.T))
     t = columns["t_s"] - columns["t_s"][0]
     outputs = simulate(t, read_inputs(t, columns))
-    for (name, column), predicted in zip(OUTPUTS, outputs):
+    for (name, column, scale, offset), predicted in zip(OUTPUTS, outputs):
         if column in columns:
-            error = np.sqrt(np.nanmean((predicted - columns[column]) ** 2))
-            print(f"{name}: error rms {error:.6g}, of {np.nanstd(columns[column]):.6g}")
+            measured = scale * columns[column] + offset
+            error = np.sqrt(np.nanmean((predicted - measured) ** 2))
+            print(f"{name}: error rms {error:.6g}, of {np.nanstd(measured):.6g}")
 
 
 if __name__ == "__main__":
