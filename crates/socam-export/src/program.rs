@@ -5,6 +5,7 @@
 
 pub(crate) mod builder;
 mod effects;
+mod seen;
 
 use crate::{
     description::{Description, Kind},
