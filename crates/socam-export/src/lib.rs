@@ -22,6 +22,7 @@ mod header;
 mod matlab;
 mod modelica;
 mod mujoco;
+mod multibody;
 mod names;
 mod program;
 mod python;

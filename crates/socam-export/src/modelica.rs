@@ -81,7 +81,7 @@ pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {
         let words = header::parameter(d, index);
         let _ = writeln!(text, "    parameter Real {} = {:?} {};", own.identifier, own.value, quoted(&words));
     }
-    body.declarations.iter().for_each(|line| drop(writeln!(text, "    {line};")));
+    text.extend(body.declarations.iter().map(|line| format!("    {line};\n")));
     text.push_str("  initial equation\n");
     for coordinate in &d.coordinates {
         let point = &d.points[coordinate.node];
@@ -93,7 +93,7 @@ pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {
         }
     }
     text.push_str("  equation\n");
-    body.equations.iter().for_each(|line| drop(writeln!(text, "    {line};")));
+    text.extend(body.equations.iter().map(|line| format!("    {line};\n")));
     text.push_str("  end Drivetrain;\n");
     text.push_str(&replay(d));
     if !d.is_rotation() && !d.model.gears.is_empty() {

@@ -300,6 +300,15 @@ pub(super) fn sensors(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Resu
 /// For each output its gain, or for a torque through a spring the numbers by which twist, rate and cube of the twist are multiplied.
 pub(super) fn readings(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Result<(), ExportError> {
     xml.open("custom", &[])?;
+    for signal in &d.inputs {
+        let (scale, offset) = (signal.channel.scale, signal.channel.offset);
+        let name = || attribute("name", &signal.identifier);
+        xml.empty("numeric", &[name(), attribute("data", numbers(&[scale, offset]))])?;
+        let words =
+            "the control of this name is the numbers of this name, a and b, as a times the column plus b";
+        let words = format!("{}: {words}", signal.channel.column);
+        xml.empty("text", &[name(), attribute("data", words)])?;
+    }
     for signal in &d.outputs {
         let gain = d.gain_value(signal);
         let data = match link(d, chain, signal) {
@@ -316,7 +325,7 @@ pub(super) fn readings(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Res
         } else {
             "the sensor of this name times the numeric of this name"
         };
-        let words = format!("{}, column {}: {words}", signal.channel.name, signal.channel.column);
+        let words = format!("{}: {words}", signal.channel.column);
         xml.empty("text", &[attribute("name", &signal.identifier), attribute("data", words)])?;
     }
     xml.close()

@@ -1,10 +1,10 @@
 //! Builds the assignments in the order in which they need one another.
 
-use socam_model::{Quantity, Site, effects::Acts};
+use socam_model::{Quantity, effects::Acts};
 
 use super::{Assignment, Line, Program, State, Unknown, has_angle_state};
 use crate::{
-    description::{Description, Kind, Lever, Signal},
+    description::{Description, Kind, Lever},
     error::ExportError,
     formula::Formula,
 };
