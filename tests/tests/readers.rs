@@ -12,19 +12,9 @@ use socam_recording::{
     Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv,
     recover,
 };
+use socam_tests::readers::{kept, prepare, python, scripts};
 
 const ROWS: u64 = 30_000;
-
-fn scripts() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("readers")
-}
-
-/// Where the readers are kept: beside the build, so that `cargo clean` takes them too.
-fn kept() -> PathBuf {
-    let test = std::env::current_exe().expect("this test's path");
-    let target = test.ancestors().nth(3).expect("target/PROFILE/deps");
-    target.join("readers")
-}
 
 /// A recording with missing values, lost samples, raw counts and attachments; and what it should read as.
 fn recording(folder: &Path) -> (PathBuf, PathBuf) {
@@ -114,35 +104,6 @@ fn read_with(program: &Path, script: &str, working_directory: &Path) {
     }
 }
 
-/// Runs a step of the preparation; false when the program is absent or it fails (no network).
-fn prepare(program: impl AsRef<Path>, arguments: &[&str], folder: &Path) -> bool {
-    Command::new(program.as_ref())
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .is_ok_and(|output| output.status.success())
-}
-
-fn python() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("SOCAM_PYTHON") {
-        return Some(named.into());
-    }
-    let python = kept().join("venv/bin/python");
-    let packages = scripts().join("requirements.txt");
-    let ready = kept().join("venv/ready");
-    if !ready.exists() {
-        std::fs::create_dir_all(kept()).ok()?;
-        let install = ["-m", "pip", "install", "--quiet", "-r", packages.to_str()?];
-        let done =
-            prepare("python3", &["-m", "venv", "venv"], &kept()) && prepare(&python, &install, &kept());
-        if !done {
-            return None;
-        }
-        std::fs::write(&ready, "").ok()?;
-    }
-    Some(python)
-}
-
 fn node_modules() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("SOCAM_NODE_MODULES") {
         return Some(named.into());
@@ -167,7 +128,7 @@ fn python_reads_every_value() {
         eprintln!("skipped: no Python with the mcap packages (SOCAM_PYTHON names one)");
         return;
     };
-    read_with(&python, "read_python.py", &scripts());
+    read_with(python, "read_python.py", &scripts());
 }
 
 #[test]

@@ -151,6 +151,11 @@ pub fn export(
     name: &str,
 ) -> Result<Exported, ExportError> {
     let mut description = Description::of(model, provenance, name);
+    if matches!(target, Target::Mujoco | Target::Urdf | Target::Sdf)
+        && let Some(why) = multibody::no_drive(&description)
+    {
+        return Err(ExportError::NoMotion { target: target.name(), why });
+    }
     match target {
         Target::Mujoco => mujoco::write(&description),
         Target::Urdf => urdf::write(&description),

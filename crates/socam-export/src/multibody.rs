@@ -68,3 +68,10 @@ pub(crate) fn least_inertia(d: &Description<'_>) -> Option<f64> {
     let all = (0..d.points.len()).map(|node| inertia(d, node)).filter(|own| *own > 0.0);
     all.reduce(f64::min).map(|least| 1e-3 * least)
 }
+
+/// Why nothing would drive a chain of bodies: all inputs twist springs.
+pub(crate) fn no_drive(d: &Description<'_>) -> Option<String> {
+    let twisting = d.inputs.iter().all(|signal| d.twisted(signal).is_some());
+    let names: Vec<&str> = d.inputs.iter().map(|signal| signal.channel.name.as_str()).collect();
+    twisting.then(|| format!("its only input, {}, twists a spring while it runs", names.join(", ")))
+}

@@ -67,13 +67,13 @@ fn equations(d: &Description<'_>, program: &Program) -> String {
     let mut equations = String::from("equations\n");
     for own in &program.lines {
         match own {
-            Line::Comment(words) => drop(writeln!(intermediates, "    % {}", line(words))),
+            Line::Comment(words) => intermediates.push_str(&format!("    % {}\n", line(words))),
             Line::Assignment(own) => {
                 let formula = own.formula.written(&CARET);
                 let output = d.outputs.iter().position(|signal| signal.identifier == own.name);
                 match output.map(|output| program.outputs[output].delay) {
-                    None => drop(writeln!(intermediates, "    {} = {formula};", own.name)),
-                    Some(None) => drop(writeln!(equations, "    {} == {formula};", own.name)),
+                    None => intermediates.push_str(&format!("    {} = {formula};\n", own.name)),
+                    Some(None) => equations.push_str(&format!("    {} == {formula};\n", own.name)),
                     Some(Some(delay)) => {
                         let delay = &d.parameters[delay].identifier;
                         let _ =

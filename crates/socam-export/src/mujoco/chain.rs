@@ -140,7 +140,10 @@ impl Chain {
         let through = |links: &[(usize, f64)], factor: f64| -> Vec<(usize, f64)> {
             links.iter().map(|(spring, share)| (*spring, share * factor)).collect()
         };
-        let springs = [through(&a.springs, 1.0 / of_a), through(&b.springs, -1.0 / of_b)].concat();
+        // The first coefficient is positive, as in a spring from a node to the next.
+        let sign = coefficients.first().map_or(1.0, |(_, first)| first.signum());
+        coefficients.iter_mut().for_each(|(_, own)| *own *= sign);
+        let springs = [through(&a.springs, sign / of_a), through(&b.springs, -sign / of_b)].concat();
         let joined = Link {
             name: format!("{}_{}", a.name, b.name),
             coefficients,

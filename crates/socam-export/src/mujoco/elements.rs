@@ -64,9 +64,10 @@ pub(super) fn joints(d: &Description<'_>, left_out: &mut Vec<LeftOut>) -> Vec<Jo
         let own =
             d.model.effects.iter().zip(shapes(d)).filter(|(used, _)| used.at == Site::Channel(signal.index));
         for (used, shape) in own {
-            let Some(node) = d.node(&signal.channel.at) else { continue };
-            match shape {
-                Some(Shape::Offset { offset }) if signal.channel.quantity == Quantity::Torque => {
+            match (shape, d.node(&signal.channel.at)) {
+                (Some(Shape::Offset { offset }), Some(node))
+                    if signal.channel.quantity == Quantity::Torque =>
+                {
                     let torque =
                         d.gain_value(&d.inputs[index]) * d.value(offset) * d.points[node].lever.value;
                     joints[d.points[node].coordinate].constant -= torque;

@@ -114,7 +114,9 @@ impl Builder<'_, '_> {
         let truth = self.d.names.unique(&format!("true_{}", channel.name));
         self.assign(&truth, gain.map_or(measured.clone(), |gain| times(gain, measured)));
         let mut bound = vec![("reading", name(&truth))];
-        bound.extend(self.d.shaft_of(channel).map(|node| ("angle", name(&self.d.points[node].angle))));
+        // A channel that has no shaft, such as the servo's torque, sees no angle.
+        let shaft = self.d.shaft_of(channel).map(|node| name(&self.d.points[node].angle));
+        bound.push(("angle", shaft.unwrap_or(Formula::Number(0.0))));
         let (filtered, delay) = self.filtered(index, &truth);
         let added = self.beside(index, &bound)?;
         self.assign(&identifier, added.into_iter().fold(filtered, plus));
