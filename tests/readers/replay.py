@@ -31,7 +31,7 @@ def mujoco(path, t, columns):
     for index in range(model.ntext):
         start = model.text_adr[index]
         words = bytes(model.text_data[start : start + model.text_size[index]]).decode().rstrip("\0")
-        texts[model.text(index).name] = words.split(":")[0]
+        texts[mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, index)] = words.split(":")[0]
     inputs = {name: model.actuator(name).id for name in texts if name.startswith("input_")}
     controls = {}
     for name, actuator in inputs.items():

@@ -291,7 +291,7 @@ fn a_model_that_cannot_be_exported_is_refused_in_one_sentence() {
         (FAILED, to(&good, "python", &taken), &["taken.py", "--force"]),
         (WRONG_ARGUMENTS, to(&good, "matlab", &folder.path("my bench.m")), &["my bench.m", "my_bench.m"]),
         (WRONG_ARGUMENTS, to(&good, "python", &good), &["over itself"]),
-        (WRONG_ARGUMENTS, to(&good, "python", &run_csv), &["run.csv", "is a recording"]),
+        (FAILED, to(&good, "python", &run_csv), &["run.csv", "exists already"]),
         (FAILED, to(&wave, "mujoco", &folder.path("new.xml")), &["MuJoCo cannot hold the motion", "mesh"]),
     ];
     for (code, arguments, mentions) in cases {

@@ -66,7 +66,7 @@ fn bench() -> &'static Bench {
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         for (profile, seed) in [("prbs", "1"), ("multisine", "2")] {
             let file = path(&format!("{profile}.csv"));
-            let mut arguments = vec!["simulate", "--profile", profile, "--model", BASE, "--duration", "2s"];
+            let mut arguments = vec!["simulate", "--profile", profile, "--model", BASE, "--duration", "3s"];
             arguments.extend(["--seed", seed, "-o", &file]);
             arguments.extend(HIDDEN.iter().flat_map(|hide| ["--hide", hide]));
             assert_eq!(run(&arguments).code, Some(0), "{profile}");
@@ -190,4 +190,22 @@ fn robots_load_in_readers_of_others() {
     let (urdf, scene) = (bench.export("urdf", "robot.urdf"), bench.export("mujoco", "scene.xml"));
     let found = succeed(Command::new(python).arg(scripts().join("check_robots.py")).args([&urdf, &scene]));
     assert_eq!(found.trim(), "3 2 3", "joints, those that mimic, degrees of freedom");
+}
+
+/// `SOCAM_MSL` names the folder of the Modelica Standard Library, which the package needs to run; without it the package is parsed only.
+#[test]
+fn modelica_moves_as_the_corrected_model_does() {
+    let Some(python) = python() else { return skip("no Python with rumoca (SOCAM_PYTHON names one)") };
+    let bench = bench();
+    let (package, here) = (bench.export("modelica", "bench.mo"), bench.export("python", "bench.py"));
+    let library = std::env::var_os("SOCAM_MSL");
+    let found = succeed(
+        Command::new(python).arg(scripts().join("check_modelica.py")).args([&package, &here]).args(&library),
+    );
+    for line in found.lines() {
+        println!("measured: Modelica, relative difference to Python: {line}");
+    }
+    if library.is_none() {
+        skip("SOCAM_MSL names no Modelica Standard Library, so that the package was parsed and not run");
+    }
 }

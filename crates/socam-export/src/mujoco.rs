@@ -5,6 +5,7 @@
 
 mod chain;
 mod elements;
+mod wiring;
 
 use crate::{
     Exported, LeftOut, Target,
@@ -57,16 +58,16 @@ pub(crate) fn write(d: &Description<'_>) -> Result<Exported, ExportError> {
         ],
     )?;
     xml.open("worldbody", &[])?;
-    for coordinate in 0..d.coordinates.len() {
+    for (coordinate, joint) in joints.iter().enumerate() {
         if let Some(inertia) = chain.inertia[coordinate] {
-            body(&mut xml, d, &chain, coordinate, inertia, &joints[coordinate])?;
+            body(&mut xml, d, &chain, coordinate, inertia, joint)?;
         }
     }
     xml.close()?;
     elements::tendons(&mut xml, d, &chain)?;
-    elements::actuators(&mut xml, d, &chain, &joints)?;
-    elements::sensors(&mut xml, d, &chain)?;
-    elements::readings(&mut xml, d, &chain)?;
+    wiring::actuators(&mut xml, d, &chain, &joints)?;
+    wiring::sensors(&mut xml, d, &chain)?;
+    wiring::readings(&mut xml, d, &chain)?;
     Ok(Exported { text: xml.finish()?, left_out })
 }
 

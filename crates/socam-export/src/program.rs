@@ -3,6 +3,7 @@
 //! The states are the angles of all coordinates that have one, the speeds of the massive ones, and the states of effects and filters. The
 //! speeds of damped and the angles of static coordinates are unknowns, for which the balance of their torques is solved.
 
+mod balance;
 pub(crate) mod builder;
 mod effects;
 mod seen;

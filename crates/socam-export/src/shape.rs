@@ -27,8 +27,11 @@ pub(crate) enum Shape {
     Play { gap: usize },
 }
 
+/// Makes a shape of the parameters of a template.
+type Make = fn(&[usize]) -> Shape;
+
 /// Templates: capital letters stand for parameters, in the order of the alphabet.
-const TEMPLATES: [(&str, fn(&[usize]) -> Shape); 7] = [
+const TEMPLATES: [(&str, Make); 7] = [
     ("-A*tanh(speed/B)", |p| Shape::Dry { torque: p[0] }),
     ("-(A + (B - A)*exp(-(speed/C)^2))*tanh(speed/D)", |p| Shape::Falling { torque: p[0], still: p[1] }),
     ("-A*speed*abs(speed)", |p| Shape::Quadratic { coefficient: p[0] }),

@@ -34,7 +34,7 @@ impl Xml {
         self.write(Event::Comment(BytesText::from_escaped(text)))
     }
 
-    fn start(name: &'static str, attributes: &[(&str, String)]) -> BytesStart<'static> {
+    fn start(name: &'static str, attributes: &[(&'static str, String)]) -> BytesStart<'static> {
         let mut start = BytesStart::new(name);
         for (key, value) in attributes {
             start.push_attribute((*key, line(value).as_str()));
@@ -46,7 +46,7 @@ impl Xml {
     pub(crate) fn open(
         &mut self,
         name: &'static str,
-        attributes: &[(&str, String)],
+        attributes: &[(&'static str, String)],
     ) -> Result<(), ExportError> {
         self.open.push(name);
         self.write(Event::Start(Self::start(name, attributes)))
@@ -64,7 +64,7 @@ impl Xml {
     pub(crate) fn empty(
         &mut self,
         name: &'static str,
-        attributes: &[(&str, String)],
+        attributes: &[(&'static str, String)],
     ) -> Result<(), ExportError> {
         self.write(Event::Empty(Self::start(name, attributes)))
     }
@@ -73,7 +73,7 @@ impl Xml {
     pub(crate) fn text(
         &mut self,
         name: &'static str,
-        attributes: &[(&str, String)],
+        attributes: &[(&'static str, String)],
         text: &str,
     ) -> Result<(), ExportError> {
         self.write(Event::Start(Self::start(name, attributes)))?;
@@ -93,7 +93,7 @@ impl Xml {
 }
 
 /// An attribute.
-pub(crate) fn attribute(key: &str, value: impl ToString) -> (&str, String) {
+pub(crate) fn attribute(key: &'static str, value: impl ToString) -> (&'static str, String) {
     (key, value.to_string())
 }
 

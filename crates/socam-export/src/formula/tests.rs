@@ -39,7 +39,7 @@ fn value(formula: &Formula, named: &dyn Fn(&str) -> f64) -> f64 {
 fn draws(count: usize, turn: usize, signed: bool) -> Vec<f64> {
     let draw = |index: usize| {
         let share = ((index * 7919 + turn * 104_729 + 13) as f64 * 0.618_033_988_749).fract();
-        let sign = if signed && (index * 31 + turn * 17) % 3 == 0 { -1.0 } else { 1.0 };
+        let sign = if signed && (index * 31 + turn * 17).is_multiple_of(3) { -1.0 } else { 1.0 };
         sign * (0.1 + share)
     };
     (0..count).map(draw).collect()

@@ -35,7 +35,7 @@ pub(super) fn declare(
     }
     if let Some((node, formula)) = builder.servo() {
         let name =
-            builder.d.names.unique(&builder.d.model.servo.as_ref().map_or("servo", |servo| &servo.name));
+            builder.d.names.unique(builder.d.model.servo.as_ref().map_or("servo", |servo| &servo.name));
         torque(library, body, &name, node, &formula, "servo");
         let through = builder.d.names.unique(&format!("torque_{name}"));
         body.declarations.push(format!("Real {through}"));

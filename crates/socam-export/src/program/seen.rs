@@ -5,6 +5,9 @@ use socam_model::{Quantity, Site, effects::Acts};
 use super::builder::{Builder, minus, name, times};
 use crate::{description::Signal, formula::Formula};
 
+/// Inputs of laws by their symbols.
+pub(crate) type Seen = Vec<(&'static str, Formula)>;
+
 impl Builder<'_, '_> {
     /// Names the states of effects.
     pub(crate) fn name_states(&mut self) {
@@ -29,7 +32,7 @@ impl Builder<'_, '_> {
     }
 
     /// What the laws of an effect at a spring or gear see.
-    pub(crate) fn seen_at_spring(&self, used: usize, spring: usize) -> Vec<(&'static str, Formula)> {
+    pub(crate) fn seen_at_spring(&self, used: usize, spring: usize) -> Seen {
         let (twist, rate) = self.twist(spring);
         let mut bound = vec![("twist", twist), ("twist_rate", rate)];
         if let Site::Gear { fast, slow, .. } = self.d.model.effects[used].at {
@@ -47,7 +50,7 @@ impl Builder<'_, '_> {
     }
 
     /// The node on which an effect acts from outside, how its laws act there, and what they see; `None` elsewhere.
-    pub(crate) fn seen_at_node(&self, used: usize) -> Option<(usize, Acts, Vec<(&'static str, Formula)>)> {
+    pub(crate) fn seen_at_node(&self, used: usize) -> Option<(usize, Acts, Seen)> {
         match self.d.model.effects[used].at {
             Site::Node(node) => {
                 let point = &self.d.points[node];
