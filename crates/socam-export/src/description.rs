@@ -28,6 +28,9 @@ pub(crate) struct Point {
     pub(crate) identifier: String,
     pub(crate) angle: String,
     pub(crate) speed: String,
+    /// Of its joint, and of its tendon.
+    pub(crate) joint: String,
+    pub(crate) tendon: String,
     pub(crate) coordinate: usize,
     pub(crate) lever: Lever,
     /// Parameters whose sum is its inertia.
@@ -89,6 +92,8 @@ impl<'m> Description<'m> {
                 identifier: names.unique(&node.name),
                 angle: names.unique(&format!("angle_{}", node.name)),
                 speed: names.unique(&format!("speed_{}", node.name)),
+                joint: names.unique(&format!("q_{}", node.name)),
+                tendon: names.unique(&format!("node_{}", node.name)),
                 coordinate,
                 lever,
                 inertias: node.inertia.into_iter().chain(added.map(|used| used.parameters[0])).collect(),

@@ -11,7 +11,7 @@ const RESERVED: &str = "\
     false try type until variables when while with within world x y z u t p q v der time delay sample pre edge change reinit \
     abs sign sqrt exp sin cos tan tanh min max log np self intermediates branches components annotations constant flow stream \
     connect connector discrete each encapsulated expandable extends external final impure algorithm block pure system i j e s \
-    balance rates simulate start";
+    balance rates r readings simulate start value base Real Integer Boolean String Modelica Drivetrain Replay Lever";
 
 /// Identifiers that are valid in every target, each given once.
 pub(crate) struct Names {

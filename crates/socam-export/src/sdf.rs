@@ -79,7 +79,7 @@ fn joint(xml: &mut Xml, d: &Description<'_>, tree: &Tree, node: usize) -> Result
             (d.points[other].identifier.clone(), kind, load, d.value(spring.stiffness))
         }
     };
-    let name = |node: usize| format!("q_{}", d.points[node].identifier);
+    let name = |node: usize| d.points[node].joint.clone();
     xml.open("joint", &[attribute("name", name(node)), attribute("type", kind)])?;
     xml.text("parent", &[], &parent)?;
     xml.text("child", &[], &d.points[node].identifier)?;

@@ -155,3 +155,23 @@ fn a_gear_and_massless_nodes_are_condensed_for_mujoco() {
     assert_eq!(coefficient.unwrap().attribute("coef"), Some("0.125"));
     assert!(exported.left_out.iter().any(|part| part.what == "massless node torque_sensor_out"));
 }
+
+#[test]
+fn names_of_one_kind_differ() {
+    let text = socam_model::BUILTIN[1].1;
+    let text = text.replace("name = \"shaft\"", "name = \"node_motor\"").replace("\"load\"", "\"q_motor\"");
+    let model = Model::parse(&text).unwrap();
+    for target in [Target::Mujoco, Target::Urdf, Target::Sdf] {
+        let text = exported(&model, target).text;
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let mut known = HashSet::new();
+        let parts =
+            document.descendants().filter(|node| node.has_tag_name("joint") || node.has_tag_name("link"));
+        let parts = parts.chain(document.descendants().filter(|node| node.has_tag_name("fixed")));
+        for name in parts.filter(|node| !node.ancestors().any(|own| own.has_tag_name("transmission"))) {
+            let Some(name) = name.attribute("name") else { continue };
+            assert!(known.insert(name), "{}: {name}", target.name());
+        }
+        assert!(known.len() >= 4, "{known:?}");
+    }
+}

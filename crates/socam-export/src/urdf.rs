@@ -120,7 +120,7 @@ fn joint(
     load: Load,
 ) -> Result<(), ExportError> {
     let kind = if d.is_rotation() { "continuous" } else { "prismatic" };
-    let name = |node: usize| format!("q_{}", d.points[node].identifier);
+    let name = |node: usize| d.points[node].joint.clone();
     xml.open("joint", &[attribute("name", name(node)), attribute("type", kind)])?;
     xml.empty("parent", &[attribute("link", "base")])?;
     xml.empty("child", &[attribute("link", &d.points[node].identifier)])?;
@@ -156,7 +156,7 @@ fn transmissions(xml: &mut Xml, d: &Description<'_>) -> Result<(), ExportError> 
         let interface = format!("hardware_interface/{interface}");
         xml.open("transmission", &[attribute("name", format!("transmission_{}", signal.identifier))])?;
         xml.text("type", &[], "transmission_interface/SimpleTransmission")?;
-        xml.open("joint", &[attribute("name", format!("q_{}", d.points[node].identifier))])?;
+        xml.open("joint", &[attribute("name", d.points[node].joint.clone())])?;
         xml.text("hardwareInterface", &[], &interface)?;
         xml.close()?;
         xml.open("actuator", &[attribute("name", &signal.identifier)])?;

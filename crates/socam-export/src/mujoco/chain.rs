@@ -86,7 +86,7 @@ impl Chain {
 
     /// Name of a coordinate's joint.
     pub(crate) fn joint(&self, d: &Description<'_>, coordinate: usize) -> String {
-        format!("q_{}", d.points[d.coordinates[coordinate].node].identifier)
+        d.points[d.coordinates[coordinate].node].joint.clone()
     }
 
     /// Stiffness and damping that hold a coordinate while the others stand still.
@@ -145,7 +145,7 @@ impl Chain {
         coefficients.iter_mut().for_each(|(_, own)| *own *= sign);
         let springs = [through(&a.springs, sign / of_a), through(&b.springs, -sign / of_b)].concat();
         let joined = Link {
-            name: format!("{}_{}", a.name, b.name),
+            name: self.free_name(format!("{}_{}", a.name, b.name)),
             coefficients,
             stiffness: ka * kb / (ka + kb),
             damping,
@@ -155,6 +155,14 @@ impl Chain {
             *place = joined;
         }
         true
+    }
+
+    /// A name that no other link has.
+    fn free_name(&self, mut name: String) -> String {
+        while self.links.iter().any(|link| link.name == name) {
+            name.push_str("_2");
+        }
+        name
     }
 }
 

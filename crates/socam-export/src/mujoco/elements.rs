@@ -144,7 +144,7 @@ pub(super) fn tendons(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Resu
         xml.close()?;
     }
     for point in d.points.iter().filter(|point| chain.inertia[point.coordinate].is_some()) {
-        xml.open("fixed", &[attribute("name", format!("node_{}", point.identifier))])?;
+        xml.open("fixed", &[attribute("name", &point.tendon)])?;
         joint(xml, d, chain, point.coordinate, point.lever.value)?;
         xml.close()?;
     }

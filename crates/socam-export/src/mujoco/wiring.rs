@@ -46,7 +46,7 @@ fn actuator(
     if let (Quantity::Reference, Some(servo)) = (signal.channel.quantity, &d.model.servo) {
         let rate = d.value(servo.drive_gain) * d.value(servo.velocity_gain);
         let stiffness = rate * d.value(servo.position_gain);
-        let node = format!("node_{}", d.points[servo.node].identifier);
+        let node = d.points[servo.node].tendon.clone();
         return xml.empty(
             "general",
             &[
@@ -97,7 +97,7 @@ pub(super) fn sensors(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Resu
         let name = &signal.identifier;
         let node =
             d.node(&signal.channel.at).filter(|node| chain.inertia[d.points[*node].coordinate].is_some());
-        let node = node.map(|node| format!("node_{}", d.points[node].identifier));
+        let node = node.map(|node| d.points[node].tendon.clone());
         match (signal.channel.quantity, node, link(d, chain, signal)) {
             (Quantity::Speed, Some(node), _) => {
                 xml.empty("tendonvel", &[attribute("name", name), attribute("tendon", node)])?;

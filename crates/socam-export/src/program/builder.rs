@@ -64,16 +64,10 @@ pub(crate) fn negative(formula: Formula) -> Formula {
 impl<'d, 'm> Builder<'d, 'm> {
     pub(crate) fn new(d: &'d mut Description<'m>) -> Self {
         let count = d.coordinates.len();
-        let of = |d: &Description<'_>, index: usize| d.points[d.coordinates[index].node].name.clone();
-        let mut identifiers = |prefix: &str| -> Vec<String> {
-            (0..count)
-                .map(|index| {
-                    let wanted = format!("{prefix}_{}", of(d, index));
-                    d.names.unique(&wanted)
-                })
-                .collect()
-        };
-        let (angle, speed) = (identifiers("q"), identifiers("v"));
+        let roots: Vec<usize> = d.coordinates.iter().map(|own| own.node).collect();
+        let angle = roots.iter().map(|root| d.points[*root].joint.clone()).collect();
+        let wanted = roots.iter().map(|root| format!("v_{}", d.points[*root].name)).collect::<Vec<_>>();
+        let speed = wanted.iter().map(|name| d.names.unique(name)).collect();
         let through = d.springs.clone();
         let through = through.iter().map(|spring| d.names.unique(&format!("torque_{spring}"))).collect();
         Self {
