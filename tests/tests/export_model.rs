@@ -46,10 +46,12 @@ impl Bench {
         let elsewhere = columns(elsewhere);
         assert_eq!(elsewhere.len(), 4, "{:?}", elsewhere.keys());
         for (column, values) in elsewhere.iter().filter(|(column, _)| *column != "t_s") {
-            let (measured, here) = (&self.measured[column], &self.predicted[column]);
-            let size = rms(here, &vec![0.0; here.len()]);
-            let (before, after) = (rms(&self.before[column], measured), rms(values, measured));
-            let difference = rms(values, here) / size;
+            // Octave replays a part.
+            let part = |all: &Columns| all[column][..values.len()].to_vec();
+            let (measured, here) = (part(&self.measured), part(&self.predicted));
+            let size = rms(&here, &vec![0.0; here.len()]);
+            let (before, after) = (rms(&part(&self.before), &measured), rms(values, &measured));
+            let difference = rms(values, &here) / size;
             println!(
                 "measured: {simulator}, {column}: error rms {before:.4} before, {after:.4} after; relative difference to socam {difference:.1e}"
             );

@@ -1,6 +1,6 @@
 
 def sign(x):
-    return (x > 0) - (x < 0)
+    return float(x > 0) - float(x < 0)
 
 
 def values(changes=None):
