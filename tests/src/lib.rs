@@ -5,7 +5,7 @@ mod draw;
 pub mod emulator;
 pub mod firmware;
 mod process;
-pub mod python;
+pub mod readers;
 
 pub use draw::Draw;
 pub use process::{Ran, program, run, socam_host};

@@ -269,3 +269,33 @@ fn limited(command: &[&OsStr]) -> Ran {
     let script = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
     Command::new("sh").args(["-c", script, "sh"]).args(command).output().unwrap().into()
 }
+
+#[test]
+fn a_model_that_cannot_be_exported_is_refused_in_one_sentence() {
+    let folder = Folder::new();
+    let nowhere = folder.path("nowhere.toml");
+    let run_csv = folder.file("run.csv", csv());
+    let taken = folder.file("taken.py", "mine = 1\n");
+    let model = include_str!("../models/drive.toml");
+    let good = folder.file("drive.toml", model);
+    let wave =
+        model.replace("quantity = \"torque\"\nat = \"motor\"", "quantity = \"angle\"\nat = \"coupling\"");
+    let wave = folder.file("wave.toml", wave.replace("motor_torque", "mesh"));
+    let to = |model: &str, target: &str, name: &str| {
+        ["export-model", model, "--to", target, "-o", name].map(str::to_owned)
+    };
+    let cases: [(i32, [String; 6], &[&str]); 8] = [
+        (WRONG_ARGUMENTS, to(&nowhere, "python", &folder.path("new.py")), &["nowhere.toml", "two-mass"]),
+        (FAILED, to(&run_csv, "python", &folder.path("new.py")), &["run.csv", "line 1"]),
+        (WRONG_ARGUMENTS, to(&good, "adams", &folder.path("new.py")), &["adams", "mujoco"]),
+        (FAILED, to(&good, "python", &taken), &["taken.py", "--force"]),
+        (WRONG_ARGUMENTS, to(&good, "matlab", &folder.path("my bench.m")), &["my bench.m", "my_bench.m"]),
+        (WRONG_ARGUMENTS, to(&good, "python", &good), &["over itself"]),
+        (FAILED, to(&good, "python", &run_csv), &["run.csv", "exists already"]),
+        (FAILED, to(&wave, "mujoco", &folder.path("new.xml")), &["MuJoCo cannot hold the motion", "mesh"]),
+    ];
+    for (code, arguments, mentions) in cases {
+        folder.refuses(code, &arguments.each_ref().map(String::as_str), mentions);
+    }
+    assert_eq!(fs::read_to_string(&taken).unwrap(), "mine = 1\n");
+}

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use socam_recording::Dataset;
-use socam_tests::python::{python, scripts};
+use socam_tests::readers::{python, scripts};
 use socam_tests::{run, skip};
 use tempfile::TempDir;
 
@@ -50,7 +50,7 @@ fn files_of_other_programs_hold_the_same_values() {
         skip("no Python with the libraries of other formats (SOCAM_PYTHON names one)");
         return;
     };
-    let folder = foreign_files(&python);
+    let folder = foreign_files(python);
     let truth = columns(&folder.path().join("truth.csv"), &["motor_speed", "torque"]);
     let log = folder.path().join("imported.mcap");
     let target = log.to_str().unwrap();

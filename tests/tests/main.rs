@@ -16,6 +16,7 @@ mod diagnose;
 mod diagnose_published;
 mod diagnose_robust;
 mod diagnose_steady;
+mod export_model;
 mod firmware_image;
 mod frequency;
 mod identify;

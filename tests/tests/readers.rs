@@ -12,7 +12,7 @@ use socam_recording::{
     Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv,
     recover,
 };
-use socam_tests::python::{kept, prepare, python, scripts};
+use socam_tests::readers::{kept, prepare, python, scripts};
 
 const ROWS: u64 = 30_000;
 
@@ -128,7 +128,7 @@ fn python_reads_every_value() {
         eprintln!("skipped: no Python with the mcap packages (SOCAM_PYTHON names one)");
         return;
     };
-    read_with(&python, "read_python.py", &scripts());
+    read_with(python, "read_python.py", &scripts());
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod design;
 mod diagnose;
 mod efficiency;
 mod export;
+mod export_model;
 mod flash;
 mod identify;
 mod import;
@@ -77,6 +78,7 @@ commands! {
     Check => check,
     Import => import,
     Export => export,
+    ExportModel => export_model,
     Identify => identify,
     Diagnose => diagnose,
     Compare => compare,

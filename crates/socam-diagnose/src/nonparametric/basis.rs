@@ -109,7 +109,14 @@ const fn friction_law(law_inputs: &'static [LawInput], evaluate: fn(&[f64], &[f6
 }
 
 const fn law(law_inputs: &'static [LawInput], acts: Acts, evaluate: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { law_inputs, acts, evaluate, transition: |_| 0.0, inactive: |parameters| parameters[0] == 0.0 }
+    Law {
+        law_inputs,
+        acts,
+        evaluate,
+        formula: "",
+        transition: |_| 0.0,
+        inactive: |parameters| parameters[0] == 0.0,
+    }
 }
 
 pub(super) static BEARING_SPEED: Effect =

@@ -28,6 +28,9 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Twist, LawInput::TwistRate],
         acts: Acts::Torque,
         evaluate,
+        formula: "-stiffness*0.5*(sqrt((twist + 0.5*gap)^2 + 1e-16) - sqrt((twist - 0.5*gap)^2 + 1e-16)) - \
+                  damping*twist_rate*0.5*((twist + 0.5*gap)/sqrt((twist + 0.5*gap)^2 + 1e-16) - (twist - \
+                  0.5*gap)/sqrt((twist - 0.5*gap)^2 + 1e-16))",
         transition: |parameters| 0.5 * parameters[0],
         inactive: |parameters| parameters[0] == 0.0,
     }]),

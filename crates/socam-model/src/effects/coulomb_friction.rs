@@ -27,6 +27,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
         evaluate,
+        formula: "-torque*tanh(speed/transition_speed)",
         transition: |parameters| parameters[1],
         inactive: |parameters| parameters[0] == 0.0,
     }]),

@@ -23,6 +23,8 @@ pub(super) const EFFECT: Effect = Effect {
             law_inputs: &[LawInput::TwistRate, LawInput::Twist, LawInput::State],
             acts: Acts::State,
             evaluate: slip,
+            formula: "0.5*(twist_rate*sign(twist - state) + sqrt(twist_rate^2 + \
+                      1e-4))*min((stiffness*(twist - state)/torque)^2, 4)^8*sign(twist - state)",
             transition: shape::no_transition,
             inactive: shape::never,
         },
@@ -30,6 +32,7 @@ pub(super) const EFFECT: Effect = Effect {
             law_inputs: &[LawInput::State],
             acts: Acts::Torque,
             evaluate: relief,
+            formula: "-stiffness*state",
             transition: shape::no_transition,
             inactive: shape::never,
         },

@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed, LawInput::Time],
         acts: Acts::Torque,
         evaluate,
+        formula: "-damping*rate*time*speed",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

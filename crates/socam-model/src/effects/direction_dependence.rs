@@ -27,6 +27,8 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
         evaluate,
+        formula: "-0.5*(torque_difference*tanh(speed/transition_speed)^2 + \
+                  damping_difference*speed*tanh(speed/transition_speed))",
         transition: |parameters| parameters[2],
         inactive: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),

@@ -21,6 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
         evaluate,
+        formula: "0.5*difference*abs(reading)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

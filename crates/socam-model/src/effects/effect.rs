@@ -97,6 +97,7 @@ impl Effect {
     ///     law_inputs: &[LawInput::Speed],
     ///     acts: Acts::Torque,
     ///     evaluate: brake,
+    ///     formula: "-0.1*speed^3",
     ///     transition: |_| 0.0,
     ///     inactive: |_| false,
     /// };

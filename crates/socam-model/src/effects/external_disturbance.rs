@@ -26,6 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
         evaluate: |law_inputs, p| {
             shape::wave(p[0], std::f64::consts::TAU * p[1], p[2], law_inputs[0], std::f64::consts::TAU)
         },
+        formula: "torque*sin(2*pi*frequency*time + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

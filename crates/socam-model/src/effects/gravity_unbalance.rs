@@ -23,6 +23,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
         evaluate,
+        formula: "-torque*sin(angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

@@ -25,6 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
         evaluate,
+        formula: "stiffness*amplitude*sin(order*angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[1] == 0.0,
     }]),

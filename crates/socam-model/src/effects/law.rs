@@ -28,6 +28,24 @@ pub enum LawInput {
     State,
 }
 
+impl LawInput {
+    /// Its name in [`Law::formula`].
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Twist => "twist",
+            Self::TwistRate => "twist_rate",
+            Self::Torque => "through",
+            Self::Angle => "angle",
+            Self::Time => "time",
+            Self::Reading => "reading",
+            Self::Change => "change",
+            Self::State => "state",
+        }
+    }
+}
+
 /// Action of a law's response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acts {
@@ -61,6 +79,10 @@ pub struct Law {
     pub acts: Acts,
     /// The response to inputs and parameters.
     pub evaluate: fn(law_inputs: &[f64], parameters: &[f64]) -> Response,
+    /// The response as a formula, for simulators of others: numbers, `pi`, `+ - * / ^` (whole exponents), `abs`, `sign`, `sqrt`, `exp`, `sin`,
+    /// `tanh`, `min`, `max`; parameters by their names, borrowed ones as `stiffness` and `damping`, inputs by [`LawInput::symbol`]. Empty
+    /// where a law has none. Corners are rounded as in `evaluate`; the tests of `socam-export` compare both.
+    pub formula: &'static str,
     /// Width of the range of the first input in which the law is sharply curved, in that input's unit; 0 if there is none. Predictors
     /// limit their Newton steps to it.
     pub transition: fn(parameters: &[f64]) -> f64,
@@ -83,6 +105,18 @@ pub enum Form {
     Lag,
     /// The reading of its channel is the true value delayed by its first parameter.
     Delay,
+}
+
+impl Borrowed {
+    /// Their names in [`Law::formula`].
+    #[must_use]
+    pub const fn symbols(self) -> &'static [&'static str] {
+        match self {
+            Self::Stiffness => &["stiffness"],
+            Self::Contact => &["stiffness", "damping"],
+            Self::Damping => &["damping"],
+        }
+    }
 }
 
 /// Parameters of the place that a law receives after its own.

@@ -27,6 +27,8 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed, LawInput::Torque],
         acts: Acts::Drag,
         evaluate,
+        formula: "-through*tanh(through/transition_torque)*tanh(speed/transition_speed)*fraction/(1 - \
+                  0.5*fraction*(1 - tanh(speed/transition_speed)*tanh(through/transition_torque)))",
         transition: |parameters| parameters[1],
         inactive: |parameters| parameters[0] == 0.0,
     }]),

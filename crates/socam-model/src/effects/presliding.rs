@@ -32,6 +32,7 @@ pub(super) const COULOMB: Effect = Effect {
                     bend(law_inputs, [p[1], p[2]], STEADY);
                 shape::response(rate, &derivatives, &[0.0, by_deflection, by_transition])
             },
+            formula: "speed - speed*tanh(speed/transition_speed)*state/deflection",
             transition: |p| p[2],
             inactive: shape::never,
         },
@@ -42,6 +43,7 @@ pub(super) const COULOMB: Effect = Effect {
                 let (pull, by_state, by_deflection) = pull(law_inputs[0], p[0], p[1]);
                 shape::response(pull, &[by_state], &[-law_inputs[0] / p[1], by_deflection])
             },
+            formula: "-torque*state/deflection",
             transition: shape::no_transition,
             inactive: |parameters| parameters[0] == 0.0,
         },
@@ -102,6 +104,8 @@ pub(super) const STRIBECK: Effect = Effect {
                     bend(law_inputs, [p[3], p[4]], ease(law_inputs[0], p));
                 shape::response(rate, &derivatives, &by_parameters)
             },
+            formula: "speed - speed*tanh(speed/transition_speed)*state/deflection*static_torque/(torque + \
+                      (static_torque - torque)*exp(-(speed/stribeck_speed)^2))",
             transition: |p| p[4],
             inactive: shape::never,
         },
@@ -112,6 +116,7 @@ pub(super) const STRIBECK: Effect = Effect {
                 let (pull, by_state, by_deflection) = pull(law_inputs[0], p[1], p[3]);
                 shape::response(pull, &[by_state], &[0.0, -law_inputs[0] / p[3], 0.0, by_deflection])
             },
+            formula: "-static_torque*state/deflection",
             transition: shape::no_transition,
             inactive: |parameters| parameters[1] == 0.0,
         },

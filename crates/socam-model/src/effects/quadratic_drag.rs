@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
         evaluate,
+        formula: "-coefficient*speed*abs(speed)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

@@ -63,6 +63,7 @@ pub(super) const AT_INPUT: Effect = Effect {
         law_inputs: &[LawInput::Change],
         acts: Acts::Reading,
         evaluate: |law_inputs, p| shape::response(-p[0] * law_inputs[0], &[-p[0]], &[-law_inputs[0]]),
+        formula: "-delay*change",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
         evaluate,
+        formula: "share*max(-2*reading, 0)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

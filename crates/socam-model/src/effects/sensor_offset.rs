@@ -20,6 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[],
         acts: Acts::Reading,
         evaluate: |_, parameters| shape::response(parameters[0], &[], &[1.0]),
+        formula: "offset",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

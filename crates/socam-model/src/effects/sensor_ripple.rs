@@ -24,6 +24,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Reading,
         evaluate: |law_inputs, p| shape::wave(p[0], p[1], p[2], law_inputs[0], 1.0),
+        formula: "amplitude*sin(order*angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

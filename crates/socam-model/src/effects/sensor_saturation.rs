@@ -20,6 +20,8 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
         evaluate,
+        formula: "0.5*(sqrt((reading + limit)^2 + 1e-12*limit^2) - sqrt((reading - limit)^2 + 1e-12*limit^2)) - \
+                  reading",
         transition: shape::no_transition,
         inactive: shape::never,
     }]),
@@ -58,6 +60,7 @@ pub(super) const AT_INPUT: Effect = Effect {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
         evaluate: cut_off,
+        formula: "-0.5*excess*(1 + tanh(3000*(abs(reading)/limit - 0.999)))*sign(reading)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[1] == 0.0,
     }]),

@@ -21,6 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Twist],
         acts: Acts::Torque,
         evaluate,
+        formula: "stiffness*cubic*twist^3",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

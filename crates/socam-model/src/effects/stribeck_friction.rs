@@ -26,6 +26,8 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
         evaluate,
+        formula: "-(torque + (static_torque - \
+                  torque)*exp(-(speed/stribeck_speed)^2))*tanh(speed/transition_speed)",
         transition: |parameters| parameters[3],
         inactive: |parameters| parameters[0] == 0.0 && parameters[1] == 0.0,
     }]),

@@ -26,6 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
         evaluate,
+        formula: "torque*sin(order*angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[1] == 0.0,
     }]),

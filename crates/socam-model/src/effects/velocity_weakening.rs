@@ -26,6 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
         evaluate,
+        formula: "-torque*exp(-(speed/fall_speed)^2)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,
     }]),

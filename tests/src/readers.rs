@@ -1,19 +1,19 @@
-//! Python with the packages of `readers/requirements.txt`, fetched into `target/readers` on first use.
+//! Programs of others that read what this one writes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Mutex;
+use std::sync::OnceLock;
 
-/// The folder of scripts for readers and writers of other people.
+/// Scripts of the readers.
 #[must_use]
 pub fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("readers")
 }
 
-/// Where packages are kept: beside the build, so that `cargo clean` takes them too.
+/// Where the readers are kept: beside the build, so that `cargo clean` takes them too.
 ///
 /// # Panics
-/// When the test has no path.
+/// When the test's own path is unknown.
 #[must_use]
 pub fn kept() -> PathBuf {
     let test = std::env::current_exe().expect("this test's path");
@@ -30,16 +30,21 @@ pub fn prepare(program: impl AsRef<Path>, arguments: &[&str], folder: &Path) -> 
         .is_ok_and(|output| output.status.success())
 }
 
-/// A Python with the packages: the one that `SOCAM_PYTHON` names, or one that is fetched; `None` where neither is there.
-pub fn python() -> Option<PathBuf> {
-    static FETCHING: Mutex<()> = Mutex::new(());
+/// A Python with the packages of `readers/requirements.txt`: `SOCAM_PYTHON`, or one that is made on first use; `None` without network.
+pub fn python() -> Option<&'static Path> {
+    // Tests run side by side; one of them makes it.
+    static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
+    PYTHON.get_or_init(make_python).as_deref()
+}
+
+fn make_python() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("SOCAM_PYTHON") {
         return Some(named.into());
     }
-    let _one_at_a_time = FETCHING.lock().ok()?;
     let python = kept().join("venv/bin/python");
     let packages = scripts().join("requirements.txt");
     let wanted = std::fs::read_to_string(&packages).ok()?;
+    // What was installed: a changed list is installed again.
     let ready = kept().join("venv/ready");
     if std::fs::read_to_string(&ready).ok().as_ref() != Some(&wanted) {
         std::fs::create_dir_all(kept()).ok()?;

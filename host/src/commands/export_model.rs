@@ -1,0 +1,126 @@
+//! `export-model`: a model file for a simulator.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::ValueEnum;
+use socam_export::{LeftOut, Provenance, Target};
+
+use super::Outcome;
+use crate::model_file;
+use crate::output::{self, WrongArguments};
+
+/// Hand a model back to a simulator: MuJoCo, URDF, SDF, Modelica, Simscape, MATLAB or Python
+///
+/// The file holds the model's values with their intervals and sources. What the simulator's format cannot hold is listed by name in the file
+/// and on stderr; a model of which no motion would be right is refused.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  socam-host export-model corrected.toml --to mujoco                writes corrected.xml
+  socam-host export-model corrected.toml --to python -o bench.py
+  socam-host export-model two-mass --to modelica -o -")]
+pub(crate) struct Args {
+    #[arg(value_name = "MODEL", help = model_file::HELP)]
+    model: String,
+    /// Simulator
+    #[arg(long, value_enum)]
+    to: To,
+    /// File to write; `-` for stdout [default: beside MODEL, with the simulator's extension]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace an existing file
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum To {
+    Mujoco,
+    Urdf,
+    Sdf,
+    Modelica,
+    Simscape,
+    Matlab,
+    Python,
+}
+
+impl From<To> for Target {
+    fn from(to: To) -> Self {
+        match to {
+            To::Mujoco => Self::Mujoco,
+            To::Urdf => Self::Urdf,
+            To::Sdf => Self::Sdf,
+            To::Modelica => Self::Modelica,
+            To::Simscape => Self::Simscape,
+            To::Matlab => Self::Matlab,
+            To::Python => Self::Python,
+        }
+    }
+}
+
+/// A file for a simulator. A format that is no text makes one too.
+struct Made {
+    bytes: Vec<u8>,
+    left_out: Vec<LeftOut>,
+}
+
+pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    let model = model_file::load(&args.model)?;
+    let target = Target::from(args.to);
+    let path = args.output.unwrap_or_else(|| beside(&args.model, target));
+    let to_stdout = path.as_os_str() == "-";
+    let name = name(&args.model, &path, target)?;
+    // Before the work: whether the file may be written.
+    let file = if to_stdout {
+        None
+    } else {
+        output::check_target(&path, Path::new(&args.model), args.force)?;
+        Some(output::create_new(&path, args.force)?)
+    };
+    let file_name = Path::new(&args.model)
+        .file_name()
+        .map_or(args.model.clone(), |own| own.to_string_lossy().into_owned());
+    let exported = socam_export::export(&model, &Provenance::new(&file_name, &model.text), target, &name)?;
+    let made = Made { bytes: exported.text.into_bytes(), left_out: exported.left_out };
+    for part in &made.left_out {
+        output::warn(format_args!("{} does not hold all: {part}", target.name()));
+    }
+    match file {
+        None => output::print(&String::from_utf8_lossy(&made.bytes))?,
+        Some(mut file) => {
+            file.write_all(&made.bytes).with_context(|| format!("cannot write `{}`", path.display()))?;
+            file.commit()?;
+            output::say(format_args!("{} written to {}", model.name, path.display()));
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// The default path: beside the model file, with a name that the simulator finds.
+fn beside(model: &str, target: Target) -> PathBuf {
+    let model = Path::new(model);
+    let stem = model.file_stem().map_or_else(|| "model".into(), |stem| stem.to_string_lossy());
+    let stem = if target.is_found_by_name() { socam_export::identifier(&stem) } else { stem.into_owned() };
+    model.with_file_name(stem).with_extension(target.extension())
+}
+
+/// The name that the file defines.
+fn name(model: &str, path: &Path, target: Target) -> Result<String, WrongArguments> {
+    if path.as_os_str() == "-" {
+        return Ok(Path::new(model)
+            .file_stem()
+            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()));
+    }
+    let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let identifier = socam_export::identifier(&stem);
+    if target.is_found_by_name() && identifier != stem {
+        return Err(WrongArguments(format!(
+            "`{}`: {} finds a file by the name that it defines, and {stem} can be none; name it {identifier}.{}",
+            path.display(),
+            target.name(),
+            target.extension()
+        )));
+    }
+    Ok(identifier)
+}
