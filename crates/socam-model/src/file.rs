@@ -181,8 +181,10 @@ impl Reader<'_> {
         }
         let springs = self.each(raw.springs, Self::spring)?;
         let gears = self.each(raw.gears, Self::gear)?;
+        let differentials = self.each(raw.differentials, Self::differential)?;
         let shafts = self.each(raw.shafts, Self::shaft)?;
         let bearings = self.each(raw.bearings, Self::bearing)?;
+        let motors = self.each(raw.motors, Self::motor)?;
         let servo = raw.servo.map(|servo| self.servo(servo)).transpose()?;
         let channels = raw.channels.0.into_iter();
         let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
@@ -204,9 +206,11 @@ impl Reader<'_> {
             nodes: Vec::new(),
             springs,
             gears,
+            differentials,
             shafts,
             bearings,
             effects: Vec::new(),
+            motors,
             servo,
             channels,
         };

@@ -1,10 +1,10 @@
-//! `[[springs]]`, `[[gears]]`, `[[shafts]]`, `[[bearings]]` and `[servo]`.
+//! `[[springs]]`, `[[gears]]`, `[[differentials]]`, `[[shafts]]`, `[[bearings]]`, `[[motors]]` and `[servo]`.
 
 use super::{
-    raw::{RawBearing, RawGear, RawServo, RawShaft, RawSpring},
+    raw::{RawBearing, RawDifferential, RawGear, RawMotor, RawServo, RawShaft, RawSpring},
     reader::Reader,
 };
-use crate::{Bearing, Gear, ModelError, Servo, Shaft, Spring, effects::Kind};
+use crate::{Bearing, Differential, Gear, ModelError, Motor, Servo, Shaft, Spring, effects::Kind};
 
 impl Reader<'_> {
     pub(super) fn spring(&mut self, raw: RawSpring) -> Result<Spring, ModelError> {
@@ -30,6 +30,35 @@ impl Reader<'_> {
             return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
         }
         Ok(Gear { from: self.node(&raw.from)?, to: self.node(&raw.to)?, ratio, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn differential(&mut self, raw: RawDifferential) -> Result<Differential, ModelError> {
+        self.declare(&raw.name)?;
+        let from = [self.node(&raw.from[0])?, self.node(&raw.from[1])?];
+        let factor = |reader: &mut Self, index: usize| {
+            let factor = reader.parameter("factors", &raw.factors[index], Kind::Ratio)?;
+            if reader.parameters[factor].value == 0.0 {
+                let message = "a differential's factor cannot be zero; a joint that one motor moves is a [[gears]] table";
+                return reader.fail(&raw.factors[index], message);
+            }
+            Ok(factor)
+        };
+        let factors = [factor(self, 0)?, factor(self, 1)?];
+        Ok(Differential { from, to: self.node(&raw.to)?, factors, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn motor(&mut self, raw: RawMotor) -> Result<Motor, ModelError> {
+        self.declare(&raw.name)?;
+        let torque_constant = self.positive(&raw.torque_constant, Kind::TorqueConstant)?;
+        let back_emf = raw.back_emf.map(|name| self.positive(&name, Kind::BackEmf)).transpose()?;
+        Ok(Motor {
+            node: self.node(&raw.at)?,
+            resistance: self.positive(&raw.resistance, Kind::Resistance)?,
+            torque_constant,
+            back_emf: back_emf.unwrap_or(torque_constant),
+            inductance: raw.inductance.map(|name| self.positive(&name, Kind::Inductance)).transpose()?,
+            name: raw.name.into_inner(),
+        })
     }
 
     pub(super) fn shaft(&mut self, raw: RawShaft) -> Result<Shaft, ModelError> {

@@ -96,6 +96,10 @@ impl Reader<'_> {
             Kind::Stiffness => "k",
             Kind::Damping => "c",
             Kind::Ratio => "N",
+            Kind::Resistance => "R",
+            Kind::Inductance => "L",
+            Kind::TorqueConstant => "kt",
+            Kind::BackEmf => "ke",
             _ => "p",
         };
         let is_free = |name: &String| !self.parameters.iter().any(|parameter| parameter.name == *name);
@@ -151,9 +155,12 @@ impl Reader<'_> {
         let (allowed, instead) = match kind {
             Kind::Inertia => ("positive", "; a node without inertia has no key inertia"),
             Kind::Stiffness => ("positive", "; where nothing joins the two nodes, leave the spring out"),
-            _ => ("zero or more", ""),
+            Kind::Inductance => ("positive", "; where the current follows the voltage at once, leave it out"),
+            Kind::Damping | Kind::BackEmf => ("zero or more", ""),
+            _ => ("positive", ""),
         };
-        if parameter.value < 0.0 || (parameter.value == 0.0 && kind != Kind::Damping) {
+        if parameter.value < 0.0 || (parameter.value == 0.0 && !matches!(kind, Kind::Damping | Kind::BackEmf))
+        {
             let value = parameter.value / parameter.file_factor;
             let message = format!(
                 "{key} \"{}\" is {value} {}, but it must be {allowed}{instead}",
@@ -169,6 +176,10 @@ fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Inertia => "inertia",
         Kind::Stiffness => "stiffness",
+        Kind::Resistance => "resistance",
+        Kind::Inductance => "inductance",
+        Kind::TorqueConstant => "torque_constant",
+        Kind::BackEmf => "back_emf",
         _ => "damping",
     }
 }
@@ -178,7 +189,7 @@ fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
     match units::parse(file_unit) {
         Some(unit) if unit.factor == 1.0 => file_unit.into(),
         _ => {
-            let names = ["kg", "m", "s", "A", "V"];
+            let names = ["kg", "m", "s", "A"];
             let factors = names.iter().zip(dimension).filter(|(_, power)| *power != 0);
             let text: Vec<_> = factors.map(|(name, power)| format!("{name}^{power}")).collect();
             if text.is_empty() { "1".into() } else { text.join(" ") }

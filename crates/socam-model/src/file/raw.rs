@@ -153,11 +153,15 @@ pub(super) struct RawModel {
     #[serde(default)]
     pub(super) gears: List<RawGear>,
     #[serde(default)]
+    pub(super) differentials: List<RawDifferential>,
+    #[serde(default)]
     pub(super) shafts: List<RawShaft>,
     #[serde(default)]
     pub(super) bearings: List<RawBearing>,
     #[serde(default)]
     pub(super) effects: List<RawEffect>,
+    #[serde(default)]
+    pub(super) motors: List<RawMotor>,
     pub(super) servo: Option<RawServo>,
     pub(super) channels: Ordered<RawChannel>,
 }
@@ -209,6 +213,26 @@ pub(super) struct RawGear {
     pub(super) from: Name,
     pub(super) to: Name,
     pub(super) ratio: Reference,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[differentials]] table")]
+pub(super) struct RawDifferential {
+    pub(super) name: Name,
+    pub(super) from: [Name; 2],
+    pub(super) to: Name,
+    pub(super) factors: [Reference; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[motors]] table")]
+pub(super) struct RawMotor {
+    pub(super) name: Name,
+    pub(super) at: Name,
+    pub(super) resistance: Reference,
+    pub(super) torque_constant: Reference,
+    pub(super) back_emf: Option<Reference>,
+    pub(super) inductance: Option<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -272,6 +296,8 @@ listed!(
     RawNode = "nodes",
     RawSpring = "springs",
     RawGear = "gears",
+    RawDifferential = "differentials",
+    RawMotor = "motors",
     RawShaft = "shafts",
     RawBearing = "bearings",
     RawEffect = "effects"

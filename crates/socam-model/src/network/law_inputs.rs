@@ -72,7 +72,9 @@ impl MotionMaps<'_, '_> {
     /// Angle through which a node has turned: that of the shaft whose turned angle is an input, plus the twist of the springs between.
     fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
         let angle = |node: usize| self.a.node_row(node).times(&self.angle);
-        let Some(clock) = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned) else {
+        let clock = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned);
+        // With a differential, angles are absolute: the turned angle of one shaft does not give that of another.
+        let Some(clock) = clock.filter(|_| self.a.model.differentials.is_empty()) else {
             return Ok(angle(node));
         };
         let from = self.a.node_named(&clock.at, &clock.name)?;

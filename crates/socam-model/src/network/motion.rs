@@ -19,6 +19,8 @@ pub(super) struct MotionMaps<'a, 'm> {
     pub(super) angles: Vec<usize>,
     /// First column and number of the states of each effect.
     pub(super) owned: Vec<(usize, usize)>,
+    /// Column of the current of each motor, where its inductance makes it a state.
+    pub(super) currents: Vec<Option<usize>>,
     pub(super) inputs: usize,
     pub(super) ports: Vec<Port>,
     /// Effect that each port belongs to.
@@ -53,6 +55,12 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
                 own
             })
             .collect();
+        let currents = a.model.motors.iter().map(|motor| {
+            motor.inductance?;
+            next += 1;
+            Some(next - 1)
+        });
+        let currents: Vec<Option<usize>> = currents.collect();
         let (ports, port_owner): (Vec<Port>, Vec<usize>) =
             a.model.effects.iter().enumerate().flat_map(|(index, used)| ports_of(index, used)).unzip();
         let columns = next + inputs + ports.len();
@@ -62,6 +70,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
             massive,
             angles,
             owned,
+            currents,
             inputs,
             ports,
             port_owner,
@@ -75,7 +84,8 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
     }
 
     pub(super) fn first_input(&self) -> usize {
-        self.angles.len() + self.massive.len() + self.owned.iter().map(|(_, count)| count).sum::<usize>()
+        let owned: usize = self.owned.iter().map(|(_, count)| count).sum();
+        self.angles.len() + self.massive.len() + owned + self.currents.iter().flatten().count()
     }
 
     fn first_port(&self) -> usize {

@@ -10,7 +10,7 @@ use crate::{
 impl MotionMaps<'_, '_> {
     /// Refuses the speed of a static group: it depends on derivatives of the inputs.
     pub(super) fn require_speed(&self, node: usize, who: &str) -> Result<(), ModelError> {
-        if self.statics.contains(&self.a.group[node]) {
+        if self.statics.iter().any(|group| self.a.moves(*group, node)) {
             let place = &self.a.model.nodes[node].name;
             return Err(ModelError::Network(format!(
                 "{who} needs the speed of {place}, which has neither inertia nor damper; give it one"
@@ -24,6 +24,9 @@ impl MotionMaps<'_, '_> {
         if channel.quantity == Quantity::Torque {
             return self.torque_row(channel);
         }
+        if channel.quantity == Quantity::Current {
+            return self.current_row(channel);
+        }
         let node = self.a.node_named(&channel.at, &channel.name)?;
         let row = self.a.node_row(node);
         match channel.quantity {
@@ -32,20 +35,45 @@ impl MotionMaps<'_, '_> {
                 Ok(row.times(&self.velocity))
             }
             Quantity::Angle => Ok(row.times(&self.angle)),
-            Quantity::Acceleration if self.a.class[self.a.group[node]] == Class::Massive => {
-                Ok(row.times(&self.acceleration))
-            }
+            Quantity::Acceleration if self.is_massive(node) => Ok(row.times(&self.acceleration)),
             Quantity::Acceleration => Err(ModelError::Network(format!(
                 "channel {} measures an acceleration, so {} must have an inertia",
                 channel.name, model.nodes[node].name
             ))),
-            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change => {
-                Err(ModelError::Network(format!(
-                    "channel {} is a reference; that can only be an input",
-                    channel.name
-                )))
-            }
+            Quantity::Voltage => Err(ModelError::Network(format!(
+                "channel {} is a voltage, which drives a motor; write role = \"input\", or measure the current",
+                channel.name
+            ))),
+            Quantity::Torque
+            | Quantity::Current
+            | Quantity::Reference
+            | Quantity::Time
+            | Quantity::Turned
+            | Quantity::Change => Err(ModelError::Network(format!(
+                "channel {} is a reference; that can only be an input",
+                channel.name
+            ))),
         }
+    }
+
+    /// Whether each coordinate that moves a node has an inertia.
+    fn is_massive(&self, node: usize) -> bool {
+        let class = &self.a.class;
+        (0..class.len()).all(|group| class[group] == Class::Massive || !self.a.moves(group, node))
+    }
+
+    fn current_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        let found = self.a.model.motors.iter().enumerate().find(|(_, motor)| motor.name == channel.at);
+        let Some((index, motor)) = found else {
+            return Err(ModelError::Network(format!(
+                "channel {} is a current, so it must be at one of the [[motors]], and {} is none",
+                channel.name, channel.at
+            )));
+        };
+        if self.currents[index].is_none() {
+            self.require_speed(motor.node, &channel.name)?;
+        }
+        Ok(self.current(index, motor))
     }
 
     /// Torque through a spring.
