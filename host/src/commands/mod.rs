@@ -15,6 +15,8 @@ mod flash;
 mod identify;
 mod import;
 mod info;
+mod model;
+mod new;
 mod record;
 mod recover;
 mod simulate;
@@ -90,6 +92,8 @@ commands! {
     #[cfg(feature = "dashboard")]
     Dashboard => dashboard,
     Flash => flash,
+    New => new,
+    Model => model,
     Template => template,
     Thesis => thesis,
     Completions => completions,

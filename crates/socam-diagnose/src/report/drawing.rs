@@ -37,10 +37,25 @@ pub(super) fn shows_rivals(model: &Model, marks: &[(&str, PlaceMark)]) -> bool {
 
 /// The bench with marks at places or channels by name. A name that the model does not have is left out.
 pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
+    let ([width, height], content) = drawn(model, marks);
+    html! {
+        svg class="bench" viewBox=(format!("0 0 {width} {height:.0}")) style=(format!("min-width:{:.0}px;max-width:{:.0}px", 0.72 * width, 1.1 * width))
+            role="img" aria-label=(format!("Drawing of the bench {}", model.name)) { (content) }
+    }
+}
+
+/// The bench as an SVG file of its own.
+pub(super) fn file(model: &Model, style: &str) -> String {
+    let (size, content) = drawn(model, &[]);
+    let own = style.lines().filter(|line| line.starts_with(".bench")).collect::<Vec<_>>().join("\n");
+    socam_plot::drawing(size, &format!("Drawing of {}", model.name), ("bench", &own), &content)
+}
+
+/// Width and height, and the content.
+fn drawn(model: &Model, marks: &[(&str, PlaceMark)]) -> ([f64; 2], Markup) {
     let layout = Layout::wrapped(model, COLUMNS);
     let rows = Rows::new(&layout);
     let width = CELL * layout.columns as f64 + 2.0 * MARGIN;
-    let height = rows.bottom();
     let marked = |element: &Element| {
         let of_it = || marks.iter().filter(|(name, _)| *name == element.name).map(|(_, mark)| *mark);
         let mut findings: Vec<_> = of_it().filter(|mark| *mark != PlaceMark::Rival).collect();
@@ -48,9 +63,7 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
         let rival = findings.is_empty() && of_it().next().is_some();
         (findings, rival)
     };
-    html! {
-        svg class="bench" viewBox=(format!("0 0 {width} {height:.0}")) style=(format!("min-width:{:.0}px;max-width:{:.0}px", 0.72 * width, 1.1 * width))
-            role="img" aria-label=(format!("Drawing of the bench {}", model.name)) {
+    let content = html! {
             @for element in &layout.elements {
                 @let (findings, rival) = marked(element);
                 (frame(element, &rows, &findings, rival))
@@ -63,8 +76,8 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
                 @let (findings, _) = marked(element);
                 @for (place, mark) in findings.iter().enumerate() { (badge(element, &rows, place, *mark)) }
             }
-        }
-    }
+    };
+    ([width, rows.bottom().ceil()], content)
 }
 
 /// The marker of a finding as it stands in the drawing, to name it elsewhere.
