@@ -21,6 +21,7 @@ mod reader;
 #[cfg(test)]
 mod tests;
 mod wiring;
+mod wording;
 
 pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
@@ -101,10 +102,7 @@ fn read(text: &str) -> Result<Model, ModelError> {
         let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
         return Err(ModelError::File { line, message });
     }
-    let raw: RawModel = toml::from_str(text).map_err(|error| {
-        let line = line_of(text, error.span().map_or(0, |span| span.start));
-        ModelError::File { line, message: error.message().trim().replace('\n', ", ") }
-    })?;
+    let raw: RawModel = toml::from_str(text).map_err(|error| wording::explained(text, &error))?;
     Reader {
         text,
         rotational: raw.motion == Motion::Rotation,
@@ -167,7 +165,10 @@ impl Reader<'_> {
         if raw.schema.get_ref() != SCHEMA {
             return self.fail(
                 &raw.schema,
-                format!("schema is \"{}\", but this version reads \"{SCHEMA}\"", raw.schema.get_ref()),
+                format!(
+                    "schema is \"{}\", but this version reads \"{SCHEMA}\"; write schema = \"{SCHEMA}\"",
+                    raw.schema.get_ref()
+                ),
             );
         }
         for (name, parameter) in raw.parameters.0 {
@@ -193,7 +194,7 @@ impl Reader<'_> {
                 let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
                 return self.fail_in(
                     line,
-                    format!("[channels] has no {what}; give at least one channel role = \"{what}\""),
+                    format!("[channels] has no {what}; write at least one channel with role = \"{what}\""),
                 );
             }
         }

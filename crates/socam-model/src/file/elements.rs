@@ -12,7 +12,10 @@ impl Reader<'_> {
         let to = if raw.to.get_ref() == "ground" { None } else { Some(self.node(&raw.to)?) };
         let from = self.node(&raw.from)?;
         if to == Some(from) {
-            return self.fail(&raw.to, "a spring must join two different nodes");
+            return self.fail(
+                &raw.to,
+                "a spring must join two different nodes; write another node, or to = \"ground\"",
+            );
         }
         Ok(Spring {
             name: raw.name.into_inner(),
@@ -27,14 +30,21 @@ impl Reader<'_> {
         self.declare(&raw.name)?;
         let ratio = self.parameter("ratio", &raw.ratio, Kind::Ratio)?;
         if self.parameters[ratio].value == 0.0 {
-            return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
+            let message = format!(
+                "ratio \"{}\" is 0, but a gear of ratio N turns its `to` node N times slower; write another value than 0",
+                self.parameters[ratio].name
+            );
+            return self.fail(&raw.ratio, message);
         }
         Ok(Gear { from: self.node(&raw.from)?, to: self.node(&raw.to)?, ratio, name: raw.name.into_inner() })
     }
 
     pub(super) fn differential(&mut self, raw: RawDifferential) -> Result<Differential, ModelError> {
         self.declare(&raw.name)?;
-        let from = [self.node(&raw.from[0])?, self.node(&raw.from[1])?];
+        let ([first, second], 2) = (&raw.from[..], raw.factors.len()) else {
+            return self.fail(&raw.name, "a differential has two nodes and two factors; write from = [\"NODE\", \"NODE\"] and factors = [\"PARAMETER\", \"PARAMETER\"]");
+        };
+        let from = [self.node(first)?, self.node(second)?];
         let factor = |reader: &mut Self, index: usize| {
             let factor = reader.parameter("factors", &raw.factors[index], Kind::Ratio)?;
             if reader.parameters[factor].value == 0.0 {

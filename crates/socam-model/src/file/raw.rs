@@ -171,7 +171,7 @@ pub(super) struct RawModel {
 pub(super) struct RawParameter {
     pub(super) value: Spanned<f64>,
     pub(super) unit: Name,
-    pub(super) bounds: Option<Spanned<[f64; 2]>>,
+    pub(super) bounds: Option<Spanned<Vec<f64>>>,
     #[serde(default)]
     pub(super) fixed: bool,
     #[serde(default)]
@@ -219,9 +219,9 @@ pub(super) struct RawGear {
 #[serde(deny_unknown_fields, expecting = "a [[differentials]] table")]
 pub(super) struct RawDifferential {
     pub(super) name: Name,
-    pub(super) from: [Name; 2],
+    pub(super) from: Vec<Name>,
     pub(super) to: Name,
-    pub(super) factors: [Reference; 2],
+    pub(super) factors: Vec<Reference>,
 }
 
 #[derive(Deserialize)]

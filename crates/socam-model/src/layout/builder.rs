@@ -230,10 +230,11 @@ fn first_node(model: &Model) -> usize {
 
 fn node_kind(model: &Model, tree: &Tree, node: usize, start: usize) -> ElementKind {
     let driven = model.inputs().any(|channel| channel.at == model.nodes[node].name);
+    let wound = model.motors.iter().any(|motor| motor.node == node);
     let massive = model.nodes[node].inertia.is_some();
     let far_end = tree.lane[node] == tree.lane[start] && tree.is_leaf[node];
     match () {
-        () if node == start && driven && !far_end => ElementKind::Motor,
+        () if wound || (node == start && driven && !far_end) => ElementKind::Motor,
         () if massive && far_end && node != start => ElementKind::Load,
         () if massive => ElementKind::Inertia,
         () => ElementKind::Point,

@@ -5,7 +5,7 @@ use crate::{Quantity, Role};
 /// Kind of an element of the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementKind {
-    /// The node at which the drawing starts, if an input drives it.
+    /// The node at which the drawing starts, if an input drives it, and any node with a winding.
     Motor,
     /// A node with inertia (mass).
     Inertia,

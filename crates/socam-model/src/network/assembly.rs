@@ -150,7 +150,11 @@ impl<'m> Assembly<'m> {
 
     pub(super) fn node_named(&self, place: &str, channel: &str) -> Result<usize, ModelError> {
         self.model.nodes.iter().position(|node| node.name == place).ok_or_else(|| {
-            ModelError::Network(format!("channel {channel} needs a node, and {place} is none"))
+            let nodes: Vec<&str> = self.model.nodes.iter().map(|node| node.name.as_str()).collect();
+            ModelError::Network(format!(
+                "channel {channel} needs a node, and {place} is none; write at = one of {}",
+                nodes.join(", ")
+            ))
         })
     }
 

@@ -28,7 +28,7 @@ impl Assembly<'_> {
             }
             if *class == Class::Prescribed {
                 return Err(ModelError::Network(format!(
-                    "channel {} prescribes a speed that another input prescribes already",
+                    "channel {} prescribes a speed that another input prescribes already; make one of them an output",
                     channel.name
                 )));
             }
@@ -74,18 +74,18 @@ impl Assembly<'_> {
             {
                 Ok(())
             }
-            Quantity::Reference => {
-                fail(format!("channel {} is a reference, so it must be at the servo", channel.name))
-            }
+            Quantity::Reference => fail(format!(
+                "channel {} is a reference, so it must be at the servo; write at = the name of a [servo]",
+                channel.name
+            )),
             Quantity::Voltage if self.model.motors.iter().any(|motor| motor.name == channel.at) => Ok(()),
             Quantity::Voltage => fail(format!(
-                "channel {} is a voltage, so it must be at one of the [[motors]], and {} is none",
-                channel.name, channel.at
+                "channel {} is a voltage, so it must be at one of the [[motors]], and {} is none; write a [[motors]] table with at = \"{}\", and its name here",
+                channel.name, channel.at, channel.at
             )),
             Quantity::Angle if self.twisted_spring(channel).is_some() => Ok(()),
             Quantity::Angle => fail(format!(
-                "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none (the motion of \
-                 a node is given as its speed)",
+                "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none; the motion of a node is given as quantity = \"speed\", of an encoder's column with take = \"rate\"",
                 channel.name, channel.at
             )),
             Quantity::Time | Quantity::Turned | Quantity::Change => Ok(()),

@@ -22,7 +22,7 @@ pub(super) fn tie_nodes(
     for (name, from, to, ratio) in shafts.chain(gears) {
         if group[from] == group[to] {
             return Err(ModelError::Network(format!(
-                "{name} closes a rigid loop: its two nodes are tied already"
+                "{name} closes a rigid loop: its two nodes are tied already; remove it, or join one of them by a spring"
             )));
         }
         // Every member of the `to` group now moves with the `from` group.
@@ -65,7 +65,7 @@ pub(super) fn mix_groups(
         let is_free = rows[moved].value[(0, moved)] == 1.0;
         if !is_free || row.value[(0, moved)] != 0.0 {
             return Err(ModelError::Network(format!(
-                "{} closes a rigid loop: {} is tied to its two other nodes already",
+                "{} closes a rigid loop: {} is tied to its two other nodes already; remove a tie, or replace it by a spring",
                 differential.name, model.nodes[differential.to].name
             )));
         }

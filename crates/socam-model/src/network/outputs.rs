@@ -118,8 +118,10 @@ impl MotionMaps<'_, '_> {
                 Ok(torque)
             }
             _ => Err(ModelError::Network(format!(
-                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known",
-                channel.name, channel.at,
+                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known, so write at = one of {}",
+                channel.name,
+                channel.at,
+                model.springs.iter().map(|spring| spring.name.as_str()).collect::<Vec<_>>().join(", "),
             ))),
         }
     }
