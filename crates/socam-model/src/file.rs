@@ -15,6 +15,7 @@ mod clocks;
 mod documented;
 mod effects;
 mod elements;
+mod lists;
 mod parameters;
 mod raw;
 mod reader;

@@ -2,10 +2,7 @@
 
 use toml::Spanned;
 
-use super::{
-    raw::{List, Name},
-    wording::meant,
-};
+use super::{lists::List, raw::Name, wording::meant};
 use crate::{ModelError, Node, Parameter};
 
 pub(super) fn line_of(text: &str, offset: usize) -> usize {
