@@ -81,14 +81,6 @@ fn identify(text: &str) {
         let what = format!("{}: {} is {}, found {estimate:?}", model.name, own.name, own.value);
         let [Some(low), Some(high)] = estimate.ci95 else { panic!("{what}") };
         let off = (2.0 * own.value - low - high).abs() / (high - low);
-        println!(
-            "{} {} {} found {:?} half width {:.2} % off {off:.2}",
-            model.name,
-            own.name,
-            own.value,
-            estimate.value,
-            50.0 * (high - low) / own.value
-        );
         assert!(off < 2.0, "{what}");
         assert!(high - low < 0.2 * own.value, "{what}");
     }

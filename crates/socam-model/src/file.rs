@@ -1,8 +1,8 @@
 //! Reads model files: TOML in, a checked [`Model`] in SI out; each error has a line.
 
 use crate::{
-    Model, ModelError, Motion, Role,
-    effects::{Effect, Kind},
+    EffectUse, Model, ModelError, Motion, Role, Site,
+    effects::{Effect, Kind, SERVO_LIMIT},
     model::Node,
 };
 
@@ -217,6 +217,10 @@ impl Reader<'_> {
             channels,
         };
         std::mem::swap(&mut model.nodes, &mut self.nodes);
+        model.effects.extend(model.servo.iter().filter_map(|servo| {
+            let (effect, place) = (&SERVO_LIMIT, servo.name.clone());
+            Some(EffectUse { effect, place, at: Site::Servo, parameters: vec![servo.limit?] })
+        }));
         self.contact_stiffness = self.rigid_stiffness(&model);
         for effect in raw.effects.0 {
             self.effect(effect, &mut model)?;

@@ -89,6 +89,7 @@ impl Reader<'_> {
             position_gain: self.parameter("position_gain", &raw.position_gain, Kind::Gain)?,
             velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, Kind::Gain)?,
             drive_gain: self.parameter("drive_gain", &raw.drive_gain, Kind::Gain)?,
+            limit: raw.limit.map(|name| self.positive(&name, Kind::Torque)).transpose()?,
             name: raw.name.into_inner(),
         })
     }

@@ -195,6 +195,7 @@ fn kind_name(kind: Kind) -> &'static str {
         Kind::Inductance => "inductance",
         Kind::TorqueConstant => "torque_constant",
         Kind::BackEmf => "back_emf",
+        Kind::Torque => "limit",
         _ => "damping",
     }
 }

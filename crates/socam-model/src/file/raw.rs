@@ -180,6 +180,7 @@ pub(super) struct RawServo {
     pub(super) position_gain: Reference,
     pub(super) velocity_gain: Reference,
     pub(super) drive_gain: Reference,
+    pub(super) limit: Option<Reference>,
 }
 
 #[derive(Deserialize)]

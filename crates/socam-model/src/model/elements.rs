@@ -105,6 +105,8 @@ pub struct Servo {
     pub velocity_gain: usize,
     /// Parameter: drive gain, N m/V (N/V).
     pub drive_gain: usize,
+    /// Parameter: largest torque, N m (N); `None` where it has no limit.
+    pub limit: Option<usize>,
 }
 
 /// An effect of the catalogue at a place of the model.
@@ -138,4 +140,6 @@ pub enum Site {
     },
     /// A channel.
     Channel(usize),
+    /// The servo.
+    Servo,
 }

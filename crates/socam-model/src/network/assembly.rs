@@ -162,7 +162,7 @@ impl<'m> Assembly<'m> {
     pub(super) fn spring_of(&self, used: &EffectUse) -> Option<&'m Spring> {
         match used.at {
             Site::Spring(spring) | Site::Gear { contact: spring, .. } => self.model.springs.get(spring),
-            Site::Node(_) | Site::Channel(_) => None,
+            Site::Node(_) | Site::Channel(_) | Site::Servo => None,
         }
     }
 

@@ -59,6 +59,7 @@ impl MotionMaps<'_, '_> {
             let on_node = match used.at {
                 Site::Node(node) => Some((node, Acts::Torque)),
                 Site::Gear { slow, .. } => Some((slow, Acts::Drag)),
+                Site::Servo => self.a.model.servo.as_ref().map(|servo| (servo.node, Acts::Torque)),
                 Site::Spring(_) | Site::Channel(_) => None,
             };
             if let Some((node, acts)) = on_node {

@@ -14,7 +14,7 @@ impl MotionMaps<'_, '_> {
         let node = match used.at {
             Site::Node(node) => Some(node),
             Site::Gear { fast, slow, .. } => Some(if *law_input == LawInput::Angle { fast } else { slow }),
-            Site::Spring(_) => None,
+            Site::Spring(_) | Site::Servo => None,
             Site::Channel(channel) => self.a.shaft_of(&self.a.model.channels[channel]),
         };
         let spring = self.a.spring_of(used);
@@ -31,6 +31,7 @@ impl MotionMaps<'_, '_> {
                 ends.flatten().try_for_each(|node| self.require_speed(node, used.effect.id))?;
                 twist.times(&self.velocity)
             }
+            (LawInput::Torque, ..) if used.at == Site::Servo => self.servo_command(),
             (LawInput::Torque, ..) => {
                 spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring))
             }

@@ -2,7 +2,7 @@
 
 use super::{assembly::Class, motion::MotionMaps};
 use crate::{
-    Channel, ModelError, Quantity, Role, Spring,
+    Channel, ModelError, Quantity, Role, Site, Spring,
     effects::{Acts, Form, sensor_delay},
     jet::{Jet, Scalar},
 };
@@ -99,20 +99,34 @@ impl MotionMaps<'_, '_> {
         torque
     }
 
+    /// Torque that a servo asks for, before its limit.
+    pub(super) fn servo_command(&self) -> Jet {
+        let mut torque = self.nothing();
+        let Some((row, proportional, derivative)) = self.a.servo_terms() else { return torque };
+        torque = torque
+            .minus(&row.times(&self.angle).scaled(&proportional))
+            .minus(&row.times(&self.velocity).scaled(&derivative));
+        for (index, input) in self.a.model.inputs().enumerate() {
+            if input.quantity == Quantity::Reference {
+                let proportional = proportional.times(&self.gain(input));
+                torque.add_at(0, self.first_input() + index, &proportional);
+            }
+        }
+        torque
+    }
+
     fn torque_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
             return Ok(self.spring_torque(spring));
         }
-        match (&model.servo, self.a.servo_terms()) {
-            (Some(servo), Some((row, proportional, derivative))) if servo.name == channel.at => {
-                let mut torque = Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
-                    .minus(&row.times(&self.angle).scaled(&proportional))
-                    .minus(&row.times(&self.velocity).scaled(&derivative));
-                for (index, input) in model.inputs().enumerate() {
-                    if input.quantity == Quantity::Reference {
-                        let proportional = proportional.times(&self.gain(input));
-                        torque.add_at(0, self.first_input() + index, &proportional);
+        match &model.servo {
+            Some(servo) if servo.name == channel.at => {
+                let mut torque = self.servo_command();
+                for (index, _) in model.effects.iter().enumerate().filter(|(_, used)| used.at == Site::Servo)
+                {
+                    for column in self.acting(index, Acts::Torque) {
+                        torque.add_at(0, column, &self.one());
                     }
                 }
                 Ok(torque)
