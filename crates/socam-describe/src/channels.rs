@@ -102,7 +102,8 @@ impl Machine {
             let channel = self.measure(&spec)?;
             self.push(&spec, channel, columns)?;
         }
-        self.fix_what_cannot_be_told_apart();
+        self.fix_inertias();
+        self.fix_springs_in_series();
         Ok(())
     }
 
@@ -129,7 +130,8 @@ impl Machine {
                 let reads_current = spec.column.as_deref().and_then(column_unit) == Some("A");
                 if let Some(constant) = constant.filter(|_| reads_current && spec.scale.is_none()) {
                     channel.scale = Some(constant.si);
-                    channel.remark = format!("the motor's torque constant, {} {}", constant.value, constant.unit);
+                    channel.remark =
+                        format!("the motor's torque constant, {} {}", constant.value, constant.unit);
                 }
                 Ok(channel)
             }
@@ -150,8 +152,11 @@ impl Machine {
             }
             "speed" => {
                 self.node(spec)?;
-                let is_angle =
-                    spec.column.as_deref().and_then(column_unit).is_some_and(|unit| matches!(unit, "rad" | "m"));
+                let is_angle = spec
+                    .column
+                    .as_deref()
+                    .and_then(column_unit)
+                    .is_some_and(|unit| matches!(unit, "rad" | "m"));
                 Ok(Channel { take_rate: is_angle, ..input("speed", spec.part) })
             }
             "position" | "angle" | "reference" => {
@@ -175,12 +180,10 @@ impl Machine {
         self.winding = Some(Winding {
             node,
             name: name.to_owned(),
-            resistance: given(&body.resistance).unwrap_or_else(|| {
-                Parameter::usual(1.0, "ohm", 0.05, 20.0, "servo motors")
-            }),
-            torque_constant: given(&body.torque_constant).unwrap_or_else(|| {
-                Parameter::usual(0.1, "N m/A", 0.005, 2.0, "servo motors")
-            }),
+            resistance: given(&body.resistance)
+                .unwrap_or_else(|| Parameter::usual(1.0, "ohm", 0.05, 20.0, "servo motors")),
+            torque_constant: given(&body.torque_constant)
+                .unwrap_or_else(|| Parameter::usual(0.1, "N m/A", 0.005, 2.0, "servo motors")),
             inductance: given(&body.inductance),
         });
     }
@@ -224,7 +227,11 @@ impl Machine {
         mut channel: Channel,
         columns: Option<&[String]>,
     ) -> Result<(), DescribeError> {
-        let name = format!("{}_{}", spec.part, if spec.quantity == "reference" { "position" } else { spec.quantity });
+        let name = format!(
+            "{}_{}",
+            spec.part,
+            if spec.quantity == "reference" { "position" } else { spec.quantity }
+        );
         let is_taken = |name: &String| self.channels.iter().any(|channel| channel.name == *name);
         let numbered = (2..).map(|number| format!("{name}_{number}"));
         channel.name =
@@ -242,7 +249,9 @@ impl Machine {
             (Some(column), _) => Some(column.clone()),
             (None, Some(columns)) => Some(self.choose(spec, suffix, columns)?),
             (None, None) if spec.unit.is_some() => Some(format!("{}_1", channel.name)),
-            (None, None) => Some(format!("{}{}", channel.name, if channel.scale.is_some() { "_A" } else { suffix })),
+            (None, None) => {
+                Some(format!("{}{}", channel.name, if channel.scale.is_some() { "_A" } else { suffix }))
+            }
         };
         let own = channel.column.as_deref().and_then(column_unit);
         if channel.quantity == "torque" && own == Some("A") && spec.scale.or(channel.scale).is_none() {
@@ -289,7 +298,6 @@ impl Machine {
             }
         }
     }
-
 }
 
 /// Suffix of a quantity's columns in this machine, and where it is measured along a travel.

@@ -17,7 +17,7 @@ const DOWN: u8 = 8;
 /// ```
 /// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
 /// let drawing = socam_describe::draw(&model, 80);
-/// assert!(drawing.contains("[motor]──~shaft~──[load]"), "{drawing}");
+/// assert!(drawing.contains("[motor]──────~shaft~──────[load]"), "{drawing}");
 /// ```
 #[must_use]
 pub fn draw(model: &Model, width: usize) -> String {
@@ -118,7 +118,8 @@ impl Grid {
     /// Two characters between columns.
     fn gap(&self, row: usize, column: usize) -> String {
         let ways = self.gaps[row][column];
-        let continues = |there: bool, arrow: &str| if there { format!("\u{2500}{arrow}") } else { String::new() };
+        let continues =
+            |there: bool, arrow: &str| if there { format!("\u{2500}{arrow}") } else { String::new() };
         if column == self.layout.columns || column == 0 {
             // The chain continues from or in another line.
             let text = continues(ways & LEFT != 0 && column > 0, "\u{2192}");

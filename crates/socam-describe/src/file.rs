@@ -24,7 +24,8 @@ pub(crate) fn write(description: &Description<'_>, machine: &Machine) -> String 
     );
     let mut parameters: Vec<Named<'_>> = Vec::new();
     let own = |name: &str, what: &str| format!("{name}_{what}");
-    parameters.extend(machine.nodes.iter().filter_map(|n| Some((own(&n.name, inertia), n.inertia.as_ref()?))));
+    parameters
+        .extend(machine.nodes.iter().filter_map(|n| Some((own(&n.name, inertia), n.inertia.as_ref()?))));
     for link in &machine.links {
         match &link.kind {
             LinkKind::Spring { stiffness, damping } => {
@@ -85,7 +86,12 @@ fn servo_parameters(machine: &Machine) -> Vec<(&'static str, Parameter)> {
         ("position_gain", Parameter::usual(30.0, "1/s", 3.0, 300.0, "position loops")),
         (
             "velocity_gain",
-            Parameter::computed(190.0 * inertia, gain, (100.0, 100.0), "velocity loop of 30 Hz on the inertia: 2 pi 30 J".into()),
+            Parameter::computed(
+                190.0 * inertia,
+                gain,
+                (100.0, 100.0),
+                "velocity loop of 30 Hz on the inertia: 2 pi 30 J".into(),
+            ),
         ),
         ("drive_gain", Parameter::fixed(1.0, drive, "velocity_gain is in torque per speed")),
     ]
@@ -93,7 +99,8 @@ fn servo_parameters(machine: &Machine) -> Vec<(&'static str, Parameter)> {
 
 fn parameter_line(name: &str, parameter: &Parameter) -> String {
     let bounds = parameter.bounds.filter(|_| !parameter.fixed);
-    let bounds = bounds.map_or(String::new(), |[low, high]| format!(", bounds = [{}, {}]", written(low), written(high)));
+    let bounds = bounds
+        .map_or(String::new(), |[low, high]| format!(", bounds = [{}, {}]", written(low), written(high)));
     let fixed = if parameter.fixed { ", fixed = true" } else { "" };
     format!(
         "{name} = {{ value = {}, unit = {}{bounds}{fixed}, source = {} }}\n",
@@ -140,16 +147,24 @@ fn links(machine: &Machine) -> String {
                 "# A spring with a damper. Stiffness counts at its own nodes, not at the motor's side of a gear.\n",
                 ActsAt::Spring,
             ),
-            LinkKind::Gear { .. } => {
-                ("gears", "# A gear without compliance; `to` turns `ratio` times slower than `from`.\n", ActsAt::Gear)
-            }
+            LinkKind::Gear { .. } => (
+                "gears",
+                "# A gear without compliance; `to` turns `ratio` times slower than `from`.\n",
+                ActsAt::Gear,
+            ),
             LinkKind::Shaft => ("shafts", "# A rigid connection.\n", ActsAt::Shaft),
         };
         if !explained.contains(&table) {
             explained.push(table);
             let _ = write!(text, "\n{what}{}", can_find(place));
         }
-        let _ = writeln!(text, "[[{table}]]\nname = \"{}\"\nfrom = \"{}\"\nto = \"{}\"", link.name, name(link.from), name(link.to));
+        let _ = writeln!(
+            text,
+            "[[{table}]]\nname = \"{}\"\nfrom = \"{}\"\nto = \"{}\"",
+            link.name,
+            name(link.from),
+            name(link.to)
+        );
         let _ = match link.kind {
             LinkKind::Spring { .. } => {
                 writeln!(text, "stiffness = \"{0}_stiffness\"\ndamping = \"{0}_damping\"", link.name)
@@ -221,7 +236,8 @@ fn channel_table(channel: &Channel) -> String {
         text.push_str("take = \"rate\"      # the column is an angle, of which the rate is the input\n");
     }
     if let Some(scale) = channel.scale {
-        let remark = if channel.remark.is_empty() { String::new() } else { format!("      # {}", channel.remark) };
+        let remark =
+            if channel.remark.is_empty() { String::new() } else { format!("      # {}", channel.remark) };
         let _ = writeln!(text, "scale = {}{remark}", written(scale));
     }
     text

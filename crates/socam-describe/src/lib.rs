@@ -136,7 +136,7 @@ pub fn describe(
 ///
 /// ```
 /// # use socam_recording::{Channel, Dataset, Unit};
-/// let columns = vec![Channel::new("motor_speed", Unit::RadianPerSecond)];
+/// let columns = vec![Channel::new("motor_speed", Unit::RadPerS)];
 /// let data = Dataset::from_columns("run", columns, vec![0.0, 0.001], vec![vec![0.0, 1.0]])?;
 /// assert_eq!(socam_describe::columns(&data), ["motor_speed_rad_s"]);
 /// # Ok::<(), socam_recording::RecordingError>(())

@@ -137,7 +137,8 @@ impl Machine {
                     axial.unit,
                     rounded(1e3 * lead_m)
                 );
-                let stiffness = Parameter::computed(axial.si * per_rad * per_rad, "N m/rad", (5.0, 5.0), source);
+                let stiffness =
+                    Parameter::computed(axial.si * per_rad * per_rad, "N m/rad", (5.0, 5.0), source);
                 spring(stiffness, 5e-5, "N m s/rad")
             }
             Kind::Screw { .. } | Kind::Rigid | Kind::Body(_) => LinkKind::Shaft,
@@ -153,7 +154,10 @@ impl Machine {
             }
             (_, None, None) => Parameter::usual(1e-2, "kg m2", 1e-5, 10.0, "loads of small machines"),
             (_, _, Some(_)) => {
-                return Err(DescribeError::text(name, "behind a screw or a rack stands a slide, such as slide 12kg"));
+                return Err(DescribeError::text(
+                    name,
+                    "behind a screw or a rack stands a slide, such as slide 12kg",
+                ));
             }
         };
         let role = body.role;
@@ -166,8 +170,7 @@ impl Machine {
             (false, _) => (1.0, "kg"),
             (true, Some(lead_m)) => (lead_m / std::f64::consts::TAU, "kg m2"),
             (true, None) => {
-                let problem =
-                    "a slide behind a motor needs a screw or a rack between them, such as screw 5mm or rack 120mm";
+                let problem = "a slide behind a motor needs a screw or a rack between them, such as screw 5mm or rack 120mm";
                 return Err(DescribeError::text(name, problem));
             }
         };
@@ -199,7 +202,9 @@ impl Machine {
         let groups = self.rigid_groups();
         let prescribed = self.prescribed_group();
         let last_of = |group: usize| {
-            (0..self.nodes.len()).rev().find(|node| groups[*node] == group && self.nodes[*node].inertia.is_some())
+            (0..self.nodes.len())
+                .rev()
+                .find(|node| groups[*node] == group && self.nodes[*node].inertia.is_some())
         };
         let mut seen: Vec<usize> = groups.clone();
         seen.dedup();
@@ -223,15 +228,47 @@ impl Machine {
         Some(self.rigid_groups()[node])
     }
 
+    /// Fixes stiffnesses that no recording can tell apart: of springs in series without an inertia between them, the one that is known
+    /// least stays free.
+    pub(crate) fn fix_springs_in_series(&mut self) {
+        // The links of a chain are in its order: link n leads to node n + 1.
+        let mut series: Vec<Vec<usize>> = vec![Vec::new()];
+        for (index, link) in self.links.iter().enumerate() {
+            if let (LinkKind::Spring { .. }, Some(run)) = (&link.kind, series.last_mut()) {
+                run.push(index);
+            }
+            if self.nodes[link.to].inertia.is_some() {
+                series.push(Vec::new());
+            }
+        }
+        for run in series.into_iter().filter(|run| run.len() > 1) {
+            let trust = |link: &usize| match &self.links[*link].kind {
+                LinkKind::Spring { stiffness, .. } => stiffness.trust,
+                _ => Trust::Given,
+            };
+            let Some(free) = run.iter().copied().min_by_key(trust) else { continue };
+            let free_name = self.links[free].name.clone();
+            for link in run.into_iter().filter(|link| *link != free) {
+                let LinkKind::Spring { stiffness, damping } = &mut self.links[link].kind else { continue };
+                for parameter in [stiffness, damping] {
+                    parameter.fixed = true;
+                    parameter.source += &format!("; fixed: recordings show only the series with {free_name}");
+                }
+            }
+        }
+    }
+
     /// Fixes inertias that no recording can tell apart: in each rigid group the one that is known least stays free, and none where the
     /// group's speed is an input.
-    pub(crate) fn fix_what_cannot_be_told_apart(&mut self) {
+    pub(crate) fn fix_inertias(&mut self) {
         let groups = self.rigid_groups();
         let prescribed = self.prescribed_group();
         for group in 0..self.nodes.len() {
-            let members: Vec<usize> =
-                (0..groups.len()).filter(|n| groups[*n] == group && self.nodes[*n].inertia.is_some()).collect();
-            let trust = |node: &usize| self.nodes[*node].inertia.as_ref().map_or(Trust::Given, |own| own.trust);
+            let members: Vec<usize> = (0..groups.len())
+                .filter(|n| groups[*n] == group && self.nodes[*n].inertia.is_some())
+                .collect();
+            let trust =
+                |node: &usize| self.nodes[*node].inertia.as_ref().map_or(Trust::Given, |own| own.trust);
             let free = members.iter().rev().min_by_key(|node| trust(node)).copied();
             let free_name = free.map(|node| self.nodes[node].name.clone()).unwrap_or_default();
             for node in members {
@@ -243,7 +280,7 @@ impl Machine {
                 } else {
                     format!("recordings show only the sum with {free_name}")
                 };
-                inertia.source = format!("{}; fixed: {why}", inertia.source);
+                inertia.source += &format!("; fixed: {why}");
             }
         }
     }

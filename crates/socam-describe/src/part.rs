@@ -18,11 +18,19 @@ pub(crate) struct Part {
 pub(crate) enum Kind {
     /// A node with inertia.
     Body(Body),
-    Spring { stiffness: Parameter, relaxation_s: f64 },
+    Spring {
+        stiffness: Parameter,
+        relaxation_s: f64,
+    },
     Rigid,
-    Gear { ratio: Parameter },
+    Gear {
+        ratio: Parameter,
+    },
     /// From turns to travel; `lead` in m per turn.
-    Screw { lead_m: f64, stiffness: Option<Size> },
+    Screw {
+        lead_m: f64,
+        stiffness: Option<Size>,
+    },
 }
 
 #[derive(Debug, Clone, Default)]
@@ -81,7 +89,8 @@ impl Part {
             return Err(DescribeError::text(text.trim(), format!("a part begins with one of {names}")));
         };
         words.names.remove(0);
-        let (names, how) = KINDS.iter().find(|(names, _)| names.contains(&kind.as_str())).unwrap_or(&KINDS[0]);
+        let (names, how) =
+            KINDS.iter().find(|(names, _)| names.contains(&kind.as_str())).unwrap_or(&KINDS[0]);
         let name = name.unwrap_or(&kind).to_owned();
         if let Some(wrong) = name.chars().find(|c| !(c.is_alphanumeric() || *c == '_' || *c == '-')) {
             return Err(DescribeError::text(text.trim(), format!("the name \"{name}\" holds \"{wrong}\"")));
@@ -90,11 +99,9 @@ impl Part {
         let parts = match names[0] {
             "motor" => one(Kind::Body(motor(&mut words))),
             "load" | "inertia" => one(Kind::Body(body(&mut words, names[0])?)),
-            "slide" => one(Kind::Body(Body {
-                role: BodyRole::Slide,
-                mass: words.take("kg"),
-                ..Body::default()
-            })),
+            "slide" => {
+                one(Kind::Body(Body { role: BodyRole::Slide, mass: words.take("kg"), ..Body::default() }))
+            }
             "coupling" => one(coupling(&mut words)),
             "shaft" => one(shaft(&mut words)?),
             "sensor" => one(spring(&mut words, METAL_S, || {
@@ -130,7 +137,8 @@ fn body(words: &mut Words, kind: &str) -> Result<Body, DescribeError> {
     let centre = words.take_name(&["centre", "center"]);
     let Some(mass) = words.take("kg") else { return Ok(Body { role, ..Body::default() }) };
     let Some(length) = words.take("m") else {
-        let problem = "a mass needs a size: disc 4kg 200mm (diameter), rod 2kg 500mm (length) or 2kg 300mm (radius)";
+        let problem =
+            "a mass needs a size: disc 4kg 200mm (diameter), rod 2kg 500mm (length) or 2kg 300mm (radius)";
         return Err(DescribeError::text(&words.text, problem));
     };
     let (m, l) = (mass.si, length.si);
@@ -210,7 +218,10 @@ fn gear(words: &mut Words, name: &str, how: &str) -> Result<Vec<Part>, DescribeE
     let mut parts = Vec::new();
     if let Some(inertia) = words.take("kg m2") {
         let inertia = Some(Parameter::given(&inertia));
-        parts.push(part(format!("{name}_in"), Kind::Body(Body { role: BodyRole::Other, inertia, ..Body::default() })));
+        parts.push(part(
+            format!("{name}_in"),
+            Kind::Body(Body { role: BodyRole::Other, inertia, ..Body::default() }),
+        ));
     }
     parts.push(part(name.to_owned(), Kind::Gear { ratio: Parameter::fixed(ratio, "1", source) }));
     if let Some(stiffness) = words.take("N m/rad") {
@@ -227,7 +238,9 @@ fn belt(words: &mut Words, name: &str, how: &str) -> Result<Vec<Part>, DescribeE
     };
     let pitch = words.take_keyed("pitch");
     let (driven_m, pulleys) = match socam_model::units::parse(&unit) {
-        Some(parsed) if !unit.is_empty() => (second * parsed.factor, format!("radii {first}:{second} {unit}")),
+        Some(parsed) if !unit.is_empty() => {
+            (second * parsed.factor, format!("radii {first}:{second} {unit}"))
+        }
         _ => {
             let pitch_m = pitch.map_or(5e-3, |pitch| pitch.si);
             let said = format!("{first} and {second} teeth of {} mm", rounded(1e3 * pitch_m));
@@ -240,8 +253,12 @@ fn belt(words: &mut Words, name: &str, how: &str) -> Result<Vec<Part>, DescribeE
     let (span, width) = (words.take_keyed("span"), words.take_keyed("width"));
     let stiffness = match (given, &span) {
         (Some(given), _) => Parameter::given(&given),
-        (None, Some(span)) => sizes::belt(width.map_or(15e-3, |width| width.si), span.si, driven_m, per_width),
-        (None, None) => Parameter::usual(1e3, "N m/rad", 50.0, 2e4, "belts; span and width give a better one"),
+        (None, Some(span)) => {
+            sizes::belt(width.map_or(15e-3, |width| width.si), span.si, driven_m, per_width)
+        }
+        (None, None) => {
+            Parameter::usual(1e3, "N m/rad", 50.0, 2e4, "belts; span and width give a better one")
+        }
     };
     let mut parts = Vec::new();
     if first != second {

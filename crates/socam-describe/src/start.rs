@@ -42,7 +42,7 @@ pub(crate) fn from_recording(
         loaded.columns[index].values().iter().map(|value| scale * value + offset).collect()
     };
     let motion = read(1, moved.scale, moved.offset);
-    let motion = Motion1 { values: &motion, is_angle: moved.quantity == Quantity::Angle };
+    let motion = Moved { values: &motion, is_angle: moved.quantity == Quantity::Angle };
     let efforts = read(0, torque.scale, torque.offset);
     let Some(total) = total_inertia(&loaded.time_s, &efforts, &motion) else {
         return kept("torque and acceleration of the recording give none");
@@ -77,12 +77,12 @@ pub(crate) fn from_recording(
 }
 
 /// A measured speed, or an angle.
-struct Motion1<'v> {
+struct Moved<'v> {
     values: &'v [f64],
     is_angle: bool,
 }
 
-impl Motion1<'_> {
+impl Moved<'_> {
     fn speed(&self, row: usize, time_s: &[f64]) -> f64 {
         if !self.is_angle {
             return self.values[row];
@@ -95,7 +95,7 @@ impl Motion1<'_> {
 /// Inertia that a torque accelerates, by least squares of the changes of speed over windows against the impulses of the torque, of a drag
 /// that is proportional to speed, and of a friction of constant magnitude. The impulse of a torque has little noise, so that noise does
 /// not bias the inertia as it would as a factor of the acceleration.
-fn total_inertia(time_s: &[f64], torque: &[f64], motion: &Motion1<'_>) -> Option<f64> {
+fn total_inertia(time_s: &[f64], torque: &[f64], motion: &Moved<'_>) -> Option<f64> {
     let rows = time_s.len();
     let step = (rows / WINDOWS).max(LEAST_SAMPLES);
     let windows = rows.checked_sub(5)? / step;

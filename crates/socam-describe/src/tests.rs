@@ -1,0 +1,284 @@
+//! Descriptions, the models that they give, and the messages of those that give none.
+
+use socam_model::{Model, Motion};
+use socam_recording::{Channel, Dataset};
+
+use crate::{Described, Description, describe, draw};
+
+fn described(
+    chain: &str,
+    drives: &[&str],
+    measures: &[&str],
+    data: Option<&Dataset>,
+) -> Result<Described, String> {
+    let own = |all: &[&str]| all.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
+    let (drives, measures) = (own(drives), own(measures));
+    let description = Description { name: "test", chain, drives: &drives, measures: &measures };
+    describe(&description, data).map_err(|error| error.to_string())
+}
+
+fn model(chain: &str, drives: &[&str], measures: &[&str]) -> Model {
+    let text = described(chain, drives, measures, None).unwrap().text;
+    let model = Model::parse(&text).unwrap();
+    assert_eq!(model.warnings(), Vec::<String>::new(), "{text}");
+    for own in &model.parameters {
+        assert!(!own.source.is_empty(), "{}", own.name);
+        assert!(own.fixed || own.bounds.0 < own.value && own.value < own.bounds.1, "{own:?}");
+    }
+    model
+}
+
+fn value(model: &Model, name: &str) -> f64 {
+    let index = model.parameter(name).unwrap_or_else(|| panic!("no {name} in {}", model.text));
+    model.parameters[index].value
+}
+
+fn near(found: f64, expected: f64) {
+    assert!((found / expected - 1.0).abs() < 5e-3, "{found}, {expected}");
+}
+
+#[test]
+fn sizes_and_masses_become_start_values() {
+    let axis = model(
+        "motor 0.9kgcm2 | coupling 800Nm/rad | gear 5 | shaft 20x300mm steel | load disc 4kg 200mm",
+        &["torque@motor:motor_current_A*0.055"],
+        &["speed@motor:motor_speed_rad_s", "angle@load"],
+    );
+    let inertia = std::f64::consts::PI * 0.02_f64.powi(4) / 32.0;
+    for (name, expected) in [
+        ("motor_inertia", 0.9e-4),
+        ("coupling_stiffness", 800.0),
+        ("gear_ratio", 5.0),
+        ("shaft_stiffness", 79e9 * inertia / 0.3),
+        ("load_inertia", 4.0 * 0.1 * 0.1 / 2.0),
+    ] {
+        near(value(&axis, name), expected);
+    }
+    assert_eq!(axis.channels[0].scale, 0.055);
+    // Coupling and shaft have no inertia between them: the shaft's size is known less well.
+    let fixed = |name: &str| axis.parameters[axis.parameter(name).unwrap()].fixed;
+    assert!(fixed("coupling_stiffness") && !fixed("shaft_stiffness"));
+
+    for (load, expected) in [
+        ("load rod 2 kg 500 mm", 2.0 * 0.25 / 3.0),
+        ("load rod centre 2kg 0.5m", 2.0 * 0.25 / 12.0),
+        ("load 2kg 300mm", 0.18),
+        ("load 0.9 kg cm2", 0.9e-4),
+    ] {
+        let arm = model(&format!("motor | coupling jaw | {load}"), &["torque@motor"], &["angle@load"]);
+        near(value(&arm, "load_inertia"), expected);
+    }
+}
+
+#[test]
+fn belts_screws_and_racks_are_referred_to_their_axis() {
+    let belt = model(
+        "motor 1kgcm2 | belt 20:60 span 400mm width 15mm | load 0.01kgm2",
+        &["torque@motor"],
+        &["speed@load"],
+    );
+    near(value(&belt, "belt_pulleys_ratio"), 3.0);
+    let radius_m = 60.0 * 5e-3 / std::f64::consts::TAU;
+    near(value(&belt, "belt_stiffness"), 2.0 * 5e6 * 15e-3 / 0.4 * radius_m * radius_m);
+
+    let stage = model(
+        "motor 0.5kgcm2 0.1Nm/A | coupling jaw | screw 5mm | slide 12kg",
+        &["current@motor:i_A"],
+        &["position@slide:x_m", "speed@motor"],
+    );
+    let per_rad = 5e-3 / std::f64::consts::TAU;
+    near(value(&stage, "slide_inertia"), 12.0 * per_rad * per_rad);
+    near(stage.channels[1].scale, 1.0 / per_rad);
+    assert_eq!(stage.channels[0].scale, 0.1);
+    let rack = model(
+        "motor | gear 20:100 teeth | rack 120mm 2N/um | slide 40kg",
+        &["torque@motor"],
+        &["speed@slide:v_1 mm/s"],
+    );
+    near(value(&rack, "gear_ratio"), 5.0);
+    near(value(&rack, "rack_stiffness"), 2e6 * (0.12 / std::f64::consts::TAU).powi(2));
+    near(rack.channels[1].scale, 1e-3 * std::f64::consts::TAU / 0.12);
+}
+
+#[test]
+fn each_drive_gives_its_model() {
+    let voltage = model(
+        "motor 0.9kgcm2 6.3V/krpm 1.2ohm 2mH | load 2kgcm2",
+        &["voltage@motor"],
+        &["speed@motor", "current@motor"],
+    );
+    assert_eq!(voltage.motors.len(), 1);
+    near(value(&voltage, "motor_winding_torque_constant"), 0.0602);
+    assert!(voltage.motors[0].inductance.is_some());
+    // One rigid body: only the sum of both inertias shows.
+    assert_eq!(
+        voltage.parameters.iter().filter(|own| own.name.ends_with("_inertia") && own.fixed).count(),
+        1
+    );
+
+    let servo = model("motor | coupling jaw | load", &["position@motor"], &["angle@motor", "torque@servo"]);
+    assert_eq!(servo.servo.unwrap().name, "servo");
+    let encoder = model("motor | coupling jaw | load", &["speed@motor:encoder_rad"], &["speed@load"]);
+    assert!(encoder.parameters[encoder.parameter("motor_inertia").unwrap()].fixed);
+    let axis = model("slide 95kg", &["force@slide"], &["position@slide"]);
+    assert_eq!(axis.motion, Motion::Translation);
+    let chained = model("slide 95kg | coupling 2N/um | slide 5kg", &["force@slide"], &["position@slide_2"]);
+    assert_eq!(chained.nodes.len(), 2);
+}
+
+#[test]
+fn what_is_not_understood_is_refused_in_one_sentence() {
+    let axis = "motor | coupling jaw | load";
+    let torque = "torque@motor";
+    let cases: &[(&str, &str, &str, &str)] = &[
+        (
+            "motr | load",
+            torque,
+            "speed@load",
+            "`motr`: a part begins with one of motor, coupling, spring, shaft, sensor, torquemeter, torque_sensor, gear, gearbox, reducer, belt, screw, ballscrew, rack, slide, carriage, table, load, link, arm, inertia, flange, flywheel, pulley, brake",
+        ),
+        (
+            "motor | gear 5",
+            torque,
+            "speed@motor",
+            "the chain \"motor | gear 5\" must begin with what is driven (motor 0.9kgcm2) and end with what moves (load 0.02kgm2 or slide 12kg)",
+        ),
+        (
+            "motor | gear | load",
+            torque,
+            "speed@load",
+            "`gear`: its ratio is missing; write gear 5, gear 5:1, gear 20:100 teeth or gear 50 8kNm/rad 0.1kgcm2",
+        ),
+        (
+            "motor | shaft 20mm | load",
+            torque,
+            "speed@load",
+            "`shaft 20mm`: a shaft needs diameter and length, such as shaft 20x300mm steel",
+        ),
+        (
+            "motor 3furlong | load",
+            torque,
+            "speed@load",
+            "`motor 3furlong`: \"furlong\" is no unit; write one such as kgcm2, Nm/rad, mm, kg or ohm",
+        ),
+        (
+            "motor 3kg | load",
+            torque,
+            "speed@load",
+            "`motor 3kg`: \"3kg\" is not understood; write motor 0.9kgcm2, and for a drive by current or voltage 0.055Nm/A 1.2ohm 0.5mH",
+        ),
+        (
+            "motor | load disc 4kg",
+            torque,
+            "speed@load",
+            "`load disc 4kg`: a mass needs a size: disc 4kg 200mm (diameter), rod 2kg 500mm (length) or 2kg 300mm (radius)",
+        ),
+        (
+            "motor | slide 3kg",
+            torque,
+            "speed@slide",
+            "`slide`: a slide behind a motor needs a screw or a rack between them, such as screw 5mm or rack 120mm",
+        ),
+        (
+            axis,
+            "power@motor",
+            "speed@load",
+            "`power@motor`: \"power\" drives nothing; write torque, force, current, voltage, speed or position",
+        ),
+        (
+            axis,
+            "torque@rotor",
+            "speed@load",
+            "`torque@rotor`: a torque is that of one of the bodies motor, load",
+        ),
+        (
+            axis,
+            "current@motor:i_A",
+            "speed@load",
+            "`current@motor:i_A`: how many N m is one A? write the torque constant at the motor (motor 0.055Nm/A) or behind the column (*0.055)",
+        ),
+        (axis, torque, "torque@load", "`torque@load`: a torque is measured in an elastic part: coupling"),
+        (axis, torque, "speed", "`speed`: write QUANTITY@PART:COLUMN, such as speed@motor:motor_speed_rad_s"),
+        (
+            axis,
+            torque,
+            "speed@load:tacho_1 rpn",
+            "`speed@load:tacho_1 rpn`: \"rpn\" is no unit; write one such as rpm, deg or mm",
+        ),
+        (
+            axis,
+            torque,
+            "current@motor",
+            "`current@motor`: a current is predicted only of a motor that a voltage drives; as the drive write --drive current@motor:COLUMN",
+        ),
+    ];
+    for (chain, drive, measure, expected) in cases {
+        assert_eq!(described(chain, &[drive], &[measure], None).unwrap_err(), *expected);
+    }
+    let missing = described(axis, &[], &[], None).unwrap_err();
+    assert_eq!(missing, "--drive is missing: say it as in --drive torque@motor:COLUMN");
+}
+
+/// A rigid body of this inertia, driven by a torque that changes: torque, speed, and the angle of another shaft.
+fn rigid(inertia: f64) -> Dataset {
+    let step_s = 1e-3;
+    let torque: Vec<f64> =
+        (0..4000).map(|k| (f64::from(k) * 0.02).sin() + 0.5 * (f64::from(k) * 0.11).sin()).collect();
+    let mut speed = vec![0.0];
+    for pair in torque.windows(2) {
+        let last = speed[speed.len() - 1];
+        speed.push(last + step_s * (0.5 * (pair[0] + pair[1]) - 0.01 * last) / inertia);
+    }
+    let channels =
+        ["drive_Nm", "motor_rad_s", "other_rad_s"].map(|name| Channel::from_column_name(name).unwrap());
+    let time_s = (0..4000).map(|k| f64::from(k) * step_s).collect();
+    Dataset::from_columns("run", channels.to_vec(), time_s, vec![torque, speed.clone(), speed]).unwrap()
+}
+
+#[test]
+fn a_recording_gives_columns_and_the_inertia_that_has_no_size() {
+    let data = rigid(5e-3);
+    let chain = "motor 10kgcm2 | coupling jaw | gear 2 | load";
+    let found = described(chain, &["torque@motor"], &["speed@motor"], Some(&data)).unwrap();
+    let model = Model::parse(&found.text).unwrap();
+    assert_eq!(
+        model.channels.iter().map(|c| c.column.as_str()).collect::<Vec<_>>(),
+        ["drive_Nm", "motor_rad_s"]
+    );
+    near(value(&model, "load_inertia"), 4.0 * (5e-3 - 1e-3));
+    assert_eq!(
+        found.notes,
+        ["the inertia of load starts from torque over acceleration at motor: 0.005 kg m2 in all"]
+    );
+    let ambiguous = described(chain, &["torque@motor"], &["speed@load"], Some(&data)).unwrap_err();
+    assert_eq!(
+        ambiguous,
+        "`speed@load`: which column is it? write speed@load:COLUMN, where COLUMN is one of motor_rad_s, other_rad_s"
+    );
+    let absent = described(chain, &["torque@motor:t_Nm"], &["speed@load"], Some(&data)).unwrap_err();
+    assert_eq!(
+        absent,
+        "`torque@motor:t_Nm`: the recording has no column \"t_Nm\"; it has drive_Nm, motor_rad_s, other_rad_s"
+    );
+    let kept =
+        described(chain, &["speed@motor:motor_rad_s"], &["speed@load:other_rad_s"], Some(&data)).unwrap();
+    assert_eq!(kept.notes, ["the inertia of load keeps its typical start value: no torque drives the model"]);
+}
+
+#[test]
+fn a_drawing_keeps_to_its_width_and_shows_branches() {
+    let bench = Model::builtin("speed-o-cam").unwrap();
+    for width in [60, 100, 200] {
+        assert!(draw(&bench, width).lines().all(|line| line.chars().count() <= width));
+    }
+    let branches = Model::parse(include_str!("../../socam-model/tests/branches.toml")).unwrap();
+    let expected = "
+  ▼ drive
+  [motor]┬────~shaft~────┬──[hub]──┬─~belt~────[roll]
+         │               │ ┴ ~held~│
+         │               │         │         △ fan_speed
+         │               │         └─~arm~──────[fan]
+         └─~second_shaft~┘
+";
+    assert_eq!(format!("\n{}", draw(&branches, 80)), expected);
+}

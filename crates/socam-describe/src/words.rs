@@ -99,7 +99,8 @@ impl Words {
     pub(crate) fn take(&mut self, unit: &str) -> Option<Size> {
         let wanted = dimension(unit);
         let bare = unit == "1";
-        let at = self.sizes.iter().position(|size| size.dimension == wanted && size.unit.is_empty() == bare)?;
+        let at =
+            self.sizes.iter().position(|size| size.dimension == wanted && size.unit.is_empty() == bare)?;
         Some(self.sizes.remove(at))
     }
 
