@@ -157,7 +157,7 @@ pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyho
 }
 
 /// Refuses to replace a file unless it may be replaced. An empty file is nothing.
-pub(crate) fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
+fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
         anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", target.display());
     }

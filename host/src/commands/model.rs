@@ -1,5 +1,6 @@
 //! `model`: a look at a model file.
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -41,21 +42,21 @@ struct Show {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let Action::Show(show) = args.action;
-    if let Some(path) = &show.output {
-        if path.extension().is_none_or(|extension| extension != "svg") {
-            let problem = format!("`{}`: the drawing is written as .svg", path.display());
-            return Err(output::WrongArguments(problem).into());
-        }
-        output::check_free(path, show.force)?;
+    if let Some(path) = show.output.iter().find(|path| path.extension().is_none_or(|e| e != "svg")) {
+        let problem = format!("`{}`: the drawing is written as .svg", path.display());
+        return Err(output::WrongArguments(problem).into());
     }
+    let target = show.output.as_deref().map(|path| output::create_new(path, show.force)).transpose()?;
     let model = model_file::load(&show.model)?;
     output::print(&text(&model, show.width))?;
     for warning in model.warnings() {
         output::warn(warning);
     }
-    if let Some(path) = &show.output {
-        std::fs::write(path, socam_diagnose::report::drawing_of(&model))
+    if let (Some(mut target), Some(path)) = (target, &show.output) {
+        target
+            .write_all(socam_diagnose::report::drawing_of(&model).as_bytes())
             .with_context(|| format!("cannot write `{}`", path.display()))?;
+        target.commit()?;
         output::say(format_args!("drawing written to {}", path.display()));
     }
     Ok(Outcome::Done)

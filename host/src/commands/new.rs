@@ -54,9 +54,8 @@ Examples:
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let to_stdout = args.output.as_os_str() == "-";
-    if !to_stdout {
-        output::check_free(&args.output, args.force)?;
-    }
+    // The file is created first, so that an error is reported before any question.
+    let target = (!to_stdout).then(|| output::create_new(&args.output, args.force)).transpose()?;
     let data = args.run.as_deref().map(output::open_regular).transpose()?;
     let (chain, drives, measures) = answers(&args, data.as_ref())?;
     let name = args.name.clone().unwrap_or_else(|| stem(&args.output));
@@ -69,12 +68,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::say(note);
     }
     let outcome = Outcome::on(&data);
-    if to_stdout {
+    let Some(mut target) = target else {
         output::print(&described.text)?;
         return Ok(outcome);
-    }
+    };
     let path = args.output.display();
-    std::fs::write(&args.output, &described.text).with_context(|| format!("cannot write `{path}`"))?;
+    target.write_all(described.text.as_bytes()).with_context(|| format!("cannot write `{path}`"))?;
+    target.commit()?;
     output::say(format_args!(
         "{path} written; see it with `socam-host model show {path}`, then `socam-host check RUN --model {path}`"
     ));
