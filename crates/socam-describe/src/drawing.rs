@@ -43,8 +43,10 @@ struct Grid {
     layout: Layout,
     /// Width of each column.
     widths: Vec<usize>,
-    /// Directions of the wires at the gap behind each column, by row.
-    gaps: Vec<Vec<u8>>,
+    /// Width of the gap before each column, and behind the last.
+    gap_widths: Vec<usize>,
+    /// Directions of the wires at each character of each gap, by row.
+    gaps: Vec<Vec<Vec<u8>>>,
 }
 
 impl Grid {
@@ -54,33 +56,45 @@ impl Grid {
             own.map(|element| label(element).chars().count()).max().unwrap_or(0)
         };
         let widths = (0..layout.columns).map(width).collect();
-        let mut gaps = vec![vec![0; layout.columns + 1]; layout.rows];
-        for joint in &layout.joints {
-            let (a, b) = (&layout.elements[joint.from], &layout.elements[joint.to]);
-            if a.line != b.line {
-                // The chain continues in another line.
-                let (first, second) = if a.line < b.line { (a, b) } else { (b, a) };
-                gaps[first.row][first.column + 1] |= LEFT;
-                gaps[second.row][second.column] |= RIGHT;
-                continue;
-            }
-            let (left, right) = if a.column < b.column { (a, b) } else { (b, a) };
-            if left.column == right.column {
-                continue;
-            }
-            let gap = right.column;
-            gaps[left.row][gap] |= LEFT;
-            gaps[right.row][gap] |= RIGHT;
-            let (top, bottom) = (left.row.min(right.row), left.row.max(right.row));
-            for (row, cells) in gaps.iter_mut().enumerate().take(bottom + 1).skip(top) {
-                cells[gap] |= if row > top { UP } else { 0 } | if row < bottom { DOWN } else { 0 };
-            }
+        let (tracks, counts) = layout.tracks();
+        let gap_widths: Vec<usize> = counts.iter().map(|count| (count + 1).max(2)).collect();
+        let row: Vec<Vec<u8>> = gap_widths.iter().map(|width| vec![0; *width]).collect();
+        let mut grid = Self { gaps: vec![row; layout.rows], widths, gap_widths, layout: Layout::default() };
+        for (joint, track) in layout.joints.iter().zip(tracks) {
+            grid.wire((&layout.elements[joint.from], &layout.elements[joint.to]), track);
         }
-        Self { layout, widths, gaps }
+        Self { layout, ..grid }
+    }
+
+    /// Draws the wire of a joint: from the left element to its track, along it, and on to the right element.
+    fn wire(&mut self, (a, b): (&Element, &Element), track: usize) {
+        if a.line != b.line {
+            // The chain continues in another line.
+            let (first, second) = if a.line < b.line { (a, b) } else { (b, a) };
+            self.gaps[first.row][first.column + 1][0] |= LEFT;
+            self.gaps[second.row][second.column][1] |= RIGHT;
+            return;
+        }
+        let (left, right) = if a.column < b.column { (a, b) } else { (b, a) };
+        if left.column == right.column {
+            return;
+        }
+        let gap = right.column;
+        for at in 0..self.gap_widths[gap] {
+            self.gaps[left.row][gap][at] |=
+                if at <= track { LEFT } else { 0 } | if at < track { RIGHT } else { 0 };
+            self.gaps[right.row][gap][at] |=
+                if at >= track { RIGHT } else { 0 } | if at > track { LEFT } else { 0 };
+        }
+        let (top, bottom) = (left.row.min(right.row), left.row.max(right.row));
+        for row in top..=bottom {
+            self.gaps[row][gap][track] |=
+                if row > top { UP } else { 0 } | if row < bottom { DOWN } else { 0 };
+        }
     }
 
     fn width(&self) -> usize {
-        self.widths.iter().sum::<usize>() + 2 * (self.layout.columns + 1)
+        self.widths.iter().chain(&self.gap_widths).sum()
     }
 
     fn text(&self) -> String {
@@ -110,38 +124,39 @@ impl Grid {
         let free = width - label.chars().count();
         let (before, after) = (free / 2, free - free / 2);
         let wire = |leaves: bool| if leaves { "\u{2500}" } else { " " };
-        let into = wire(self.gaps[row][column] & RIGHT != 0 && is_chain(element.kind));
-        let out = wire(self.gaps[row][column + 1] & LEFT != 0 && is_chain(element.kind));
+        let joins =
+            |gap: usize, side: usize, way: u8| self.gaps[row][gap][side] & way != 0 && is_chain(element.kind);
+        let into = wire(joins(column, self.gap_widths[column] - 1, RIGHT));
+        let out = wire(joins(column + 1, 0, LEFT));
         format!("{}{label}{}", into.repeat(before), out.repeat(after))
     }
 
-    /// Two characters between columns.
     fn gap(&self, row: usize, column: usize) -> String {
-        let ways = self.gaps[row][column];
-        let continues =
-            |there: bool, arrow: &str| if there { format!("\u{2500}{arrow}") } else { String::new() };
-        if column == self.layout.columns || column == 0 {
-            // The chain continues from or in another line.
-            let text = continues(ways & LEFT != 0 && column > 0, "\u{2192}");
-            let text = if column == 0 && ways & RIGHT != 0 { "\u{2192}\u{2500}".into() } else { text };
-            return format!("{text:<2}");
+        let ways = &self.gaps[row][column];
+        // At either end the chain continues from or in another line.
+        match column {
+            0 if ways[1] & RIGHT != 0 => "\u{2192}\u{2500}".into(),
+            last if last == self.layout.columns && ways[0] & LEFT != 0 => "\u{2500}\u{2192}".into(),
+            _ => ways.iter().map(|ways| corner(*ways)).collect(),
         }
-        let corner = match ways & (LEFT | RIGHT | UP | DOWN) {
-            0 => ' ',
-            w if w == LEFT | RIGHT || w == LEFT || w == RIGHT => '\u{2500}',
-            w if w == UP | DOWN => '\u{2502}',
-            w if w == LEFT | DOWN => '\u{2510}',
-            w if w == RIGHT | DOWN => '\u{250c}',
-            w if w == LEFT | UP => '\u{2518}',
-            w if w == RIGHT | UP => '\u{2514}',
-            w if w == LEFT | RIGHT | DOWN => '\u{252c}',
-            w if w == LEFT | RIGHT | UP => '\u{2534}',
-            w if w == RIGHT | UP | DOWN => '\u{251c}',
-            w if w == LEFT | UP | DOWN => '\u{2524}',
-            _ => '\u{253c}',
-        };
-        let behind = if ways & RIGHT != 0 { '\u{2500}' } else { ' ' };
-        format!("{corner}{behind}")
+    }
+}
+
+/// The character of wires that leave in these directions.
+fn corner(ways: u8) -> char {
+    match ways {
+        0 => ' ',
+        w if w & (UP | DOWN) == 0 => '\u{2500}',
+        w if w & (LEFT | RIGHT) == 0 => '\u{2502}',
+        w if w == LEFT | DOWN => '\u{2510}',
+        w if w == RIGHT | DOWN => '\u{250c}',
+        w if w == LEFT | UP => '\u{2518}',
+        w if w == RIGHT | UP => '\u{2514}',
+        w if w == LEFT | RIGHT | DOWN => '\u{252c}',
+        w if w == LEFT | RIGHT | UP => '\u{2534}',
+        w if w == RIGHT | UP | DOWN => '\u{251c}',
+        w if w == LEFT | UP | DOWN => '\u{2524}',
+        _ => '\u{253c}',
     }
 }
 

@@ -29,9 +29,11 @@
 mod channels;
 mod drawing;
 mod file;
+mod fixed;
 mod machine;
 mod part;
 mod sizes;
+mod spec;
 mod start;
 #[cfg(test)]
 mod tests;

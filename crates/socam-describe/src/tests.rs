@@ -281,4 +281,21 @@ fn a_drawing_keeps_to_its_width_and_shows_branches() {
          └─~second_shaft~┘
 ";
     assert_eq!(format!("\n{}", draw(&branches, 80)), expected);
+    // The wires of roll_drum and of pitch lie beside one another.
+    let machines = include_str!("../../../docs/machines.md");
+    let wrist = machines.split("```toml\n").nth(2).and_then(|rest| rest.split("```").next()).unwrap();
+    let expected = "
+   △ left_speed
+  ▼ left_torque
+      [left]────┬─<roll_mix ×0.02>────(roll_drum)──┬────~roll_cable~─────────[roll]
+  ┴ left_bearing│                                  │
+                │                    △ pitch_angle │
+                └─<pitch_mix ×0.02>─────[pitch]───┐│
+                                                  ││                      △ right_speed
+                                                  ││                     ▼ right_torque
+                                                  │└──<roll_mix ×0.02>─┬─────[right]
+                                                  │                    │ ┴ right_bearing
+                                                  └──<pitch_mix ×-0.02>┘
+";
+    assert_eq!(format!("\n{}", draw(&Model::parse(wrist).unwrap(), 110)), expected);
 }

@@ -134,6 +134,7 @@ impl Words {
 fn number(word: &str) -> Option<(f64, &str)> {
     let starts = word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
     let ends = word.char_indices().map(|(index, _)| index).chain([word.len()]).filter(|end| *end > 0);
-    let longest = ends.filter_map(|end| Some((word[..end].parse::<f64>().ok()?, &word[end..]))).last()?;
+    let longest =
+        ends.filter_map(|end| Some((word[..end].parse::<f64>().ok()?, &word[end..]))).next_back()?;
     (starts && longest.0.is_finite()).then_some(longest)
 }

@@ -16,6 +16,9 @@ use grid::{BADGE, CELL, GROUNDED, LINE_HEIGHT, MARGIN, RowPosition, Rows, lines,
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
 
+/// Distance between the tracks of vertical wires.
+const TRACK: f64 = 9.0;
+
 /// A mark at an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PlaceMark {
@@ -55,6 +58,7 @@ pub(super) fn file(model: &Model, style: &str) -> String {
 fn drawn(model: &Model, marks: &[(&str, PlaceMark)]) -> ([f64; 2], Markup) {
     let layout = Layout::wrapped(model, COLUMNS);
     let rows = Rows::new(&layout);
+    let (tracks, counts) = layout.tracks();
     let width = CELL * layout.columns as f64 + 2.0 * MARGIN;
     let marked = |element: &Element| {
         let of_it = || marks.iter().filter(|(name, _)| *name == element.name).map(|(_, mark)| *mark);
@@ -68,7 +72,9 @@ fn drawn(model: &Model, marks: &[(&str, PlaceMark)]) -> ([f64; 2], Markup) {
                 @let (findings, rival) = marked(element);
                 (frame(element, &rows, &findings, rival))
             }
-            @for joint in &layout.joints { (wire(&layout, *joint, &rows)) }
+            @for (joint, track) in layout.joints.iter().zip(&tracks) {
+                (wire(&layout, *joint, &rows, (*track, &counts)))
+            }
             @for element in &layout.elements {
                 (draw(element, &rows, model.motion))
             }
@@ -127,8 +133,8 @@ fn draw(element: &Element, rows: &Rows, motion: Motion) -> Markup {
     }
 }
 
-/// A line between two elements.
-fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
+/// A line between two elements; `counts` is the number of tracks before each column.
+fn wire(layout: &Layout, joint: Joint, rows: &Rows, (track, counts): (usize, &[usize])) -> Markup {
     let (Some(from), Some(to)) = (layout.elements.get(joint.from), layout.elements.get(joint.to)) else {
         return html! {};
     };
@@ -145,8 +151,9 @@ fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
         let (start, end) =
             (middle(left) + symbols::half_width(left.kind), middle(right) - symbols::half_width(right.kind));
         let (y_start, y_end) = if from.column < to.column { (y_from, y_to) } else { (y_to, y_from) };
-        // The corner stands between cells: beside the end from which a branch leaves.
-        let corner = if y_start < y_end { middle(left) + 0.5 * CELL } else { middle(right) - 0.5 * CELL };
+        // The corner stands between cells, on its track.
+        let off = track as f64 - 0.5 * counts[right.column].saturating_sub(1) as f64;
+        let corner = middle(left) + 0.5 * CELL + TRACK * off;
         if y_start == y_end {
             format!("M{start:.1} {y_start:.1}H{end:.1}")
         } else {
