@@ -117,6 +117,18 @@ fn answers(args: &Args, data: Option<&Dataset>) -> anyhow::Result<(String, Vec<S
             }
         }
     }
+    if asks && (args.chain.is_none() || args.drives.is_empty() || args.measures.is_empty()) {
+        let run = args.run.as_ref().map_or(String::new(), |run| format!(" {run}"));
+        let list = |option: &str, all: &[String]| -> String {
+            all.iter().map(|text| format!(" {option} \"{text}\"")).collect()
+        };
+        output::say(format_args!(
+            "the same without questions: socam-host new{run} -o {} --chain \"{chain}\"{}{}",
+            args.output.display(),
+            list("--drive", &drives),
+            list("--measure", &measures)
+        ));
+    }
     Ok((chain, drives, measures))
 }
 
