@@ -70,7 +70,7 @@ const MISTAKES: &[[&str; 4]] = &[
         "a parameter as a plain number",
         "stiffness = { value = 150, unit = \"N m/rad\", bounds = [1e-2, 1e7], source = \"example\" }",
         "stiffness = 150",
-        "line 10: write a table like { value = 1.2, unit = \"N m/rad\" } instead of the integer `150`",
+        "line 10: expected a table like { value = 1.2, unit = \"N m/rad\" } instead of the integer `150`",
     ],
     [
         "a decimal comma",

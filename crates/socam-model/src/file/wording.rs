@@ -77,7 +77,7 @@ fn worded(message: &str, there: &str) -> String {
     if let Some((found, expected)) =
         message.strip_prefix("invalid type: ").and_then(|rest| rest.split_once(", expected "))
     {
-        return format!("write {expected} instead of the {found}");
+        return format!("expected {expected} instead of the {found}");
     }
     if message.starts_with("duplicate key") {
         return format!("`{}` is there twice; remove one, or give it another name", there.trim());
