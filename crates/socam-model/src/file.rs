@@ -1,7 +1,7 @@
 //! Reads model files: TOML in, a checked [`Model`] in SI out; each error has a line.
 
 use crate::{
-    EffectUse, Model, ModelError, Motion, Role, Site,
+    Channel, EffectUse, Model, ModelError, Motion, Role, Site,
     effects::{Effect, Kind, SERVO_LIMIT},
     model::Node,
 };
@@ -190,15 +190,7 @@ impl Reader<'_> {
         let servo = raw.servo.map(|servo| self.servo(servo)).transpose()?;
         let channels = raw.channels.0.into_iter();
         let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
-        for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
-            if !channels.iter().any(|channel| channel.role == role) {
-                let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
-                return self.fail_in(
-                    line,
-                    format!("[channels] has no {what}; write at least one channel with role = \"{what}\""),
-                );
-            }
-        }
+        self.check_roles(&channels)?;
         let mut model = Model {
             text: self.text.into(),
             name: raw.name,
@@ -230,5 +222,19 @@ impl Reader<'_> {
         model.parameters = self.parameters;
         clocks::add_clocks(&mut model);
         Ok(model)
+    }
+
+    /// Refuses a model without an input or without an output.
+    fn check_roles(&self, channels: &[Channel]) -> Result<(), ModelError> {
+        for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
+            if !channels.iter().any(|channel| channel.role == role) {
+                let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
+                return self.fail_in(
+                    line,
+                    format!("[channels] has no {what}; write at least one channel with role = \"{what}\""),
+                );
+            }
+        }
+        Ok(())
     }
 }

@@ -46,15 +46,7 @@ impl MotionMaps<'_, '_> {
                 | Quantity::Change => {}
             }
         }
-        for (index, motor) in self.a.model.motors.iter().enumerate() {
-            // The part of the current that the speed makes is the damping of the assembly.
-            let current = match self.currents[index] {
-                Some(_) => self.current(index, motor),
-                None => self.volts(motor).scaled(&self.one().over(&self.a.scalar(motor.resistance))),
-            };
-            let torque = current.scaled(&self.a.scalar(motor.torque_constant));
-            force = force.plus(&self.a.node_row(motor.node).transpose().times(&torque));
-        }
+        force = force.plus(&self.winding_force());
         for (index, used) in self.a.model.effects.iter().enumerate() {
             let on_node = match used.at {
                 Site::Node(node) => Some((node, Acts::Torque)),
@@ -74,6 +66,21 @@ impl MotionMaps<'_, '_> {
                     force.add_block(0, column, &twist.scaled(&minus));
                 }
             }
+        }
+        force
+    }
+
+    /// Torque on each group from the currents of motors. The part of a current that the speed makes is a damping of the assembly, unless the
+    /// current is a state.
+    fn winding_force(&self) -> Jet {
+        let mut force = Jet::zeros(self.a.class.len(), self.angle.value.ncols(), self.a.wrt.len());
+        for (index, motor) in self.a.model.motors.iter().enumerate() {
+            let current = match self.currents[index] {
+                Some(_) => self.current(index, motor),
+                None => self.volts(motor).scaled(&self.one().over(&self.a.scalar(motor.resistance))),
+            };
+            let torque = current.scaled(&self.a.scalar(motor.torque_constant));
+            force = force.plus(&self.a.node_row(motor.node).transpose().times(&torque));
         }
         force
     }
