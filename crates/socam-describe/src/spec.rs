@@ -4,7 +4,7 @@ use socam_model::units;
 
 use crate::DescribeError;
 
-/// QUANTITY@PART[:COLUMN[*SCALE][ UNIT]].
+/// `QUANTITY@PART[:COLUMN[*SCALE][ UNIT]]`.
 pub(crate) struct Spec<'s> {
     pub(crate) text: &'s str,
     pub(crate) quantity: &'s str,

@@ -78,7 +78,7 @@ pub struct Motor {
     pub inductance: Option<usize>,
 }
 
-/// A rigid differential: motion of `to` = factors[0] motion of from[0] + factors[1] motion of from[1].
+/// A rigid differential: motion of `to` = first factor x motion of the first node + second factor x motion of the second.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differential {
     /// Place name.
