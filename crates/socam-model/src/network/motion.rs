@@ -155,6 +155,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         for (row, group) in damped.iter().enumerate() {
             self.velocity.add_block(*group, 0, &speeds.row(row));
         }
+        self.refuse_prescribed_inertia(prescribed)?;
         let balance =
             force.minus(&restoring).minus(&self.a.damping.times(&self.velocity)).select(&self.massive, &all);
         let Some(accelerations) = self.a.inertia.select(&self.massive, &self.massive).solve(&balance) else {
@@ -164,6 +165,19 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
             self.acceleration.add_block(*group, 0, &accelerations.row(row));
         }
         Ok(())
+    }
+
+    /// Refuses an inertia that a prescribed and a free group move together, by a differential: its torque depends on the acceleration of
+    /// the input, which no input gives.
+    fn refuse_prescribed_inertia(&self, prescribed: &[usize]) -> Result<(), ModelError> {
+        if self.a.inertia.select(&self.massive, prescribed).value.iter().all(|shared| *shared == 0.0) {
+            return Ok(());
+        }
+        let names = self.a.model.differentials.iter().map(|differential| differential.name.as_str());
+        Err(ModelError::Network(format!(
+            "{} couples the inertia of a node whose speed is an input to one that moves freely; give the torques of both as inputs, the speeds of both, or a spring behind the differential",
+            names.collect::<Vec<_>>().join(", ")
+        )))
     }
 
     fn undetermined(&self, groups: &[usize], advice: &str) -> String {

@@ -62,6 +62,9 @@ fn a_differential_that_cannot_move_and_a_quantity_at_the_wrong_place_are_refused
     let prescribed = "quantity = \"speed\"\nat = \"roll\"";
     let found = refused("quantity = \"voltage\"\nat = \"left_winding\"", prescribed);
     assert!(found.contains("which a differential moves"), "{found}");
+    let speed = "quantity = \"speed\"\nat = \"left\"";
+    let found = refused("quantity = \"voltage\"\nat = \"left_winding\"", speed);
+    assert!(found.contains("roll_mix, pitch_mix couples the inertia"), "{found}");
     let found = refused("factors = [\"plus\", \"minus\"]", "factors = [\"plus\", \"kt\"]");
     assert!(found.contains("kt"), "{found}");
 }
