@@ -31,7 +31,7 @@ pub(crate) fn text(name: &str) -> anyhow::Result<String> {
 }
 
 /// Help of every `--between`.
-pub(crate) const BETWEEN_HELP: &str = "How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one; may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a force or a reference]";
+pub(crate) const BETWEEN_HELP: &str = "How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one; may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a force, a voltage or a reference]";
 
 /// Applies `KIND` and `INPUT=KIND` settings of `--between`.
 pub(crate) fn set_between(model: &mut Model, settings: &[String]) -> anyhow::Result<()> {

@@ -37,6 +37,16 @@ pub(crate) fn number(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A number to four significant digits, without zeros behind the last of them.
+pub(crate) fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..1e5).contains(&size) => format!("{rounded}"),
+        _ => format!("{rounded:e}"),
+    }
+}
+
 pub(crate) fn interval(ends: [Option<f64>; 2]) -> String {
     match ends {
         [None, None] => String::new(),

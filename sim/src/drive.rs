@@ -49,7 +49,7 @@ pub enum Answer {
 
 impl Drive {
     /// A drive that suits a model's first input: the calibrated motor for a speed, 0.2 N m/V or 35.15 N/V (the gain of the EMPS
-    /// axis) for a torque or force, 0.02 rad/V (m/V) for a servo's reference.
+    /// axis) for a torque or force, the voltage itself for a winding, 0.02 rad/V (m/V) for a servo's reference.
     pub fn for_model(model: &Model, motor: &MotorCalibration) -> Self {
         let rotates = model.motion == socam_model::Motion::Rotation;
         let quantity = model.inputs().next().map(|channel| channel.quantity);
@@ -57,6 +57,7 @@ impl Drive {
             Some(Quantity::Speed) => (Answer::Speed(*motor), SPEED_LAG_S),
             Some(Quantity::Torque) if rotates => (Answer::Proportional(0.2), TORQUE_LAG_S),
             Some(Quantity::Torque) => (Answer::Proportional(35.1507), TORQUE_LAG_S),
+            Some(Quantity::Voltage) => (Answer::Proportional(1.0), TORQUE_LAG_S),
             _ => (Answer::Proportional(0.02), REFERENCE_LAG_S),
         };
         Self {

@@ -130,6 +130,16 @@ impl std::fmt::Display for LeftOut {
     }
 }
 
+/// An element that no target is given yet, and without which the motion would be another.
+fn not_held(model: &Model) -> Option<String> {
+    let winding = model.motors.first().map(|motor| format!("the winding of `{}`", motor.name));
+    let differential =
+        model.differentials.first().map(|differential| format!("the differential `{}`", differential.name));
+    let limit = model.servo.as_ref().filter(|servo| servo.limit.is_some());
+    let limit = limit.map(|servo| format!("the torque limit of the servo `{}`", servo.name));
+    winding.or(differential).or(limit).map(|what| format!("{what} is not exported yet"))
+}
+
 /// A name that every target takes, like `wanted`.
 ///
 /// ```
@@ -150,6 +160,9 @@ pub fn export(
     target: Target,
     name: &str,
 ) -> Result<Exported, ExportError> {
+    if let Some(why) = not_held(model) {
+        return Err(ExportError::NoMotion { target: target.name(), why });
+    }
     let mut description = Description::of(model, provenance, name);
     if matches!(target, Target::Mujoco | Target::Urdf | Target::Sdf)
         && let Some(why) = multibody::no_drive(&description)

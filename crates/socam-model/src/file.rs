@@ -1,8 +1,8 @@
 //! Reads model files: TOML in, a checked [`Model`] in SI out; each error has a line.
 
 use crate::{
-    Model, ModelError, Motion, Role,
-    effects::{Effect, Kind},
+    Channel, EffectUse, Model, ModelError, Motion, Role, Site,
+    effects::{Effect, Kind, SERVO_LIMIT},
     model::Node,
 };
 
@@ -15,12 +15,14 @@ mod clocks;
 mod documented;
 mod effects;
 mod elements;
+mod lists;
 mod parameters;
 mod raw;
 mod reader;
 #[cfg(test)]
 mod tests;
 mod wiring;
+mod wording;
 
 pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
@@ -101,10 +103,7 @@ fn read(text: &str) -> Result<Model, ModelError> {
         let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
         return Err(ModelError::File { line, message });
     }
-    let raw: RawModel = toml::from_str(text).map_err(|error| {
-        let line = line_of(text, error.span().map_or(0, |span| span.start));
-        ModelError::File { line, message: error.message().trim().replace('\n', ", ") }
-    })?;
+    let raw: RawModel = toml::from_str(text).map_err(|error| wording::explained(text, &error))?;
     Reader {
         text,
         rotational: raw.motion == Motion::Rotation,
@@ -167,7 +166,10 @@ impl Reader<'_> {
         if raw.schema.get_ref() != SCHEMA {
             return self.fail(
                 &raw.schema,
-                format!("schema is \"{}\", but this version reads \"{SCHEMA}\"", raw.schema.get_ref()),
+                format!(
+                    "schema is \"{}\", but this version reads \"{SCHEMA}\"; write schema = \"{SCHEMA}\"",
+                    raw.schema.get_ref()
+                ),
             );
         }
         for (name, parameter) in raw.parameters.0 {
@@ -181,20 +183,14 @@ impl Reader<'_> {
         }
         let springs = self.each(raw.springs, Self::spring)?;
         let gears = self.each(raw.gears, Self::gear)?;
+        let differentials = self.each(raw.differentials, Self::differential)?;
         let shafts = self.each(raw.shafts, Self::shaft)?;
         let bearings = self.each(raw.bearings, Self::bearing)?;
+        let motors = self.each(raw.motors, Self::motor)?;
         let servo = raw.servo.map(|servo| self.servo(servo)).transpose()?;
         let channels = raw.channels.0.into_iter();
         let channels = channels.map(|(name, c)| self.channel(name, c)).collect::<Result<Vec<_>, _>>()?;
-        for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
-            if !channels.iter().any(|channel| channel.role == role) {
-                let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
-                return self.fail_in(
-                    line,
-                    format!("[channels] has no {what}; give at least one channel role = \"{what}\""),
-                );
-            }
-        }
+        self.check_roles(&channels)?;
         let mut model = Model {
             text: self.text.into(),
             name: raw.name,
@@ -204,13 +200,19 @@ impl Reader<'_> {
             nodes: Vec::new(),
             springs,
             gears,
+            differentials,
             shafts,
             bearings,
             effects: Vec::new(),
+            motors,
             servo,
             channels,
         };
         std::mem::swap(&mut model.nodes, &mut self.nodes);
+        model.effects.extend(model.servo.iter().filter_map(|servo| {
+            let (effect, place) = (&SERVO_LIMIT, servo.name.clone());
+            Some(EffectUse { effect, place, at: Site::Servo, parameters: vec![servo.limit?] })
+        }));
         self.contact_stiffness = self.rigid_stiffness(&model);
         for effect in raw.effects.0 {
             self.effect(effect, &mut model)?;
@@ -220,5 +222,19 @@ impl Reader<'_> {
         model.parameters = self.parameters;
         clocks::add_clocks(&mut model);
         Ok(model)
+    }
+
+    /// Refuses a model without an input or without an output.
+    fn check_roles(&self, channels: &[Channel]) -> Result<(), ModelError> {
+        for (role, what) in [(Role::Input, "input"), (Role::Output, "output")] {
+            if !channels.iter().any(|channel| channel.role == role) {
+                let line = line_of(self.text, self.text.find("[channels").unwrap_or(0));
+                return self.fail_in(
+                    line,
+                    format!("[channels] has no {what}; write at least one channel with role = \"{what}\""),
+                );
+            }
+        }
+        Ok(())
     }
 }

@@ -41,12 +41,15 @@ impl Intersample {
     }
 
     /// Default for an input. Measured motions are band-limited, because inertia smooths them, and so are waves that are computed from an
-    /// angle. Torques, forces and references are linear: a drive ramps between commands.
+    /// angle. Torques, forces, voltages and references are linear: a drive ramps between commands.
     #[must_use]
     pub const fn of(quantity: Quantity, take: ChannelTransform) -> Self {
         match (quantity, take) {
             (Quantity::Torque, ChannelTransform::Cos(_) | ChannelTransform::Sin(_)) => Self::BandLimited,
-            (Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Change, _) => Self::Linear,
+            (Quantity::Torque | Quantity::Voltage | Quantity::Current | Quantity::Reference, _) => {
+                Self::Linear
+            }
+            (Quantity::Time | Quantity::Change, _) => Self::Linear,
             (Quantity::Speed | Quantity::Angle | Quantity::Acceleration | Quantity::Turned, _) => {
                 Self::BandLimited
             }

@@ -123,6 +123,11 @@ impl Jet {
         self.map(|m| m.rows(row, 1).into_owned())
     }
 
+    pub(crate) fn at(&self, row: usize, column: usize) -> Scalar {
+        let derivatives = self.derivatives.iter().map(|matrix| matrix[(row, column)]).collect();
+        Scalar { value: self.value[(row, column)], derivatives }
+    }
+
     pub(crate) fn columns(&self, start: usize, count: usize) -> Self {
         self.map(|m| m.columns(start, count).into_owned())
     }

@@ -19,6 +19,7 @@
 
 mod builder;
 mod element;
+mod tracks;
 mod tree;
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ pub use error::ModelError;
 pub use file::{COLUMN_UNITS, LARGEST_VALUE, column_unit};
 pub use intersample::Intersample;
 pub use model::{
-    Bearing, Channel, EffectUse, Gear, Model, Motion, Node, Parameter, Prior, Quantity, Role, Servo, Shaft,
-    Site, Spring, Update,
+    Bearing, Channel, Differential, EffectUse, Gear, Model, Motion, Motor, Node, Parameter, Prior, Quantity,
+    Role, Servo, Shaft, Site, Spring, Update,
 };
 pub use transform::{ChannelTransform, TransformStart};

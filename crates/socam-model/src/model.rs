@@ -6,7 +6,7 @@ mod parameter;
 mod quantity;
 
 pub use channel::Channel;
-pub use elements::{Bearing, EffectUse, Gear, Node, Servo, Shaft, Site, Spring};
+pub use elements::{Bearing, Differential, EffectUse, Gear, Motor, Node, Servo, Shaft, Site, Spring};
 pub use parameter::{Parameter, Prior, Update};
 pub use quantity::{Quantity, Role};
 
@@ -50,12 +50,16 @@ pub struct Model {
     pub springs: Vec<Spring>,
     /// Rigid reductions.
     pub gears: Vec<Gear>,
+    /// Rigid differentials.
+    pub differentials: Vec<Differential>,
     /// Rigid shafts.
     pub shafts: Vec<Shaft>,
     /// Bearings.
     pub bearings: Vec<Bearing>,
     /// Effects of the catalogue, in the order of the file.
     pub effects: Vec<EffectUse>,
+    /// Windings of motors that voltages drive.
+    pub motors: Vec<Motor>,
     /// Servo, if the drive is closed-loop.
     pub servo: Option<Servo>,
     /// Channels, in the order of the file.

@@ -20,6 +20,7 @@ mod ports;
 mod rigid;
 mod state_space;
 mod values;
+mod windings;
 mod wiring;
 
 impl Model {

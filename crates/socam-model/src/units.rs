@@ -5,9 +5,8 @@
 //! `Nm/rad`, `N/(m/s)`. Angles have no dimension: `N m s` and `N m s/rad` have the same one, and degrees and turns differ from
 //! radians by a factor only.
 
-/// Exponents of kg, m, s, A and V. The volt is a base of its own, because drives are calibrated in volts and no other electrical unit is
-/// converted.
-pub type Dimension = [i8; 5];
+/// Exponents of kg, m, s and A. A volt is a watt per ampere: a torque constant in N m/A and a back-EMF in V s/rad have one dimension.
+pub type Dimension = [i8; 4];
 
 /// A parsed unit: its factor to SI and its dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,34 +18,39 @@ pub struct Unit {
 }
 
 const BASES: &[(&str, f64, Dimension)] = &[
-    ("1", 1.0, [0, 0, 0, 0, 0]),
-    ("kg", 1.0, [1, 0, 0, 0, 0]),
-    ("g", 1e-3, [1, 0, 0, 0, 0]),
-    ("m", 1.0, [0, 1, 0, 0, 0]),
-    ("cm", 1e-2, [0, 1, 0, 0, 0]),
-    ("mm", 1e-3, [0, 1, 0, 0, 0]),
-    ("um", 1e-6, [0, 1, 0, 0, 0]),
-    ("s", 1.0, [0, 0, 1, 0, 0]),
-    ("ms", 1e-3, [0, 0, 1, 0, 0]),
-    ("us", 1e-6, [0, 0, 1, 0, 0]),
-    ("min", 60.0, [0, 0, 1, 0, 0]),
-    ("Hz", 1.0, [0, 0, -1, 0, 0]),
-    ("kHz", 1e3, [0, 0, -1, 0, 0]),
-    ("rad", 1.0, [0, 0, 0, 0, 0]),
-    ("mrad", 1e-3, [0, 0, 0, 0, 0]),
-    ("deg", std::f64::consts::PI / 180.0, [0, 0, 0, 0, 0]),
-    ("turn", std::f64::consts::TAU, [0, 0, 0, 0, 0]),
-    ("rev", std::f64::consts::TAU, [0, 0, 0, 0, 0]),
-    ("rpm", std::f64::consts::TAU / 60.0, [0, 0, -1, 0, 0]),
-    ("krpm", std::f64::consts::TAU / 0.06, [0, 0, -1, 0, 0]),
-    ("N", 1.0, [1, 1, -2, 0, 0]),
-    ("kN", 1e3, [1, 1, -2, 0, 0]),
-    ("mN", 1e-3, [1, 1, -2, 0, 0]),
-    ("A", 1.0, [0, 0, 0, 1, 0]),
-    ("mA", 1e-3, [0, 0, 0, 1, 0]),
-    ("V", 1.0, [0, 0, 0, 0, 1]),
-    ("mV", 1e-3, [0, 0, 0, 0, 1]),
-    ("%", 1e-2, [0, 0, 0, 0, 0]),
+    ("1", 1.0, [0, 0, 0, 0]),
+    ("kg", 1.0, [1, 0, 0, 0]),
+    ("g", 1e-3, [1, 0, 0, 0]),
+    ("m", 1.0, [0, 1, 0, 0]),
+    ("cm", 1e-2, [0, 1, 0, 0]),
+    ("mm", 1e-3, [0, 1, 0, 0]),
+    ("um", 1e-6, [0, 1, 0, 0]),
+    ("s", 1.0, [0, 0, 1, 0]),
+    ("ms", 1e-3, [0, 0, 1, 0]),
+    ("us", 1e-6, [0, 0, 1, 0]),
+    ("min", 60.0, [0, 0, 1, 0]),
+    ("Hz", 1.0, [0, 0, -1, 0]),
+    ("kHz", 1e3, [0, 0, -1, 0]),
+    ("rad", 1.0, [0, 0, 0, 0]),
+    ("mrad", 1e-3, [0, 0, 0, 0]),
+    ("deg", std::f64::consts::PI / 180.0, [0, 0, 0, 0]),
+    ("turn", std::f64::consts::TAU, [0, 0, 0, 0]),
+    ("rev", std::f64::consts::TAU, [0, 0, 0, 0]),
+    ("rpm", std::f64::consts::TAU / 60.0, [0, 0, -1, 0]),
+    ("krpm", std::f64::consts::TAU / 0.06, [0, 0, -1, 0]),
+    ("N", 1.0, [1, 1, -2, 0]),
+    ("kN", 1e3, [1, 1, -2, 0]),
+    ("mN", 1e-3, [1, 1, -2, 0]),
+    ("A", 1.0, [0, 0, 0, 1]),
+    ("mA", 1e-3, [0, 0, 0, 1]),
+    ("V", 1.0, [1, 2, -3, -1]),
+    ("mV", 1e-3, [1, 2, -3, -1]),
+    ("ohm", 1.0, [1, 2, -3, -2]),
+    ("mohm", 1e-3, [1, 2, -3, -2]),
+    ("H", 1.0, [1, 2, -2, -2]),
+    ("mH", 1e-3, [1, 2, -2, -2]),
+    ("uH", 1e-6, [1, 2, -2, -2]),
+    ("%", 1e-2, [0, 0, 0, 0]),
 ];
 
 /// Products that are usually written without a blank, and their factors. They are listed because a general rule is ambiguous: `mNm` can be
@@ -107,7 +111,7 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 
 /// A product of one or more units, separated by blanks.
 fn product(text: &str) -> Option<Unit> {
-    let mut unit = Unit { factor: 1.0, dimension: [0; 5] };
+    let mut unit = Unit { factor: 1.0, dimension: [0; 4] };
     for written in text.split_whitespace() {
         let plain = written.replacen('^', "", 1);
         match RUN_TOGETHER.iter().find(|(together, _)| *together == plain) {
@@ -153,26 +157,31 @@ mod tests {
     fn mechanical_units_become_si() {
         let degrees = std::f64::consts::PI / 180.0;
         for (text, factor, dimension) in [
-            ("N m/rad", 1.0, [1, 2, -2, 0, 0]),
-            ("N m/deg", 1.0 / degrees, [1, 2, -2, 0, 0]),
-            ("N mm/deg", 1e-3 / degrees, [1, 2, -2, 0, 0]),
-            ("N m s/rad", 1.0, [1, 2, -1, 0, 0]),
-            ("kg m2", 1.0, [1, 2, 0, 0, 0]),
-            ("g cm2", 1e-7, [1, 2, 0, 0, 0]),
-            ("rpm", 0.104_719_755_119_659_77, [0, 0, -1, 0, 0]),
-            ("1", 1.0, [0; 5]),
-            ("1/rad2", 1.0, [0; 5]),
-            ("kg m^2", 1.0, [1, 2, 0, 0, 0]),
-            ("kg\u{b7}m\u{b2}", 1.0, [1, 2, 0, 0, 0]),
-            ("kgm2", 1.0, [1, 2, 0, 0, 0]),
-            ("g*cm^2", 1e-7, [1, 2, 0, 0, 0]),
-            ("Nm/rad", 1.0, [1, 2, -2, 0, 0]),
-            ("Nms/rad", 1.0, [1, 2, -1, 0, 0]),
-            ("mN m", 1e-3, [1, 2, -2, 0, 0]),
-            ("mNm", 1e-3, [1, 2, -2, 0, 0]),
-            ("N/(m/s)", 1.0, [1, 0, -1, 0, 0]),
-            ("N m / (rad/s)", 1.0, [1, 2, -1, 0, 0]),
-            ("rad s^-1", 1.0, [0, 0, -1, 0, 0]),
+            ("N m/rad", 1.0, [1, 2, -2, 0]),
+            ("N m/deg", 1.0 / degrees, [1, 2, -2, 0]),
+            ("N mm/deg", 1e-3 / degrees, [1, 2, -2, 0]),
+            ("N m s/rad", 1.0, [1, 2, -1, 0]),
+            ("kg m2", 1.0, [1, 2, 0, 0]),
+            ("g cm2", 1e-7, [1, 2, 0, 0]),
+            ("rpm", 0.104_719_755_119_659_77, [0, 0, -1, 0]),
+            ("1", 1.0, [0; 4]),
+            ("1/rad2", 1.0, [0; 4]),
+            ("kg m^2", 1.0, [1, 2, 0, 0]),
+            ("kg\u{b7}m\u{b2}", 1.0, [1, 2, 0, 0]),
+            ("kgm2", 1.0, [1, 2, 0, 0]),
+            ("g*cm^2", 1e-7, [1, 2, 0, 0]),
+            ("Nm/rad", 1.0, [1, 2, -2, 0]),
+            ("Nms/rad", 1.0, [1, 2, -1, 0]),
+            ("mN m", 1e-3, [1, 2, -2, 0]),
+            ("mNm", 1e-3, [1, 2, -2, 0]),
+            ("N/(m/s)", 1.0, [1, 0, -1, 0]),
+            ("N m / (rad/s)", 1.0, [1, 2, -1, 0]),
+            ("rad s^-1", 1.0, [0, 0, -1, 0]),
+            ("N m/A", 1.0, [1, 2, -2, -1]),
+            ("V/krpm", 0.06 / std::f64::consts::TAU, [1, 2, -2, -1]),
+            ("V/A", 1.0, [1, 2, -3, -2]),
+            ("mohm", 1e-3, [1, 2, -3, -2]),
+            ("mH", 1e-3, [1, 2, -2, -2]),
         ] {
             let unit = parse(text).unwrap();
             assert!((unit.factor / factor - 1.0).abs() < 1e-14, "{text}: {unit:?}");

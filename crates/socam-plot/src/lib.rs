@@ -18,7 +18,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 pub use axis::Axis;
 use axis::Scale;
 pub use heat::{Cell, Contour, Heat};
-pub use sheet::{Panel, Row, sheet, standalone};
+pub use sheet::{Panel, Row, drawing, sheet, standalone};
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -66,18 +66,26 @@ fn placed((title, drawn): (&str, Option<Markup>), [left, top]: [f64; 2]) -> Mark
     }
 }
 
+/// A drawing of another kind as one file, in light colours: its content is of the class `class`, and `style` is added to the style of plots.
+///
 /// Variables of the style sheet are replaced by their colours, since few programs that show SVG files support them.
-fn file([width, height]: [f64; 2], title: &str, content: &Markup) -> String {
+#[must_use]
+pub fn drawing(
+    [width, height]: [f64; 2],
+    title: &str,
+    (class, style): (&str, &str),
+    content: &Markup,
+) -> String {
     let part = |from: &str, to: &str| {
         STYLE.split(from).nth(1).and_then(|rest| rest.split(to).next()).unwrap_or_default()
     };
     let colours = part(":root {", "}").split(';').filter_map(|line| line.split_once(':'));
-    let plots = colours.fold(part("/* plots */", "@media").to_owned(), |style, (name, colour)| {
+    let plots = colours.fold(part("/* plots */", "@media").to_owned() + style, |style, (name, colour)| {
         style.replace(&format!("var({})", name.trim()), colour.trim())
     });
     let scale = if width > WIDTH { 1.0 } else { 2.0 };
     let markup = html! {
-        svg xmlns="http://www.w3.org/2000/svg" class="plot" viewBox=(format!("0 0 {width} {height}"))
+        svg xmlns="http://www.w3.org/2000/svg" class=(class) viewBox=(format!("0 0 {width} {height}"))
             width=(scale * width) height=(scale * height) role="img" aria-label=(title) {
             style { (PreEscaped("svg { font-family: system-ui, \"DejaVu Sans\", sans-serif; }")) (PreEscaped(plots)) }
             rect width="100%" height="100%" fill="#fff" {}
@@ -85,4 +93,8 @@ fn file([width, height]: [f64; 2], title: &str, content: &Markup) -> String {
         }
     };
     format!("{}\n", markup.into_string())
+}
+
+fn file(size: [f64; 2], title: &str, content: &Markup) -> String {
+    drawing(size, title, ("plot", ""), content)
 }

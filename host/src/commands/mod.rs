@@ -17,6 +17,8 @@ mod flash;
 mod identify;
 mod import;
 mod info;
+mod model;
+mod new;
 mod record;
 mod recover;
 mod simulate;
@@ -94,6 +96,8 @@ commands! {
     #[cfg(feature = "dashboard")]
     Dashboard => dashboard,
     Flash => flash,
+    New => new,
+    Model => model,
     Template => template,
     Thesis => thesis,
     Completions => completions,

@@ -143,6 +143,7 @@ fn open_brackets() -> Vec<u8> {
 pub(crate) fn models(_: &Path) -> Vec<Vec<u8>> {
     let mut all = files("crates/socam-model/src/builtin", "toml");
     all.extend(files("tests/models", "toml"));
+    all.extend(files("crates/socam-model/tests", "toml"));
     all.push(open_brackets());
     all
 }

@@ -79,6 +79,8 @@ fn describe(element: &Element, marks: &[Mark], diagnosis: &Diagnosis) -> String 
         ElementKind::Point => "massless node",
         ElementKind::Spring { .. } => "spring",
         ElementKind::Gear { .. } => "reduction",
+        ElementKind::Differential { .. } => "differential",
+        ElementKind::Winding => "winding of a motor",
         ElementKind::Shaft => "rigid shaft",
         ElementKind::Bearing { .. } => "bearing",
         ElementKind::GroundSpring { .. } => "spring to the ground",

@@ -16,6 +16,9 @@ use grid::{BADGE, CELL, GROUNDED, LINE_HEIGHT, MARGIN, RowPosition, Rows, lines,
 /// Columns side by side: the whole default bench.
 const COLUMNS: usize = 13;
 
+/// Distance between the tracks of vertical wires.
+const TRACK: f64 = 9.0;
+
 /// A mark at an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PlaceMark {
@@ -37,10 +40,26 @@ pub(super) fn shows_rivals(model: &Model, marks: &[(&str, PlaceMark)]) -> bool {
 
 /// The bench with marks at places or channels by name. A name that the model does not have is left out.
 pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
+    let ([width, height], content) = drawn(model, marks);
+    html! {
+        svg class="bench" viewBox=(format!("0 0 {width} {height:.0}")) style=(format!("min-width:{:.0}px;max-width:{:.0}px", 0.72 * width, 1.1 * width))
+            role="img" aria-label=(format!("Drawing of the bench {}", model.name)) { (content) }
+    }
+}
+
+/// The bench as an SVG file of its own.
+pub(super) fn file(model: &Model, style: &str) -> String {
+    let (size, content) = drawn(model, &[]);
+    let own = style.lines().filter(|line| line.starts_with(".bench")).collect::<Vec<_>>().join("\n");
+    socam_plot::drawing(size, &format!("Drawing of {}", model.name), ("bench", &own), &content)
+}
+
+/// Width and height, and the content.
+fn drawn(model: &Model, marks: &[(&str, PlaceMark)]) -> ([f64; 2], Markup) {
     let layout = Layout::wrapped(model, COLUMNS);
     let rows = Rows::new(&layout);
+    let (tracks, counts) = layout.tracks();
     let width = CELL * layout.columns as f64 + 2.0 * MARGIN;
-    let height = rows.bottom();
     let marked = |element: &Element| {
         let of_it = || marks.iter().filter(|(name, _)| *name == element.name).map(|(_, mark)| *mark);
         let mut findings: Vec<_> = of_it().filter(|mark| *mark != PlaceMark::Rival).collect();
@@ -48,14 +67,14 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
         let rival = findings.is_empty() && of_it().next().is_some();
         (findings, rival)
     };
-    html! {
-        svg class="bench" viewBox=(format!("0 0 {width} {height:.0}")) style=(format!("min-width:{:.0}px;max-width:{:.0}px", 0.72 * width, 1.1 * width))
-            role="img" aria-label=(format!("Drawing of the bench {}", model.name)) {
+    let content = html! {
             @for element in &layout.elements {
                 @let (findings, rival) = marked(element);
                 (frame(element, &rows, &findings, rival))
             }
-            @for joint in &layout.joints { (wire(&layout, *joint, &rows)) }
+            @for (joint, track) in layout.joints.iter().zip(&tracks) {
+                (wire(&layout, *joint, &rows, (*track, &counts)))
+            }
             @for element in &layout.elements {
                 (draw(element, &rows, model.motion))
             }
@@ -63,8 +82,8 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
                 @let (findings, _) = marked(element);
                 @for (place, mark) in findings.iter().enumerate() { (badge(element, &rows, place, *mark)) }
             }
-        }
-    }
+    };
+    ([width, rows.bottom().ceil()], content)
 }
 
 /// The marker of a finding as it stands in the drawing, to name it elsewhere.
@@ -114,8 +133,8 @@ fn draw(element: &Element, rows: &Rows, motion: Motion) -> Markup {
     }
 }
 
-/// A line between two elements.
-fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
+/// A line between two elements; `counts` is the number of tracks before each column.
+fn wire(layout: &Layout, joint: Joint, rows: &Rows, (track, counts): (usize, &[usize])) -> Markup {
     let (Some(from), Some(to)) = (layout.elements.get(joint.from), layout.elements.get(joint.to)) else {
         return html! {};
     };
@@ -132,8 +151,9 @@ fn wire(layout: &Layout, joint: Joint, rows: &Rows) -> Markup {
         let (start, end) =
             (middle(left) + symbols::half_width(left.kind), middle(right) - symbols::half_width(right.kind));
         let (y_start, y_end) = if from.column < to.column { (y_from, y_to) } else { (y_to, y_from) };
-        // The corner stands between cells: beside the end from which a branch leaves.
-        let corner = if y_start < y_end { middle(left) + 0.5 * CELL } else { middle(right) - 0.5 * CELL };
+        // The corner stands between cells, on its track.
+        let off = track as f64 - 0.5 * counts[right.column].saturating_sub(1) as f64;
+        let corner = middle(left) + 0.5 * CELL + TRACK * off;
         if y_start == y_end {
             format!("M{start:.1} {y_start:.1}H{end:.1}")
         } else {

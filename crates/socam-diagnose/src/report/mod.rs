@@ -37,6 +37,17 @@ pub enum ReportError {
     File(#[from] RecordingError),
 }
 
+/// A model's drawing as an SVG file, in light colours.
+///
+/// ```
+/// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
+/// assert!(socam_diagnose::report::drawing_of(&model).starts_with("<svg"));
+/// ```
+#[must_use]
+pub fn drawing_of(model: &Model) -> String {
+    drawing::file(model, page::STYLE)
+}
+
 /// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment
 /// is suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each
 /// file is written completely or not at all, and the page last.

@@ -9,7 +9,7 @@ use crate::{
     document::{UNEXPLAINED, Validation, Verdict},
 };
 
-const STYLE: &str = include_str!("style.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 /// Least weight of a competing model whose place is marked in the drawing.
 const LEAST_WEIGHT: f64 = 0.05;
 

@@ -202,7 +202,7 @@ fn is_loaded(d: &Description<'_>, coordinate: usize) -> bool {
             let spring = &model.springs[spring];
             at(spring.from) || spring.to.is_some_and(at)
         }
-        Site::Channel(_) => false,
+        Site::Channel(_) | Site::Servo => false,
     });
     bearing || channel || effect || model.servo.as_ref().is_some_and(|servo| at(servo.node))
 }

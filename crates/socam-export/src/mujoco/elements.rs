@@ -113,7 +113,7 @@ pub(super) fn say_left_out(d: &Description<'_>, chain: &Chain, left_out: &mut Ve
                     );
                 }
             }
-            (Site::Node(_), ..) => {}
+            (Site::Node(_) | Site::Servo, ..) => {}
         }
     }
     for signal in &d.inputs {

@@ -64,7 +64,7 @@ impl Builder<'_, '_> {
                 ];
                 Some((slow, Acts::Drag, bound))
             }
-            Site::Spring(_) | Site::Channel(_) => None,
+            Site::Spring(_) | Site::Channel(_) | Site::Servo => None,
         }
     }
 

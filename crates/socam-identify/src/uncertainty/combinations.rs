@@ -52,6 +52,8 @@ fn pair(model: &Model, node: usize) -> Option<(&Spring, &Spring)> {
     let tied = model.nodes[node].inertia.is_some()
         || model.gears.iter().any(|gear| gear.from == node || gear.to == node)
         || model.shafts.iter().any(|shaft| shaft.nodes.0 == node || shaft.nodes.1 == node)
+        || model.differentials.iter().any(|d| d.to == node || d.from.contains(&node))
+        || model.motors.iter().any(|motor| motor.node == node)
         || model.bearings.iter().any(|bearing| bearing.node == node)
         || model.effects.iter().any(|used| used.at == Site::Node(node))
         || model.servo.as_ref().is_some_and(|servo| servo.node == node)

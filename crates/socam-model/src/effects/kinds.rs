@@ -62,6 +62,14 @@ pub enum Kind {
     Time,
     /// 1/s.
     Rate,
+    /// Resistance of a winding, V/A.
+    Resistance,
+    /// Inductance of a winding, V s/A.
+    Inductance,
+    /// N m/A (N/A).
+    TorqueConstant,
+    /// V s/rad (V s/m), which is the dimension of [`Self::TorqueConstant`].
+    BackEmf,
     /// A pure number.
     Ratio,
     /// Any unit: a controller's gain has the units of its signals, an offset the unit of its channel.
@@ -97,6 +105,12 @@ impl Kind {
             (Self::Frequency, _) => "Hz",
             (Self::Time, _) => "s",
             (Self::Rate, _) => "1/s",
+            (Self::Resistance, _) => "ohm",
+            (Self::Inductance, _) => "H",
+            (Self::TorqueConstant, true) => "N m/A",
+            (Self::TorqueConstant, false) => "N/A",
+            (Self::BackEmf, true) => "V s/rad",
+            (Self::BackEmf, false) => "V s/m",
             (Self::Ratio, _) => "1",
             (Self::Gain, _) => "",
         }

@@ -6,6 +6,7 @@ use crate::Model;
 
 mod channels;
 mod errors;
+mod mixed;
 
 /// Parameters of the thesis model by name.
 fn p(model: &Model, name: &str) -> f64 {

@@ -5,6 +5,7 @@ use toml::Spanned;
 use super::{
     raw::{Name, RawChannel},
     reader::Reader,
+    wording::meant,
 };
 use crate::{
     Channel, ChannelTransform, ModelError, Quantity, Role,
@@ -45,7 +46,11 @@ impl Reader<'_> {
         let place = raw.at.get_ref();
         if !self.places.iter().any(|(known, _)| known == place) {
             let places: Vec<&str> = self.places.iter().map(|(place, _)| place.as_str()).collect();
-            let message = format!("there is no place \"{place}\"; places are {}", places.join(", "));
+            let message = format!(
+                "there is no place \"{place}\"{}; places are {}",
+                meant(place, places.iter().copied()),
+                places.join(", ")
+            );
             return self.fail(&raw.at, message);
         }
         if let Some(std) = &raw.noise_std
@@ -54,8 +59,9 @@ impl Reader<'_> {
             return self.fail(std, format!("channels.{label}.noise_std must be positive"));
         }
         if !(raw.scale.is_none_or(|scale| scale.is_finite() && scale != 0.0) && raw.offset.is_finite()) {
-            let message =
-                format!("channels.{label} needs a finite offset and a finite scale other than zero");
+            let message = format!(
+                "channels.{label} needs a finite offset and a finite scale other than 0; leave scale out where the column is in SI"
+            );
             return self.fail(&name, message);
         }
         if let Some(between) = &raw.between
@@ -229,6 +235,8 @@ fn quantity_name(quantity: Quantity, rotational: bool) -> &'static str {
         (Quantity::Torque, true) => "a torque",
         (Quantity::Torque, false) => "a force",
         (Quantity::Reference, _) => "a reference",
+        (Quantity::Voltage, _) => "a voltage",
+        (Quantity::Current, _) => "a current",
         (Quantity::Time, _) => "a time",
         (Quantity::Turned, _) => "a turned angle",
         (Quantity::Change, _) => "a rate of change",
@@ -246,6 +254,8 @@ fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static
         (Quantity::Acceleration, false) => ("m/s2", "_m_s2"),
         (Quantity::Torque, true) => ("N m", "_Nm"),
         (Quantity::Torque, false) => ("N", "_N"),
+        (Quantity::Voltage, _) => ("V", "_V"),
+        (Quantity::Current, _) => ("A", "_A"),
         (Quantity::Time, _) => ("s", "_s"),
         (Quantity::Turned, _) => ("rad", "_rad"),
         (Quantity::Change, _) => ("1/s", ""),

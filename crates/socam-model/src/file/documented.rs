@@ -41,6 +41,8 @@ fn every_key_is_documented_and_no_other() {
         ("## `[[nodes]]`", format!("{plain}\n[[nodes]]\nzzz = 1\n")),
         ("## `[[springs]]`", format!("{plain}\n[[springs]]\nzzz = 1\n")),
         ("## `[[gears]]`", format!("{plain}\n[[gears]]\nzzz = 1\n")),
+        ("## `[[differentials]]`", format!("{plain}\n[[differentials]]\nzzz = 1\n")),
+        ("## `[[motors]]`", format!("{plain}\n[[motors]]\nzzz = 1\n")),
         ("## `[[shafts]]`", format!("{plain}\n[[shafts]]\nzzz = 1\n")),
         ("## `[[bearings]]`", format!("{plain}\n[[bearings]]\nzzz = 1\n")),
         ("## `[servo]`", format!("{plain}\n[servo]\nzzz = 1\n")),

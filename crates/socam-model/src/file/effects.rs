@@ -3,6 +3,7 @@
 use super::{
     raw::{RawEffect, Reference},
     reader::Reader,
+    wording::meant,
 };
 use crate::{
     EffectUse, Model, ModelError, Node, Parameter, Shaft, Site, Spring,
@@ -19,14 +20,17 @@ impl Reader<'_> {
         let acts_there = |effect: &Effect| model.places(effect).contains(&raw.at.get_ref().as_str());
         let Some(effect) = effects::find_at(id, given, acts_there) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
-            return self
-                .fail(&raw.effect, format!("there is no effect \"{id}\"; effects are {}", known.join(", ")));
+            let meant = meant(id, known.iter().copied());
+            let message = format!("there is no effect \"{id}\"{meant}; effects are {}", known.join(", "));
+            return self.fail(&raw.effect, message);
         };
         let place = raw.at.get_ref().clone();
         if !model.places(effect).contains(&place.as_str()) {
             let (what, places) = (effect.acts_at.noun(), model.places(effect).join(", "));
-            return self
-                .fail(&raw.at, format!("{id} acts at {what}, and \"{place}\" is none; there is {places}"));
+            return self.fail(
+                &raw.at,
+                format!("{id} acts at {what}, and \"{place}\" is none; write at = one of {places}"),
+            );
         }
         let known = |name: &str| effect.parameters.iter().any(|parameter| parameter.name == name);
         if let Some((name, _)) = raw.parameters.0.iter().find(|(name, _)| !known(name.get_ref())) {
@@ -44,8 +48,11 @@ impl Reader<'_> {
                 }
                 (None, Some(default)) => self.default_of(&place, parameter, default),
                 (None, None) => {
-                    return self
-                        .fail(&raw.effect, format!("{id} needs the parameter \"{}\"", parameter.name));
+                    let message = format!(
+                        "{id} needs the parameter \"{0}\"; write parameters = {{ {0} = \"PARAMETER\" }}",
+                        parameter.name
+                    );
+                    return self.fail(&raw.effect, message);
                 }
             });
         }

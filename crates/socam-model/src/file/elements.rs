@@ -1,10 +1,10 @@
-//! `[[springs]]`, `[[gears]]`, `[[shafts]]`, `[[bearings]]` and `[servo]`.
+//! `[[springs]]`, `[[gears]]`, `[[differentials]]`, `[[shafts]]`, `[[bearings]]`, `[[motors]]` and `[servo]`.
 
 use super::{
-    raw::{RawBearing, RawGear, RawServo, RawShaft, RawSpring},
+    raw::{RawBearing, RawDifferential, RawGear, RawMotor, RawServo, RawShaft, RawSpring},
     reader::Reader,
 };
-use crate::{Bearing, Gear, ModelError, Servo, Shaft, Spring, effects::Kind};
+use crate::{Bearing, Differential, Gear, ModelError, Motor, Servo, Shaft, Spring, effects::Kind};
 
 impl Reader<'_> {
     pub(super) fn spring(&mut self, raw: RawSpring) -> Result<Spring, ModelError> {
@@ -12,7 +12,10 @@ impl Reader<'_> {
         let to = if raw.to.get_ref() == "ground" { None } else { Some(self.node(&raw.to)?) };
         let from = self.node(&raw.from)?;
         if to == Some(from) {
-            return self.fail(&raw.to, "a spring must join two different nodes");
+            return self.fail(
+                &raw.to,
+                "a spring must join two different nodes; write another node, or to = \"ground\"",
+            );
         }
         Ok(Spring {
             name: raw.name.into_inner(),
@@ -27,9 +30,45 @@ impl Reader<'_> {
         self.declare(&raw.name)?;
         let ratio = self.parameter("ratio", &raw.ratio, Kind::Ratio)?;
         if self.parameters[ratio].value == 0.0 {
-            return self.fail(&raw.ratio, "a gear's ratio cannot be zero");
+            let message = format!(
+                "ratio \"{}\" is 0, but a gear of ratio N turns its `to` node N times slower; write another value than 0",
+                self.parameters[ratio].name
+            );
+            return self.fail(&raw.ratio, message);
         }
         Ok(Gear { from: self.node(&raw.from)?, to: self.node(&raw.to)?, ratio, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn differential(&mut self, raw: RawDifferential) -> Result<Differential, ModelError> {
+        self.declare(&raw.name)?;
+        let ([first, second], 2) = (&raw.from[..], raw.factors.len()) else {
+            return self.fail(&raw.name, "a differential has two nodes and two factors; write from = [\"NODE\", \"NODE\"] and factors = [\"PARAMETER\", \"PARAMETER\"]");
+        };
+        let from = [self.node(first)?, self.node(second)?];
+        let factor = |reader: &mut Self, index: usize| {
+            let factor = reader.parameter("factors", &raw.factors[index], Kind::Ratio)?;
+            if reader.parameters[factor].value == 0.0 {
+                let message = "a differential's factor cannot be zero; a joint that one motor moves is a [[gears]] table";
+                return reader.fail(&raw.factors[index], message);
+            }
+            Ok(factor)
+        };
+        let factors = [factor(self, 0)?, factor(self, 1)?];
+        Ok(Differential { from, to: self.node(&raw.to)?, factors, name: raw.name.into_inner() })
+    }
+
+    pub(super) fn motor(&mut self, raw: RawMotor) -> Result<Motor, ModelError> {
+        self.declare(&raw.name)?;
+        let torque_constant = self.positive(&raw.torque_constant, Kind::TorqueConstant)?;
+        let back_emf = raw.back_emf.map(|name| self.positive(&name, Kind::BackEmf)).transpose()?;
+        Ok(Motor {
+            node: self.node(&raw.at)?,
+            resistance: self.positive(&raw.resistance, Kind::Resistance)?,
+            torque_constant,
+            back_emf: back_emf.unwrap_or(torque_constant),
+            inductance: raw.inductance.map(|name| self.positive(&name, Kind::Inductance)).transpose()?,
+            name: raw.name.into_inner(),
+        })
     }
 
     pub(super) fn shaft(&mut self, raw: RawShaft) -> Result<Shaft, ModelError> {
@@ -50,6 +89,7 @@ impl Reader<'_> {
             position_gain: self.parameter("position_gain", &raw.position_gain, Kind::Gain)?,
             velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, Kind::Gain)?,
             drive_gain: self.parameter("drive_gain", &raw.drive_gain, Kind::Gain)?,
+            limit: raw.limit.map(|name| self.positive(&name, Kind::Torque)).transpose()?,
             name: raw.name.into_inner(),
         })
     }

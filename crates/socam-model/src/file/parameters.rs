@@ -1,8 +1,11 @@
 //! `[parameters.NAME]` and references to parameters, with checks of units and signs.
 
+use toml::Spanned;
+
 use super::{
     raw::{Name, RawParameter, Reference, Written},
-    reader::Reader,
+    reader::{Reader, line_of},
+    wording::meant,
 };
 use crate::{ModelError, Parameter, Prior, effects::Kind, units};
 
@@ -37,8 +40,17 @@ impl Reader<'_> {
                 format!("parameters.{label}.value is nearer to 0 than {SMALLEST_VALUE:e} in SI; write 0 if that is meant"),
             );
         }
-        let [low, high] =
-            raw.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| *bounds.get_ref());
+        let ends = raw.bounds.as_ref().map(|bounds| bounds.get_ref().as_slice());
+        let [low, high] = match ends {
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+            Some([low, high]) => [*low, *high],
+            Some(_) => {
+                let at = raw.bounds.as_ref().map_or(raw.unit.span(), Spanned::span);
+                let message =
+                    format!("parameters.{label}.bounds must be two numbers; write bounds = [low, high]");
+                return self.fail_in(line_of(self.text, at.start), message);
+            }
+        };
         let bounds = (low * unit.factor, high * unit.factor);
         self.bounded.extend(raw.bounds.map(|bounds| (label.clone(), *raw.value.get_ref(), bounds)));
         let prior = raw.prior.map(|prior| match *prior.std.get_ref() {
@@ -66,10 +78,12 @@ impl Reader<'_> {
     /// Checks values against bounds. It runs after all references are read, because "an inertia is zero" is the more specific message.
     pub(super) fn check_bounds(&self) -> Result<(), ModelError> {
         for (name, value, bounds) in &self.bounded {
-            let [low, high] = *bounds.get_ref();
+            let [low, high] = bounds.get_ref()[..] else { continue };
             if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
-                return self
-                    .fail(bounds, format!("parameters.{name}.bounds must be [low, high] with low < high"));
+                return self.fail(
+                    bounds,
+                    format!("parameters.{name}.bounds must be [low, high] with low < high, as in bounds = [{}, {}]", low.min(high), low.max(high)),
+                );
             }
             if !(low..=high).contains(value) {
                 return self.fail(
@@ -96,6 +110,10 @@ impl Reader<'_> {
             Kind::Stiffness => "k",
             Kind::Damping => "c",
             Kind::Ratio => "N",
+            Kind::Resistance => "R",
+            Kind::Inductance => "L",
+            Kind::TorqueConstant => "kt",
+            Kind::BackEmf => "ke",
             _ => "p",
         };
         let is_free = |name: &String| !self.parameters.iter().any(|parameter| parameter.name == *name);
@@ -121,10 +139,11 @@ impl Reader<'_> {
         let Some(index) = self.parameters.iter().position(|parameter| parameter.name == *label) else {
             let unit = kind.unit(self.rotational);
             let unit = if unit.is_empty() { "1" } else { unit };
+            let meant = meant(label, self.parameters.iter().map(|parameter| parameter.name.as_str()));
             return self.fail(
                 reference,
                 format!(
-                    "there is no parameter \"{label}\"; declare it under [parameters], as in {label} = {{ value = 1, unit = \"{unit}\" }}"
+                    "there is no parameter \"{label}\"{meant}; declare it under [parameters], as in {label} = {{ value = 1, unit = \"{unit}\" }}"
                 ),
             );
         };
@@ -151,9 +170,12 @@ impl Reader<'_> {
         let (allowed, instead) = match kind {
             Kind::Inertia => ("positive", "; a node without inertia has no key inertia"),
             Kind::Stiffness => ("positive", "; where nothing joins the two nodes, leave the spring out"),
-            _ => ("zero or more", ""),
+            Kind::Inductance => ("positive", "; where the current follows the voltage at once, leave it out"),
+            Kind::Damping | Kind::BackEmf => ("zero or more", ""),
+            _ => ("positive", ""),
         };
-        if parameter.value < 0.0 || (parameter.value == 0.0 && kind != Kind::Damping) {
+        if parameter.value < 0.0 || (parameter.value == 0.0 && !matches!(kind, Kind::Damping | Kind::BackEmf))
+        {
             let value = parameter.value / parameter.file_factor;
             let message = format!(
                 "{key} \"{}\" is {value} {}, but it must be {allowed}{instead}",
@@ -169,6 +191,11 @@ fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Inertia => "inertia",
         Kind::Stiffness => "stiffness",
+        Kind::Resistance => "resistance",
+        Kind::Inductance => "inductance",
+        Kind::TorqueConstant => "torque_constant",
+        Kind::BackEmf => "back_emf",
+        Kind::Torque => "limit",
         _ => "damping",
     }
 }
@@ -178,7 +205,7 @@ fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
     match units::parse(file_unit) {
         Some(unit) if unit.factor == 1.0 => file_unit.into(),
         _ => {
-            let names = ["kg", "m", "s", "A", "V"];
+            let names = ["kg", "m", "s", "A"];
             let factors = names.iter().zip(dimension).filter(|(_, power)| *power != 0);
             let text: Vec<_> = factors.map(|(name, power)| format!("{name}^{power}")).collect();
             if text.is_empty() { "1".into() } else { text.join(" ") }

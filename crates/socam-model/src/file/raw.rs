@@ -1,102 +1,15 @@
 //! The model file as it is written; names have their positions in the text.
 
-use std::{fmt, marker::PhantomData};
+use std::fmt;
 
 use serde::{
     Deserialize, Deserializer,
-    de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor},
+    de::{Error, IgnoredAny, MapAccess, Visitor},
 };
 use toml::Spanned;
 
+use super::lists::{List, Listed, Ordered};
 use crate::{ChannelTransform, Intersample, Motion, Quantity, Role};
-
-/// Most parameters of a model, and most channels.
-const MOST_NAMES: usize = 300;
-
-/// Most nodes, and most elements of each kind. A run of 3 s of a chain of 100 nodes is simulated in 2 s, one of 300 in half a minute.
-const MOST_ITEMS: usize = 100;
-
-/// A table whose entries keep their order and positions in the file.
-pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-            type Value = Ordered<T>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(
-                    "a table of names, written with single brackets as [parameters] or [channels.NAME]",
-                )
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                    if entries.len() > MOST_NAMES {
-                        return Err(A::Error::custom(format_args!(
-                            "this table has more than {MOST_NAMES} names, the most that are read"
-                        )));
-                    }
-                }
-                Ok(Ordered(entries))
-            }
-        }
-        deserializer.deserialize_any(Entries(PhantomData))
-    }
-}
-
-impl<T> Default for Ordered<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-/// Tables of one kind, each under its own `[[NAME]]`.
-pub(super) struct List<T>(pub(super) Vec<T>);
-
-/// The contents of a `[[NAME]]` table.
-pub(super) trait Listed {
-    const NAME: &str;
-}
-
-impl<'de, T: Deserialize<'de> + Listed> Deserialize<'de> for List<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Items<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de> + Listed> Visitor<'de> for Items<T> {
-            type Value = List<T>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "one [[{0}]] table for each of the {0}", T::NAME)
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-                let mut list = Vec::new();
-                while let Some(item) = items.next_element()? {
-                    list.push(item);
-                    if list.len() > MOST_ITEMS {
-                        let name = T::NAME;
-                        return Err(A::Error::custom(format_args!(
-                            "a model has at most {MOST_ITEMS} [[{name}]]; its equations take the cube of that in time"
-                        )));
-                    }
-                }
-                Ok(List(list))
-            }
-            fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Self::Value, A::Error> {
-                let name = T::NAME;
-                Err(A::Error::custom(format_args!(
-                    "[{name}] is one table, but a model has a list of {name}; write [[{name}]], with two brackets, above each of them"
-                )))
-            }
-        }
-        deserializer.deserialize_any(Items(PhantomData))
-    }
-}
-
-impl<T> Default for List<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
 
 pub(super) type Name = Spanned<String>;
 
@@ -153,11 +66,15 @@ pub(super) struct RawModel {
     #[serde(default)]
     pub(super) gears: List<RawGear>,
     #[serde(default)]
+    pub(super) differentials: List<RawDifferential>,
+    #[serde(default)]
     pub(super) shafts: List<RawShaft>,
     #[serde(default)]
     pub(super) bearings: List<RawBearing>,
     #[serde(default)]
     pub(super) effects: List<RawEffect>,
+    #[serde(default)]
+    pub(super) motors: List<RawMotor>,
     pub(super) servo: Option<RawServo>,
     pub(super) channels: Ordered<RawChannel>,
 }
@@ -167,7 +84,7 @@ pub(super) struct RawModel {
 pub(super) struct RawParameter {
     pub(super) value: Spanned<f64>,
     pub(super) unit: Name,
-    pub(super) bounds: Option<Spanned<[f64; 2]>>,
+    pub(super) bounds: Option<Spanned<Vec<f64>>>,
     #[serde(default)]
     pub(super) fixed: bool,
     #[serde(default)]
@@ -212,6 +129,26 @@ pub(super) struct RawGear {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[differentials]] table")]
+pub(super) struct RawDifferential {
+    pub(super) name: Name,
+    pub(super) from: Vec<Name>,
+    pub(super) to: Name,
+    pub(super) factors: Vec<Reference>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[motors]] table")]
+pub(super) struct RawMotor {
+    pub(super) name: Name,
+    pub(super) at: Name,
+    pub(super) resistance: Reference,
+    pub(super) torque_constant: Reference,
+    pub(super) back_emf: Option<Reference>,
+    pub(super) inductance: Option<Reference>,
+}
+
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a [[shafts]] table")]
 pub(super) struct RawShaft {
     pub(super) name: Name,
@@ -243,6 +180,7 @@ pub(super) struct RawServo {
     pub(super) position_gain: Reference,
     pub(super) velocity_gain: Reference,
     pub(super) drive_gain: Reference,
+    pub(super) limit: Option<Reference>,
 }
 
 #[derive(Deserialize)]
@@ -272,6 +210,8 @@ listed!(
     RawNode = "nodes",
     RawSpring = "springs",
     RawGear = "gears",
+    RawDifferential = "differentials",
+    RawMotor = "motors",
     RawShaft = "shafts",
     RawBearing = "bearings",
     RawEffect = "effects"

@@ -2,7 +2,7 @@
 
 use toml::Spanned;
 
-use super::raw::{List, Name};
+use super::{lists::List, raw::Name, wording::meant};
 use crate::{ModelError, Node, Parameter};
 
 pub(super) fn line_of(text: &str, offset: usize) -> usize {
@@ -15,7 +15,7 @@ pub(super) struct Reader<'t> {
     pub(super) rotational: bool,
     pub(super) parameters: Vec<Parameter>,
     /// Parameters with bounds: name, value and bounds in the file's unit.
-    pub(super) bounded: Vec<(String, f64, Spanned<[f64; 2]>)>,
+    pub(super) bounded: Vec<(String, f64, Spanned<Vec<f64>>)>,
     pub(super) nodes: Vec<Node>,
     /// Names of places and the lines that declare them.
     pub(super) places: Vec<(String, usize)>,
@@ -59,7 +59,12 @@ impl Reader<'_> {
                 let known: Vec<_> = self.nodes.iter().map(|node| node.name.as_str()).collect();
                 self.fail(
                     name,
-                    format!("there is no node \"{}\"; nodes are {}", name.get_ref(), known.join(", ")),
+                    format!(
+                        "there is no node \"{}\"{}; nodes are {}",
+                        name.get_ref(),
+                        meant(name.get_ref(), known.iter().copied()),
+                        known.join(", ")
+                    ),
                 )
             }
         }

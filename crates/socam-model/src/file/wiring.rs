@@ -34,15 +34,17 @@ impl Reader<'_> {
     fn check_reach(&self, model: &Model) -> Result<(), ModelError> {
         let springs = model.springs.iter().filter_map(|spring| Some((spring.from, spring.to?)));
         let gears = model.gears.iter().map(|gear| (gear.from, gear.to));
+        let mixed = model.differentials.iter().flat_map(|d| d.from.map(|from| (from, d.to)));
         let links: Vec<(usize, usize)> =
-            springs.chain(gears).chain(model.shafts.iter().map(|shaft| shaft.nodes)).collect();
+            springs.chain(gears).chain(mixed).chain(model.shafts.iter().map(|shaft| shaft.nodes)).collect();
         let part = parts(model.nodes.len(), &links);
         let node_at = |place: &str| {
             let node = model.nodes.iter().position(|node| node.name == place);
             let spring =
                 || model.springs.iter().find(|spring| spring.name == place).map(|spring| spring.from);
             let servo = || model.servo.as_ref().filter(|servo| servo.name == place).map(|servo| servo.node);
-            node.or_else(spring).or_else(servo)
+            let motor = || model.motors.iter().find(|motor| motor.name == place).map(|motor| motor.node);
+            node.or_else(spring).or_else(servo).or_else(motor)
         };
         let driven = model.inputs().filter_map(|input| node_at(&input.at));
         let pushed = model.effects.iter().filter_map(|used| match used.at {

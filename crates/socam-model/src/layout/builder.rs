@@ -33,7 +33,7 @@ pub(super) struct Builder {
     node: Vec<usize>,
 }
 
-/// A spring, gear or shaft between two nodes.
+/// A spring, gear, shaft or way into a differential between two nodes.
 struct Link<'m> {
     kind: ElementKind,
     name: &'m str,
@@ -66,13 +66,14 @@ impl Builder {
         self.joints.push(Joint { from: to, to: added });
     }
 
-    /// Adds the nodes, the links between them, and the servo.
+    /// Adds the nodes, the links between them, windings and the servo.
     pub(super) fn chain(&mut self, model: &Model) {
         let links = links(model);
         let start = first_node(model);
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
         let tree = Tree::grow(model.nodes.len(), &ends, start);
-        let margin = usize::from(model.servo.is_some());
+        let winds_start = model.motors.iter().any(|motor| motor.node == start);
+        let margin = usize::from(model.servo.is_some() || winds_start);
         let column = |node: usize| 2 * tree.depth[node] + margin;
 
         for (index, node) in model.nodes.iter().enumerate() {
@@ -92,15 +93,27 @@ impl Builder {
             self.joints.push(Joint { from: self.node[before], to: element });
             self.joints.push(Joint { from: element, to: self.node[after] });
         }
-        if let Some(servo) = &model.servo {
-            let node = self.node[servo.node];
-            if servo.node == start {
-                let element = self.add(ElementKind::Servo, &servo.name, 0, tree.lane[start], Level::Chain);
+        let servo = model.servo.iter().map(|servo| (ElementKind::Servo, &servo.name, servo.node));
+        let motors = model.motors.iter().map(|motor| (ElementKind::Winding, &motor.name, motor.node));
+        let mut beside_start = false;
+        for (kind, name, at) in servo.chain(motors) {
+            let node = self.node[at];
+            let (column, lane) = (self.placed[node].element.column, tree.lane[at]);
+            if at == start && !beside_start {
+                beside_start = true;
+                let element = self.add(kind, name, 0, lane, Level::Chain);
                 self.joints.push(Joint { from: element, to: node });
+            } else if kind == ElementKind::Winding && tree.is_leaf[at] && self.is_empty(column + 1, lane) {
+                let element = self.add(kind, name, column + 1, lane, Level::Chain);
+                self.joints.push(Joint { from: node, to: element });
             } else {
-                self.attach(ElementKind::Servo, &servo.name, node, false);
+                self.attach(kind, name, node, false);
             }
         }
+    }
+
+    fn is_empty(&self, column: usize, lane: usize) -> bool {
+        !self.placed.iter().any(|placed| placed.element.column == column && placed.lane == lane)
     }
 
     /// Adds bearings and springs to the ground.
@@ -187,17 +200,28 @@ fn links(model: &Model) -> Vec<Link<'_>> {
         name: &gear.name,
         ends: (gear.from, gear.to),
     });
+    let differentials = model.differentials.iter().flat_map(|differential| {
+        let ways = differential.from.into_iter().zip(differential.factors);
+        ways.map(|(from, factor)| Link {
+            kind: ElementKind::Differential { factor: model.parameters[factor].value },
+            name: &differential.name,
+            ends: (from, differential.to),
+        })
+    });
     let shafts = model.shafts.iter().map(|shaft| Link {
         kind: ElementKind::Shaft,
         name: &shaft.name,
         ends: shaft.nodes,
     });
-    springs.chain(gears).chain(shafts).collect()
+    springs.chain(gears).chain(differentials).chain(shafts).collect()
 }
 
-/// Where the drawing starts: at the servo, else at the first node that an input drives, else at the first node.
+/// Where the drawing starts: at the servo, else at the first node that an input drives, by itself or by a winding, else at the first node.
 fn first_node(model: &Model) -> usize {
-    let driven = |name: &str| model.nodes.iter().position(|node| node.name == name);
+    let driven = |name: &str| {
+        let winding = || model.motors.iter().find(|motor| motor.name == name).map(|motor| motor.node);
+        model.nodes.iter().position(|node| node.name == name).or_else(winding)
+    };
     match &model.servo {
         Some(servo) => servo.node,
         None => model.inputs().find_map(|channel| driven(&channel.at)).unwrap_or(0),
@@ -206,10 +230,11 @@ fn first_node(model: &Model) -> usize {
 
 fn node_kind(model: &Model, tree: &Tree, node: usize, start: usize) -> ElementKind {
     let driven = model.inputs().any(|channel| channel.at == model.nodes[node].name);
+    let wound = model.motors.iter().any(|motor| motor.node == node);
     let massive = model.nodes[node].inertia.is_some();
     let far_end = tree.lane[node] == tree.lane[start] && tree.is_leaf[node];
     match () {
-        () if node == start && driven && !far_end => ElementKind::Motor,
+        () if wound || (node == start && driven && !far_end) => ElementKind::Motor,
         () if massive && far_end && node != start => ElementKind::Load,
         () if massive => ElementKind::Inertia,
         () => ElementKind::Point,

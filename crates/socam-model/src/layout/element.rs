@@ -5,7 +5,7 @@ use crate::{Quantity, Role};
 /// Kind of an element of the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementKind {
-    /// The node at which the drawing starts, if an input drives it.
+    /// The node at which the drawing starts, if an input drives it, and any node with a winding.
     Motor,
     /// A node with inertia (mass).
     Inertia,
@@ -23,6 +23,11 @@ pub enum ElementKind {
         /// Speed of the `from` side divided by that of the `to` side, at the file's value.
         ratio: f64,
     },
+    /// One of the two ways into a rigid differential.
+    Differential {
+        /// Motion of the node behind it by a unit motion of the node before it, at the file's value.
+        factor: f64,
+    },
     /// A rigid shaft.
     Shaft,
     /// Drag between a node and the ground.
@@ -35,6 +40,8 @@ pub enum ElementKind {
         /// Whether it has a damper in parallel.
         damped: bool,
     },
+    /// The winding of a motor.
+    Winding,
     /// A drive in closed loop.
     Servo,
     /// A channel.
@@ -76,7 +83,7 @@ pub struct Joint {
 /// The layout of a model's drawing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layout {
-    /// All elements; no two have the same column and row.
+    /// All elements; no two have the same column and row. A differential has two elements of its name.
     pub elements: Vec<Element>,
     /// Joined pairs of elements.
     pub joints: Vec<Joint>,

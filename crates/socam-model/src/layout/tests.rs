@@ -98,7 +98,7 @@ fn a_long_chain_is_wrapped() {
 #[test]
 fn every_place_and_channel_has_one_element() {
     let builtin = crate::BUILTIN.iter().map(|(name, _)| Model::builtin(name).unwrap());
-    for model in builtin.chain([Model::parse(AALTO).unwrap(), Model::parse(BRANCHES).unwrap()]) {
+    for model in builtin.chain([AALTO, BRANCHES, WRIST].map(|text| Model::parse(text).unwrap())) {
         let layout = Layout::wrapped(&model, 5);
         let places = model
             .nodes
@@ -108,10 +108,12 @@ fn every_place_and_channel_has_one_element() {
             .chain(model.gears.iter().map(|gear| &gear.name))
             .chain(model.shafts.iter().map(|shaft| &shaft.name))
             .chain(model.bearings.iter().map(|bearing| &bearing.name))
+            .chain(model.differentials.iter().map(|differential| &differential.name))
+            .chain(model.motors.iter().map(|motor| &motor.name))
             .chain(model.servo.iter().map(|servo| &servo.name));
         let names: HashSet<_> = places.chain(model.channels.iter().map(|channel| &channel.name)).collect();
         let drawn: Vec<_> = layout.elements.iter().map(|element| &element.name).collect();
-        assert_eq!(drawn.len(), names.len(), "{}", model.name);
+        assert_eq!(drawn.len(), names.len() + model.differentials.len(), "{}", model.name);
         assert_eq!(drawn.into_iter().collect::<HashSet<_>>(), names, "{}", model.name);
         text(&layout);
     }
@@ -132,6 +134,26 @@ fn branches_and_loops_get_their_own_lanes() {
         ]
     );
 }
+
+#[test]
+fn each_way_into_a_differential_and_each_winding_is_drawn() {
+    let layout = Layout::of(&Model::parse(WRIST).unwrap());
+    assert_eq!(
+        text(&layout),
+        [
+            ["left_amperes", "", "", "", "", "", "right_amperes"],
+            ["left_volts", "left_speed", "", "", "", "", "right_volts"],
+            ["left_winding", "left", "roll_mix", "roll", "roll_mix", "right", "right_winding"],
+            ["", "left_bearing", "", "", "", "", ""],
+            ["", "", "", "pitch_speed", "", "", ""],
+            ["", "", "pitch_mix", "pitch", "", "", ""],
+            ["", "", "", "", "pitch_mix", "", ""],
+        ]
+    );
+}
+
+/// Two windings, two differentials.
+const WRIST: &str = include_str!("../../tests/wrist.toml");
 
 /// A branch at the hub, two shafts side by side, and a spring to the ground.
 const BRANCHES: &str = include_str!("../../tests/branches.toml");

@@ -60,6 +60,37 @@ pub struct Bearing {
     pub damping: Option<usize>,
 }
 
+/// The winding of a motor that a voltage drives: torque = torque_constant current, and voltage = resistance current + inductance
+/// d(current)/dt + back_emf speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motor {
+    /// Place name.
+    pub name: String,
+    /// Node of the rotor.
+    pub node: usize,
+    /// Resistance parameter, ohm.
+    pub resistance: usize,
+    /// Torque constant parameter, N m/A (N/A).
+    pub torque_constant: usize,
+    /// Back-EMF parameter, V s/rad (V s/m); that of the torque constant where the file gives none, because in SI both are one number.
+    pub back_emf: usize,
+    /// Inductance parameter, H; `None` where the current follows the voltage at once.
+    pub inductance: Option<usize>,
+}
+
+/// A rigid differential: motion of `to` = first factor x motion of the first node + second factor x motion of the second.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Differential {
+    /// Place name.
+    pub name: String,
+    /// The two nodes whose motions add.
+    pub from: [usize; 2],
+    /// The node that they move.
+    pub to: usize,
+    /// Parameter of each node's factor.
+    pub factors: [usize; 2],
+}
+
 /// Cascaded position and velocity control of a node by a linear drive:
 /// force = drive_gain velocity_gain (position_gain (reference - position) - speed).
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +105,8 @@ pub struct Servo {
     pub velocity_gain: usize,
     /// Parameter: drive gain, N m/V (N/V).
     pub drive_gain: usize,
+    /// Parameter: largest torque, N m (N); `None` where it has no limit.
+    pub limit: Option<usize>,
 }
 
 /// An effect of the catalogue at a place of the model.
@@ -107,4 +140,6 @@ pub enum Site {
     },
     /// A channel.
     Channel(usize),
+    /// The servo.
+    Servo,
 }

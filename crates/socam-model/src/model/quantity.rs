@@ -23,6 +23,10 @@ pub enum Quantity {
     Torque,
     /// Position reference of a servo.
     Reference,
+    /// Voltage at the winding of a motor: an input.
+    Voltage,
+    /// Current through the winding of a motor: an output.
+    Current,
     /// Time since the start of the recording, s: an input of laws only.
     #[serde(skip)]
     Time,

@@ -1,8 +1,8 @@
 //! Inertia, damping and stiffness matrices of a network's groups.
 
-use super::groups::tie_nodes;
+use super::groups::{mix_groups, tie_nodes};
 use crate::{
-    Channel, EffectUse, Model, ModelError, Quantity, Role, Site, Spring,
+    Channel, EffectUse, Model, ModelError, Motor, Quantity, Role, Site, Spring,
     effects::Form,
     jet::{Jet, Scalar},
 };
@@ -10,6 +10,8 @@ use crate::{
 /// How a coordinate moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Class {
+    /// A differential moves it; it has no coordinate of its own.
+    Mixed,
     Prescribed,
     Massive,
     Damped,
@@ -35,6 +37,8 @@ pub(super) struct Assembly<'m> {
     pub(super) group: Vec<usize>,
     /// Motion of each node divided by the motion of its group.
     pub(super) lever: Vec<Scalar>,
+    /// Motion of each group as a row over the groups with a coordinate, see [`mix_groups`].
+    mixed: Vec<Jet>,
     pub(super) inertia: Jet,
     pub(super) damping: Jet,
     pub(super) stiffness: Jet,
@@ -47,6 +51,7 @@ pub(super) struct Assembly<'m> {
 impl<'m> Assembly<'m> {
     pub(super) fn new(model: &'m Model, values: &'m [f64], wrt: &'m [usize]) -> Result<Self, ModelError> {
         let (group, lever, groups) = tie_nodes(model, values, wrt)?;
+        let mixed = mix_groups(model, values, wrt, (&group, &lever, groups))?;
         let empty = Jet::zeros(groups, groups, wrt.len());
         let mut assembly = Self {
             model,
@@ -54,6 +59,7 @@ impl<'m> Assembly<'m> {
             wrt,
             group,
             lever,
+            mixed,
             inertia: empty.clone(),
             damping: empty.clone(),
             stiffness: empty,
@@ -73,9 +79,17 @@ impl<'m> Assembly<'m> {
 
     /// Row that gives the motion of a node from the motions of the groups (1 x groups).
     pub(super) fn node_row(&self, node: usize) -> Jet {
-        let mut row = Jet::zeros(1, self.class.len(), self.wrt.len());
-        row.add_at(0, self.group[node], &self.lever[node]);
-        row
+        self.mixed[self.group[node]].scaled(&self.lever[node])
+    }
+
+    /// Whether the coordinate of a group moves a node.
+    pub(super) fn moves(&self, group: usize, node: usize) -> bool {
+        self.mixed[self.group[node]].value[(0, group)] != 0.0
+    }
+
+    /// Whether a group has a coordinate.
+    pub(super) fn is_free(&self, group: usize) -> bool {
+        self.mixed[group].value[(0, group)] != 0.0
     }
 
     /// Row that gives the twist between two nodes (`None`: the ground).
@@ -111,10 +125,19 @@ impl<'m> Assembly<'m> {
                 self.damping.add_block(0, 0, &term);
             }
         }
+        for motor in model.motors.iter().filter(|motor| motor.inductance.is_none()) {
+            let damping = self.torque_per_volt(motor).times(&self.scalar(motor.back_emf));
+            self.damping.add_block(0, 0, &quadratic(&self.node_row(motor.node), damping));
+        }
         if let Some((row, proportional, derivative)) = self.servo_terms() {
             self.stiffness.add_block(0, 0, &quadratic(&row, proportional));
             self.damping.add_block(0, 0, &quadratic(&row, derivative));
         }
+    }
+
+    /// Torque of a motor that stands still per volt, without inductance.
+    pub(super) fn torque_per_volt(&self, motor: &Motor) -> Scalar {
+        self.scalar(motor.torque_constant).over(&self.scalar(motor.resistance))
     }
 
     /// A servo acts as a spring and a damper between its node and its reference: row of the node, stiffness (N m/rad), damping (N m s/rad).
@@ -127,7 +150,11 @@ impl<'m> Assembly<'m> {
 
     pub(super) fn node_named(&self, place: &str, channel: &str) -> Result<usize, ModelError> {
         self.model.nodes.iter().position(|node| node.name == place).ok_or_else(|| {
-            ModelError::Network(format!("channel {channel} needs a node, and {place} is none"))
+            let nodes: Vec<&str> = self.model.nodes.iter().map(|node| node.name.as_str()).collect();
+            ModelError::Network(format!(
+                "channel {channel} needs a node, and {place} is none; write at = one of {}",
+                nodes.join(", ")
+            ))
         })
     }
 
@@ -135,7 +162,7 @@ impl<'m> Assembly<'m> {
     pub(super) fn spring_of(&self, used: &EffectUse) -> Option<&'m Spring> {
         match used.at {
             Site::Spring(spring) | Site::Gear { contact: spring, .. } => self.model.springs.get(spring),
-            Site::Node(_) | Site::Channel(_) => None,
+            Site::Node(_) | Site::Channel(_) | Site::Servo => None,
         }
     }
 

@@ -20,9 +20,15 @@ impl Assembly<'_> {
             }
             let node = self.node_named(&channel.at, &channel.name)?;
             let class = &mut self.class[self.group[node]];
+            if *class == Class::Mixed {
+                return Err(ModelError::Network(format!(
+                    "channel {} prescribes the speed of {}, which a differential moves; prescribe the speeds of the nodes that move it",
+                    channel.name, channel.at
+                )));
+            }
             if *class == Class::Prescribed {
                 return Err(ModelError::Network(format!(
-                    "channel {} prescribes a speed that another input prescribes already",
+                    "channel {} prescribes a speed that another input prescribes already; make one of them an output",
                     channel.name
                 )));
             }
@@ -35,7 +41,10 @@ impl Assembly<'_> {
     /// that an estimator moves to zero must not change the states.
     fn structural_class(&self, group: usize) -> Class {
         let model = self.model;
-        let members = || (0..model.nodes.len()).filter(|node| self.group[*node] == group);
+        if !self.is_free(group) {
+            return Class::Mixed;
+        }
+        let members = || (0..model.nodes.len()).filter(|node| self.moves(group, *node));
         let adds_inertia = |node: usize| {
             let mut effects = model.effects.iter();
             effects.any(|used| matches!(used.effect.form, Form::Inertia) && used.at == Site::Node(node))
@@ -43,6 +52,7 @@ impl Assembly<'_> {
         let is_damped = |node: usize| {
             model.springs.iter().any(|s| (s.from == node || s.to == Some(node)) && s.damping.is_some())
                 || model.bearings.iter().any(|b| b.node == node && b.damping.is_some())
+                || model.motors.iter().any(|motor| motor.node == node && motor.inductance.is_none())
                 || model.servo.as_ref().is_some_and(|servo| servo.node == node)
         };
         if members().any(|node| model.nodes[node].inertia.is_some() || adds_inertia(node)) {
@@ -64,16 +74,25 @@ impl Assembly<'_> {
             {
                 Ok(())
             }
-            Quantity::Reference => {
-                fail(format!("channel {} is a reference, so it must be at the servo", channel.name))
-            }
+            Quantity::Reference => fail(format!(
+                "channel {} is a reference, so it must be at the servo; write at = the name of a [servo]",
+                channel.name
+            )),
+            Quantity::Voltage if self.model.motors.iter().any(|motor| motor.name == channel.at) => Ok(()),
+            Quantity::Voltage => fail(format!(
+                "channel {} is a voltage, so it must be at one of the [[motors]], and {} is none; write a [[motors]] table with at = \"{}\", and its name here",
+                channel.name, channel.at, channel.at
+            )),
             Quantity::Angle if self.twisted_spring(channel).is_some() => Ok(()),
             Quantity::Angle => fail(format!(
-                "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none (the motion of \
-                 a node is given as its speed)",
+                "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none; the motion of a node is given as quantity = \"speed\", of an encoder's column with take = \"rate\"",
                 channel.name, channel.at
             )),
             Quantity::Time | Quantity::Turned | Quantity::Change => Ok(()),
+            Quantity::Current => fail(format!(
+                "channel {} is a current, which is an output of a motor; where it drives the model, write quantity = \"torque\", at = a node and scale = the torque constant",
+                channel.name
+            )),
             Quantity::Acceleration => fail(format!(
                 "channel {} cannot drive the model: give a speed or a torque as input",
                 channel.name

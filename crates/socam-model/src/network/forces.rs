@@ -16,10 +16,10 @@ impl MotionMaps<'_, '_> {
             match channel.quantity {
                 Quantity::Torque => {
                     if let Some(node) = self.a.model.nodes.iter().position(|node| node.name == channel.at) {
-                        let torque = self.gain(channel).times(&self.a.lever[node]);
+                        let torque = self.a.node_row(node).transpose().scaled(&self.gain(channel));
                         for (column, sign) in self.driving(index, channel) {
-                            let signed = torque.times(&Scalar::constant(sign, self.a.wrt.len()));
-                            force.add_at(self.a.group[node], column, &signed);
+                            let sign = Scalar::constant(sign, self.a.wrt.len());
+                            force.add_block(0, column, &torque.scaled(&sign));
                         }
                     }
                 }
@@ -37,6 +37,8 @@ impl MotionMaps<'_, '_> {
                         force.add_block(0, column, &twist.transpose().scaled(&torque));
                     }
                 }
+                // Their currents are the torques, see below.
+                Quantity::Voltage | Quantity::Current => {}
                 Quantity::Speed
                 | Quantity::Acceleration
                 | Quantity::Time
@@ -44,15 +46,17 @@ impl MotionMaps<'_, '_> {
                 | Quantity::Change => {}
             }
         }
+        force = force.plus(&self.winding_force());
         for (index, used) in self.a.model.effects.iter().enumerate() {
             let on_node = match used.at {
                 Site::Node(node) => Some((node, Acts::Torque)),
                 Site::Gear { slow, .. } => Some((slow, Acts::Drag)),
+                Site::Servo => self.a.model.servo.as_ref().map(|servo| (servo.node, Acts::Torque)),
                 Site::Spring(_) | Site::Channel(_) => None,
             };
             if let Some((node, acts)) = on_node {
                 for column in self.acting(index, acts) {
-                    force.add_at(self.a.group[node], column, &self.a.lever[node]);
+                    force.add_block(0, column, &self.a.node_row(node).transpose());
                 }
             }
             if let Some(spring) = self.a.spring_of(used) {
@@ -62,6 +66,21 @@ impl MotionMaps<'_, '_> {
                     force.add_block(0, column, &twist.scaled(&minus));
                 }
             }
+        }
+        force
+    }
+
+    /// Torque on each group from the currents of motors. The part of a current that the speed makes is a damping of the assembly, unless the
+    /// current is a state.
+    fn winding_force(&self) -> Jet {
+        let mut force = Jet::zeros(self.a.class.len(), self.angle.value.ncols(), self.a.wrt.len());
+        for (index, motor) in self.a.model.motors.iter().enumerate() {
+            let current = match self.currents[index] {
+                Some(_) => self.current(index, motor),
+                None => self.volts(motor).scaled(&self.one().over(&self.a.scalar(motor.resistance))),
+            };
+            let torque = current.scaled(&self.a.scalar(motor.torque_constant));
+            force = force.plus(&self.a.node_row(motor.node).transpose().times(&torque));
         }
         force
     }

@@ -14,7 +14,7 @@ impl MotionMaps<'_, '_> {
         let node = match used.at {
             Site::Node(node) => Some(node),
             Site::Gear { fast, slow, .. } => Some(if *law_input == LawInput::Angle { fast } else { slow }),
-            Site::Spring(_) => None,
+            Site::Spring(_) | Site::Servo => None,
             Site::Channel(channel) => self.a.shaft_of(&self.a.model.channels[channel]),
         };
         let spring = self.a.spring_of(used);
@@ -31,6 +31,7 @@ impl MotionMaps<'_, '_> {
                 ends.flatten().try_for_each(|node| self.require_speed(node, used.effect.id))?;
                 twist.times(&self.velocity)
             }
+            (LawInput::Torque, ..) if used.at == Site::Servo => self.servo_command(),
             (LawInput::Torque, ..) => {
                 spring.map_or_else(|| self.nothing(), |spring| self.spring_torque(spring))
             }
@@ -72,7 +73,9 @@ impl MotionMaps<'_, '_> {
     /// Angle through which a node has turned: that of the shaft whose turned angle is an input, plus the twist of the springs between.
     fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
         let angle = |node: usize| self.a.node_row(node).times(&self.angle);
-        let Some(clock) = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned) else {
+        let clock = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned);
+        // With a differential, angles are absolute: the turned angle of one shaft does not give that of another.
+        let Some(clock) = clock.filter(|_| self.a.model.differentials.is_empty()) else {
             return Ok(angle(node));
         };
         let from = self.a.node_named(&clock.at, &clock.name)?;

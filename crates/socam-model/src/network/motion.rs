@@ -19,6 +19,8 @@ pub(super) struct MotionMaps<'a, 'm> {
     pub(super) angles: Vec<usize>,
     /// First column and number of the states of each effect.
     pub(super) owned: Vec<(usize, usize)>,
+    /// Column of the current of each motor, where its inductance makes it a state.
+    pub(super) currents: Vec<Option<usize>>,
     pub(super) inputs: usize,
     pub(super) ports: Vec<Port>,
     /// Effect that each port belongs to.
@@ -53,6 +55,12 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
                 own
             })
             .collect();
+        let currents = a.model.motors.iter().map(|motor| {
+            motor.inductance?;
+            next += 1;
+            Some(next - 1)
+        });
+        let currents: Vec<Option<usize>> = currents.collect();
         let (ports, port_owner): (Vec<Port>, Vec<usize>) =
             a.model.effects.iter().enumerate().flat_map(|(index, used)| ports_of(index, used)).unzip();
         let columns = next + inputs + ports.len();
@@ -62,6 +70,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
             massive,
             angles,
             owned,
+            currents,
             inputs,
             ports,
             port_owner,
@@ -75,7 +84,8 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
     }
 
     pub(super) fn first_input(&self) -> usize {
-        self.angles.len() + self.massive.len() + self.owned.iter().map(|(_, count)| count).sum::<usize>()
+        let owned: usize = self.owned.iter().map(|(_, count)| count).sum();
+        self.angles.len() + self.massive.len() + owned + self.currents.iter().flatten().count()
     }
 
     fn first_port(&self) -> usize {
@@ -145,6 +155,7 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         for (row, group) in damped.iter().enumerate() {
             self.velocity.add_block(*group, 0, &speeds.row(row));
         }
+        self.refuse_prescribed_inertia(prescribed)?;
         let balance =
             force.minus(&restoring).minus(&self.a.damping.times(&self.velocity)).select(&self.massive, &all);
         let Some(accelerations) = self.a.inertia.select(&self.massive, &self.massive).solve(&balance) else {
@@ -154,6 +165,19 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
             self.acceleration.add_block(*group, 0, &accelerations.row(row));
         }
         Ok(())
+    }
+
+    /// Refuses an inertia that a prescribed and a free group move together, by a differential: its torque depends on the acceleration of
+    /// the input, which no input gives.
+    fn refuse_prescribed_inertia(&self, prescribed: &[usize]) -> Result<(), ModelError> {
+        if self.a.inertia.select(&self.massive, prescribed).value.iter().all(|shared| *shared == 0.0) {
+            return Ok(());
+        }
+        let names = self.a.model.differentials.iter().map(|differential| differential.name.as_str());
+        Err(ModelError::Network(format!(
+            "{} couples the inertia of a node whose speed is an input to one that moves freely; give the torques of both as inputs, the speeds of both, or a spring behind the differential",
+            names.collect::<Vec<_>>().join(", ")
+        )))
     }
 
     fn undetermined(&self, groups: &[usize], advice: &str) -> String {

@@ -2,7 +2,7 @@
 
 use super::{assembly::Class, motion::MotionMaps};
 use crate::{
-    Channel, ModelError, Quantity, Role, Spring,
+    Channel, ModelError, Quantity, Role, Site, Spring,
     effects::{Acts, Form, sensor_delay},
     jet::{Jet, Scalar},
 };
@@ -10,7 +10,7 @@ use crate::{
 impl MotionMaps<'_, '_> {
     /// Refuses the speed of a static group: it depends on derivatives of the inputs.
     pub(super) fn require_speed(&self, node: usize, who: &str) -> Result<(), ModelError> {
-        if self.statics.contains(&self.a.group[node]) {
+        if self.statics.iter().any(|group| self.a.moves(*group, node)) {
             let place = &self.a.model.nodes[node].name;
             return Err(ModelError::Network(format!(
                 "{who} needs the speed of {place}, which has neither inertia nor damper; give it one"
@@ -24,6 +24,9 @@ impl MotionMaps<'_, '_> {
         if channel.quantity == Quantity::Torque {
             return self.torque_row(channel);
         }
+        if channel.quantity == Quantity::Current {
+            return self.current_row(channel);
+        }
         let node = self.a.node_named(&channel.at, &channel.name)?;
         let row = self.a.node_row(node);
         match channel.quantity {
@@ -32,20 +35,45 @@ impl MotionMaps<'_, '_> {
                 Ok(row.times(&self.velocity))
             }
             Quantity::Angle => Ok(row.times(&self.angle)),
-            Quantity::Acceleration if self.a.class[self.a.group[node]] == Class::Massive => {
-                Ok(row.times(&self.acceleration))
-            }
+            Quantity::Acceleration if self.is_massive(node) => Ok(row.times(&self.acceleration)),
             Quantity::Acceleration => Err(ModelError::Network(format!(
                 "channel {} measures an acceleration, so {} must have an inertia",
                 channel.name, model.nodes[node].name
             ))),
-            Quantity::Torque | Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change => {
-                Err(ModelError::Network(format!(
-                    "channel {} is a reference; that can only be an input",
-                    channel.name
-                )))
-            }
+            Quantity::Voltage => Err(ModelError::Network(format!(
+                "channel {} is a voltage, which drives a motor; write role = \"input\", or measure the current",
+                channel.name
+            ))),
+            Quantity::Torque
+            | Quantity::Current
+            | Quantity::Reference
+            | Quantity::Time
+            | Quantity::Turned
+            | Quantity::Change => Err(ModelError::Network(format!(
+                "channel {} is a reference; that can only be an input",
+                channel.name
+            ))),
         }
+    }
+
+    /// Whether each coordinate that moves a node has an inertia.
+    fn is_massive(&self, node: usize) -> bool {
+        let class = &self.a.class;
+        (0..class.len()).all(|group| class[group] == Class::Massive || !self.a.moves(group, node))
+    }
+
+    fn current_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
+        let found = self.a.model.motors.iter().enumerate().find(|(_, motor)| motor.name == channel.at);
+        let Some((index, motor)) = found else {
+            return Err(ModelError::Network(format!(
+                "channel {} is a current, so it must be at one of the [[motors]], and {} is none",
+                channel.name, channel.at
+            )));
+        };
+        if self.currents[index].is_none() {
+            self.require_speed(motor.node, &channel.name)?;
+        }
+        Ok(self.current(index, motor))
     }
 
     /// Torque through a spring.
@@ -71,27 +99,43 @@ impl MotionMaps<'_, '_> {
         torque
     }
 
+    /// Torque that a servo asks for, before its limit.
+    pub(super) fn servo_command(&self) -> Jet {
+        let mut torque = self.nothing();
+        let Some((row, proportional, derivative)) = self.a.servo_terms() else { return torque };
+        torque = torque
+            .minus(&row.times(&self.angle).scaled(&proportional))
+            .minus(&row.times(&self.velocity).scaled(&derivative));
+        for (index, input) in self.a.model.inputs().enumerate() {
+            if input.quantity == Quantity::Reference {
+                let proportional = proportional.times(&self.gain(input));
+                torque.add_at(0, self.first_input() + index, &proportional);
+            }
+        }
+        torque
+    }
+
     fn torque_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if let Some(spring) = model.springs.iter().find(|spring| spring.name == channel.at) {
             return Ok(self.spring_torque(spring));
         }
-        match (&model.servo, self.a.servo_terms()) {
-            (Some(servo), Some((row, proportional, derivative))) if servo.name == channel.at => {
-                let mut torque = Jet::zeros(1, self.angle.value.ncols(), self.a.wrt.len())
-                    .minus(&row.times(&self.angle).scaled(&proportional))
-                    .minus(&row.times(&self.velocity).scaled(&derivative));
-                for (index, input) in model.inputs().enumerate() {
-                    if input.quantity == Quantity::Reference {
-                        let proportional = proportional.times(&self.gain(input));
-                        torque.add_at(0, self.first_input() + index, &proportional);
+        match &model.servo {
+            Some(servo) if servo.name == channel.at => {
+                let mut torque = self.servo_command();
+                for (index, _) in model.effects.iter().enumerate().filter(|(_, used)| used.at == Site::Servo)
+                {
+                    for column in self.acting(index, Acts::Torque) {
+                        torque.add_at(0, column, &self.one());
                     }
                 }
                 Ok(torque)
             }
             _ => Err(ModelError::Network(format!(
-                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known",
-                channel.name, channel.at,
+                "channel {} measures a torque at {}, which is neither a spring nor a servo; a rigid part's torque is not known, so write at = one of {}",
+                channel.name,
+                channel.at,
+                model.springs.iter().map(|spring| spring.name.as_str()).collect::<Vec<_>>().join(", "),
             ))),
         }
     }

@@ -30,6 +30,10 @@ impl Assembly<'_> {
     /// Motion of each group divided by that of `root` while no spring twists. `None` if springs form a loop that prevents it, or if a group is
     /// not connected to `root`.
     pub(super) fn rigid_mode(&self, root: usize) -> Option<Vec<Scalar>> {
+        // With a differential, the motion of one group does not determine that of all others.
+        if !self.model.differentials.is_empty() {
+            return None;
+        }
         let mut mode: Vec<Option<Scalar>> = vec![None; self.class.len()];
         mode[root] = Some(Scalar::constant(1.0, self.wrt.len()));
         for _ in 0..self.class.len() {

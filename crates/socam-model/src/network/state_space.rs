@@ -22,6 +22,11 @@ impl MotionMaps<'_, '_> {
                 rates.add_at(*first, column, &self.one());
             }
         }
+        for (index, motor) in model.motors.iter().enumerate() {
+            if let Some((column, rate)) = self.current_rate(index, motor) {
+                rates.add_block(column, 0, &rate);
+            }
+        }
         let outputs: Vec<_> = model.channels.iter().filter(|channel| channel.role == Role::Output).collect();
         let mut observed = Jet::zeros(outputs.len(), all.len(), count);
         for (row, channel) in outputs.iter().enumerate() {
@@ -69,6 +74,8 @@ impl MotionMaps<'_, '_> {
         let owned = self.a.model.effects.iter().flat_map(|used| {
             (0..states_of(used)).map(|index| format!("state {index} of {} at {}", used.effect.id, used.place))
         });
-        angles.chain(speeds).chain(owned).collect()
+        let motors = self.a.model.motors.iter().filter(|motor| motor.inductance.is_some());
+        let currents = motors.map(|motor| format!("current of {}", motor.name));
+        angles.chain(speeds).chain(owned).chain(currents).collect()
     }
 }

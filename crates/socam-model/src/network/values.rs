@@ -21,8 +21,9 @@ impl Model {
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             return fail(index, "finite");
         }
-        let positive =
-            self.nodes.iter().filter_map(|node| node.inertia).chain(self.springs.iter().map(|s| s.stiffness));
+        let windings = self.motors.iter().flat_map(|motor| [Some(motor.resistance), motor.inductance]);
+        let positive = self.nodes.iter().filter_map(|node| node.inertia);
+        let positive = positive.chain(self.springs.iter().map(|s| s.stiffness)).chain(windings.flatten());
         for index in positive {
             if values[index] <= 0.0 {
                 return fail(index, "positive");

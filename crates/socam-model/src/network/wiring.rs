@@ -37,13 +37,18 @@ impl Model {
             self.springs.iter().flat_map(|spring| [Some(spring.stiffness), spring.damping]).flatten();
         let gears = self.gears.iter().map(|gear| gear.ratio);
         let bearings = self.bearings.iter().filter_map(|bearing| bearing.damping);
+        let mixed = self.differentials.iter().flat_map(|differential| differential.factors);
+        let windings = self.motors.iter().flat_map(|motor| {
+            let always = [motor.resistance, motor.torque_constant, motor.back_emf];
+            always.into_iter().chain(motor.inductance)
+        });
         let servo =
             self.servo.iter().flat_map(|servo| [servo.position_gain, servo.velocity_gain, servo.drive_gain]);
         let effects = self.effects.iter().flat_map(|used| used.parameters.iter().copied());
         let channels = self.channels.iter().filter_map(|channel| channel.gain);
         let mut used = vec![false; self.parameters.len()];
-        let all =
-            nodes.chain(springs).chain(gears).chain(bearings).chain(servo).chain(effects).chain(channels);
+        let all = nodes.chain(springs).chain(gears).chain(mixed).chain(bearings).chain(windings);
+        let all = all.chain(servo).chain(effects).chain(channels);
         all.for_each(|index| used[index] = true);
         let unused = self.parameters.iter().zip(used).filter(|(_, used)| !used);
         let sentence = |name: &str| {
@@ -89,7 +94,9 @@ impl Assembly<'_> {
         let servo = model.servo.as_ref().is_some_and(|servo| servo.node == node);
         let driven = model.inputs().any(|input| input.at == *name && !input.quantity.is_clock());
         let effect = model.effects.iter().any(|used| used.place == *name);
-        bearing || servo || driven || effect
+        let motor = model.motors.iter().any(|motor| motor.node == node);
+        let mixed = model.differentials.iter().any(|d| d.to == node || d.from.contains(&node));
+        bearing || servo || driven || effect || motor || mixed
     }
 
     /// Springs that carry no torque, because the nodes behind them have no inertia and no load. A bearing without damping or effect is no
@@ -130,7 +137,10 @@ impl Assembly<'_> {
     /// Springs that close a loop whose two paths have different ratios, which prevents motion.
     fn locked_loops(&self) -> Vec<String> {
         let model = self.model;
-        if model.motion != Motion::Rotation || model.springs.iter().any(|spring| spring.to.is_none()) {
+        if !model.differentials.is_empty()
+            || model.motion != Motion::Rotation
+            || model.springs.iter().any(|spring| spring.to.is_none())
+        {
             return Vec::new();
         }
         // Motion of each group for a unit motion of the first group of its part. Each spring either extends the part or closes a loop.
@@ -198,6 +208,7 @@ impl Assembly<'_> {
                 )),
                 (Role::Input, Quantity::Speed | Quantity::Angle | Quantity::Acceleration)
                 | (Role::Output, Quantity::Torque)
+                | (_, Quantity::Voltage | Quantity::Current)
                 | (_, Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change) => {}
             }
         }

@@ -6,7 +6,7 @@ use socam_model::layout::ElementKind;
 /// Half the width of a symbol, points.
 pub(super) fn half_width(kind: ElementKind) -> f32 {
     match kind {
-        ElementKind::Motor | ElementKind::Servo => 20.0,
+        ElementKind::Motor | ElementKind::Servo | ElementKind::Winding => 20.0,
         ElementKind::Inertia => 8.0,
         ElementKind::Load => 11.0,
         ElementKind::Point => 3.0,
@@ -19,7 +19,7 @@ pub(super) fn half_width(kind: ElementKind) -> f32 {
 /// Height of a symbol below its centre, points.
 pub(super) fn reach(kind: ElementKind) -> f32 {
     match kind {
-        ElementKind::Motor | ElementKind::Servo => 17.0,
+        ElementKind::Motor | ElementKind::Servo | ElementKind::Winding => 17.0,
         ElementKind::Inertia => 20.0,
         ElementKind::Load => 25.0,
         ElementKind::Point => 3.0,
@@ -45,6 +45,16 @@ pub(super) fn draw(painter: &Painter, kind: ElementKind, at: Pos2, ink: Stroke, 
         ElementKind::Servo => {
             block(17.0, 12.0, ground);
             line(&[(-10.0, 5.0), (-3.0, 5.0), (3.0, -5.0), (10.0, -5.0)]);
+        }
+        ElementKind::Winding => {
+            block(17.0, 12.0, ground);
+            let waves = (0..=24).map(|step| (-12.0 + step as f32, -5.0 * (step as f32 * 0.785).sin().abs()));
+            line(&waves.collect::<Vec<_>>());
+        }
+        ElementKind::Differential { .. } => {
+            painter.circle(at, 12.0, ground, ink);
+            line(&[(-6.0, 0.0), (6.0, 0.0)]);
+            line(&[(0.0, -6.0), (0.0, 6.0)]);
         }
         ElementKind::Inertia => block(8.0, 20.0, fill),
         ElementKind::Load => block(11.0, 25.0, fill),

@@ -14,7 +14,8 @@ pub(super) fn half_width(kind: ElementKind) -> f64 {
         ElementKind::Point => 2.5,
         ElementKind::Spring { .. } | ElementKind::Shaft => 30.0,
         ElementKind::Gear { .. } => 27.0,
-        ElementKind::Servo => 26.0,
+        ElementKind::Differential { .. } => 19.0,
+        ElementKind::Servo | ElementKind::Winding => 26.0,
         ElementKind::Bearing { .. } | ElementKind::GroundSpring { .. } | ElementKind::Sensor { .. } => 0.0,
     }
 }
@@ -26,9 +27,10 @@ pub(super) fn reach(kind: ElementKind) -> f64 {
         ElementKind::Load => 27.0,
         ElementKind::Inertia => 22.0,
         ElementKind::Point => 11.0,
-        ElementKind::Spring { damped: true } | ElementKind::Servo => 18.0,
+        ElementKind::Spring { damped: true } | ElementKind::Servo | ElementKind::Winding => 18.0,
         ElementKind::Spring { damped: false } => 9.0,
         ElementKind::Gear { .. } => 29.0,
+        ElementKind::Differential { .. } => 19.0,
         _ => 7.0,
     }
 }
@@ -61,6 +63,14 @@ pub(super) fn chain(kind: ElementKind) -> Markup {
                 text class="name" y="29" text-anchor="middle" { (words::minus(&format!("{ratio}"))) " : 1" }
             }
             ElementKind::Shaft => { path class="shape" d="M-30-3.5h60v7h-60z" {} }
+            ElementKind::Differential { factor } => {
+                circle class="body" r="19" {}
+                text class="name" y="4" text-anchor="middle" { "\u{d7}" (words::minus(&format!("{}", (1e4 * factor).round() / 1e4))) }
+            }
+            ElementKind::Winding => {
+                rect class="body" x="-26" y="-18" width="52" height="36" rx="6" {}
+                path class="shape" d="M-21 0a5.25 5.25 0 0 1 10.5 0a5.25 5.25 0 0 1 10.5 0a5.25 5.25 0 0 1 10.5 0a5.25 5.25 0 0 1 10.5 0" {}
+            }
             ElementKind::Servo => {
                 rect class="body" x="-26" y="-18" width="52" height="36" rx="6" {}
                 text class="name" y="4" text-anchor="middle" { "servo" }
@@ -101,6 +111,8 @@ pub(super) fn measures(quantity: Quantity, role: Role, motion: Motion) -> String
         Quantity::Torque if rotates => "torque",
         Quantity::Torque => "force",
         Quantity::Reference => "reference",
+        Quantity::Voltage => "voltage",
+        Quantity::Current => "current",
         Quantity::Time => "time",
         Quantity::Turned => "angle turned",
         Quantity::Change => "rate of change",

@@ -7,7 +7,7 @@ use crate::{Evidence, report::drawing};
 
 #[test]
 fn every_builtin_model_is_drawn() {
-    for (name, text) in socam_model::BUILTIN.iter().chain(&[("branches", BRANCHES)]) {
+    for (name, text) in socam_model::BUILTIN.iter().chain(&[("branches", BRANCHES), ("wrist", WRIST)]) {
         let model = Model::parse(text).unwrap();
         let mut diagnosis = sample::diagnosis();
         // Both a bearing and a channel, so that marks meet.
@@ -30,6 +30,7 @@ fn labels_of_the_drawing_never_overlap() {
             .replace("\"sensor_upper_out\"", &format!("\"{long}\""))
             .replace("\"load_bearing\"", "\"load_bearing_of_the_brake\""),
         BRANCHES.to_owned(),
+        WRIST.to_owned(),
     ]);
     for text in models {
         let model = Model::parse(&text).unwrap();
@@ -55,6 +56,9 @@ fn text_box(node: &roxmltree::Node<'_, '_>) -> Option<(String, [f64; 4])> {
     let (x, y, half) = (number("x")?, number("y")?, 0.5 * 6.8 * text.chars().count() as f64);
     Some((text.to_owned(), [x - half, y - 9.0, x + half, y + 2.5]))
 }
+
+/// Two windings and two differentials.
+const WRIST: &str = include_str!("../../../../socam-model/tests/wrist.toml");
 
 /// A branch at the hub, two shafts side by side, and a spring to the ground.
 const BRANCHES: &str = include_str!("../../../../socam-model/tests/branches.toml");
