@@ -1,6 +1,6 @@
 //! A model as a functional mock-up unit (FMI 3.0, co-simulation).
 //!
-//! [`write_fmu`] packs a model file, its `modelDescription.xml` and this crate's shared library into one `.fmu`. The library reads the model
+//! [`unit_bytes`] packs a model file, its `modelDescription.xml` and this crate's shared library into one `.fmu`. The library reads the model
 //! from the unit's resources, so that one library serves every model. [`Unit`] is an instance without C.
 //!
 //! # Numerics
@@ -15,5 +15,5 @@ mod pack;
 mod unit;
 
 pub use description::description;
-pub use pack::{FmuError, LIBRARY, library_beside, write_fmu};
+pub use pack::{FmuError, LIBRARY, library_beside, unit_bytes};
 pub use unit::{Causality, Unit, Variable};

@@ -1,8 +1,8 @@
 //! The archive: description, model file, shared library.
 
 use std::{
-    fs::{self, File},
-    io::{self, Write},
+    fs,
+    io::{self, Cursor, Write},
     path::{Path, PathBuf},
 };
 
@@ -28,25 +28,28 @@ pub enum FmuError {
     /// The model cannot be a unit.
     #[error("{0}")]
     Model(String),
-    /// A file.
-    #[error("cannot {action} `{}`: {source}", path.display())]
-    File {
-        /// What was tried.
-        action: &'static str,
+    /// The shared library.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Library {
         /// The file.
         path: PathBuf,
         /// The cause.
         source: io::Error,
     },
+    /// The archive cannot be made.
+    #[error("the unit cannot be packed: {0}")]
+    Archive(io::Error),
     /// No shared library.
     #[error("`{}` is not there; build it with `cargo build --release -p socam-fmu`", .0.display())]
     NoLibrary(PathBuf),
 }
 
-/// The shared library in the folder of a program, where cargo builds both.
+/// The shared library in the folder of a program, or in `deps` below it, where cargo puts what the program was built from.
 #[must_use]
 pub fn library_beside(program: &Path) -> PathBuf {
-    program.with_file_name(LIBRARY)
+    let beside = program.with_file_name(LIBRARY);
+    let below = program.with_file_name("deps").join(LIBRARY);
+    if !beside.is_file() && below.is_file() { below } else { beside }
 }
 
 /// FMI's name of this platform, and the extension of its libraries.
@@ -58,42 +61,33 @@ fn platform() -> (String, &'static str) {
     (format!("{}-{system}", std::env::consts::ARCH), std::env::consts::DLL_EXTENSION)
 }
 
-/// Writes a unit of `model_text` with the shared library at `library` (see [`library_beside`]). The target is there whole or not at all.
+/// The unit of `model_text` as the bytes of its archive, with the shared library at `library` (see [`library_beside`]).
 ///
 /// # Errors
-/// [`FmuError`] where the model cannot be a unit, or a file cannot be read or written.
-pub fn write_fmu(model_text: &str, library: &Path, target: &Path) -> Result<(), FmuError> {
+/// [`FmuError`] where the model cannot be a unit, or the library cannot be read.
+pub fn unit_bytes(model_text: &str, library: &Path) -> Result<Vec<u8>, FmuError> {
     let unit = Unit::new(model_text).map_err(FmuError::Model)?;
     if !library.is_file() {
         return Err(FmuError::NoLibrary(library.into()));
     }
-    let failed = |action, path: &Path| {
-        let path = path.to_owned();
-        move |source| FmuError::File { action, path, source }
-    };
-    let binary = fs::read(library).map_err(failed("read", library))?;
-    let part = target.with_extension("fmu.part");
+    let binary = fs::read(library).map_err(|source| FmuError::Library { path: library.into(), source })?;
     let (platform, extension) = platform();
     let name = format!("binaries/{platform}/{}.{extension}", identifier(&unit.model().name));
+    let description = description(&unit);
     let entries: [(&str, &[u8]); 3] = [
-        ("modelDescription.xml", &description(&unit).into_bytes()),
+        ("modelDescription.xml", description.as_bytes()),
         ("resources/model.toml", model_text.as_bytes()),
         (&name, &binary),
     ];
-    let written = pack(&part, &entries).and_then(|()| fs::rename(&part, target));
-    if written.is_err() {
-        // The part is of no use; that it cannot be removed changes nothing.
-        let _ = fs::remove_file(&part);
-    }
-    written.map_err(failed("write", target))
+    pack(&entries).map_err(FmuError::Archive)
 }
 
-fn pack(path: &Path, entries: &[(&str, &[u8])]) -> io::Result<()> {
-    let mut archive = ZipWriter::new(File::create(path)?);
+fn pack(entries: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     for (name, bytes) in entries {
         archive.start_file(*name, options)?;
         archive.write_all(bytes)?;
     }
-    archive.finish()?.sync_all()
+    Ok(archive.finish()?.into_inner())
 }

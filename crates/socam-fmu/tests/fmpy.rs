@@ -9,11 +9,10 @@ use socam_fmu::Unit;
 use socam_identify::{Intersample, Predictor, Start};
 use socam_model::Model;
 use socam_sim::Plant;
+use socam_tests::readers::python;
 
 const STEP_S: f64 = 1e-3;
 const ROWS: usize = 2000;
-/// The package that the test installs.
-const PACKAGE: &str = "fmpy==0.3.32";
 
 fn model() -> Model {
     Model::builtin("two-mass").expect("an embedded model")
@@ -85,40 +84,17 @@ fn folder() -> PathBuf {
     test.ancestors().nth(2).unwrap().to_owned()
 }
 
-fn succeeds(program: impl AsRef<Path>, arguments: &[&str], folder: &Path) -> bool {
-    let output = Command::new(program.as_ref()).args(arguments).current_dir(folder).output();
-    output.is_ok_and(|output| output.status.success())
-}
-
-/// A Python with FMPy: the one that `SOCAM_FMPY_PYTHON` names, or an environment kept in `target/readers`.
-fn python() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("SOCAM_FMPY_PYTHON") {
-        return Some(named.into());
-    }
-    let kept = folder().parent()?.join("readers");
-    let (python, ready) = (kept.join("fmpy/bin/python"), kept.join("fmpy/ready"));
-    if !ready.exists() {
-        std::fs::create_dir_all(&kept).ok()?;
-        let install = ["-m", "pip", "install", "--quiet", PACKAGE];
-        if !(succeeds("python3", &["-m", "venv", "fmpy"], &kept) && succeeds(&python, &install, &kept)) {
-            return None;
-        }
-        std::fs::write(&ready, "").ok()?;
-    }
-    Some(python)
-}
-
 #[test]
 fn fmpy_validates_and_simulates_to_rounding() {
     let Some(python) = python() else {
-        eprintln!("skipped: no Python with {PACKAGE} (SOCAM_FMPY_PYTHON names one)");
+        socam_tests::skip("no Python with FMPy (SOCAM_PYTHON names one)");
         return;
     };
     // Cargo builds the shared library with the tests, beside them.
     let library = folder().join("deps").join(socam_fmu::LIBRARY);
     let work = tempfile::tempdir().unwrap();
     let unit = work.path().join("two-mass.fmu");
-    socam_fmu::write_fmu(&model().text, &library, &unit).unwrap();
+    std::fs::write(&unit, socam_fmu::unit_bytes(&model().text, &library).unwrap()).unwrap();
     let mut table = String::from("time,motor_torque\n");
     torque().iter().enumerate().for_each(|(k, u)| table.push_str(&format!("{},{u}\n", k as f64 * STEP_S)));
     std::fs::write(work.path().join("in.csv"), table).unwrap();

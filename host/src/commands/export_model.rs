@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::ValueEnum;
-use socam_export::{LeftOut, Provenance, Target};
+use socam_export::{Provenance, Target};
+use socam_model::Model;
 
 use super::Outcome;
 use crate::model_file;
 use crate::output::{self, WrongArguments};
 
-/// Hand a model back to a simulator: MuJoCo, URDF, SDF, Modelica, Simscape, MATLAB or Python
+/// Hand a model back to a simulator: MuJoCo, URDF, SDF, Modelica, Simscape, MATLAB, Python or an FMI 3.0 unit
 ///
 /// The file holds the model's values with their intervals and sources. What the simulator's format cannot hold is listed by name in the file
 /// and on stderr; a model of which no motion would be right is refused.
@@ -19,6 +20,7 @@ use crate::output::{self, WrongArguments};
 #[command(after_help = "Examples:
   socam-host export-model corrected.toml --to mujoco                writes corrected.xml
   socam-host export-model corrected.toml --to python -o bench.py
+  socam-host export-model corrected.toml --to fmi3                  writes corrected.fmu
   socam-host export-model two-mass --to modelica -o -")]
 pub(crate) struct Args {
     #[arg(value_name = "MODEL", help = model_file::HELP)]
@@ -43,31 +45,29 @@ enum To {
     Simscape,
     Matlab,
     Python,
+    /// A functional mock-up unit (FMI 3.0, co-simulation)
+    Fmi3,
 }
 
-impl From<To> for Target {
-    fn from(to: To) -> Self {
-        match to {
-            To::Mujoco => Self::Mujoco,
-            To::Urdf => Self::Urdf,
-            To::Sdf => Self::Sdf,
-            To::Modelica => Self::Modelica,
-            To::Simscape => Self::Simscape,
-            To::Matlab => Self::Matlab,
-            To::Python => Self::Python,
-        }
+impl To {
+    /// The target that is a text; `None` for a unit.
+    fn text(self) -> Option<Target> {
+        Some(match self {
+            Self::Mujoco => Target::Mujoco,
+            Self::Urdf => Target::Urdf,
+            Self::Sdf => Target::Sdf,
+            Self::Modelica => Target::Modelica,
+            Self::Simscape => Target::Simscape,
+            Self::Matlab => Target::Matlab,
+            Self::Python => Target::Python,
+            Self::Fmi3 => return None,
+        })
     }
-}
-
-/// A file for a simulator. A format that is no text makes one too.
-struct Made {
-    bytes: Vec<u8>,
-    left_out: Vec<LeftOut>,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = model_file::load(&args.model)?;
-    let target = Target::from(args.to);
+    let Some(target) = args.to.text() else { return unit(&args, &model) };
     let path = args.output.unwrap_or_else(|| beside(&args.model, target));
     let to_stdout = path.as_os_str() == "-";
     let name = name(&args.model, &path, target)?;
@@ -82,18 +82,37 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         .file_name()
         .map_or(args.model.clone(), |own| own.to_string_lossy().into_owned());
     let exported = socam_export::export(&model, &Provenance::new(&file_name, &model.text), target, &name)?;
-    let made = Made { bytes: exported.text.into_bytes(), left_out: exported.left_out };
-    for part in &made.left_out {
+    for part in &exported.left_out {
         output::warn(format_args!("{} does not hold all: {part}", target.name()));
     }
     match file {
-        None => output::print(&String::from_utf8_lossy(&made.bytes))?,
+        None => output::print(&exported.text)?,
         Some(mut file) => {
-            file.write_all(&made.bytes).with_context(|| format!("cannot write `{}`", path.display()))?;
+            file.write_all(exported.text.as_bytes())
+                .with_context(|| format!("cannot write `{}`", path.display()))?;
             file.commit()?;
             output::say(format_args!("{} written to {}", model.name, path.display()));
         }
     }
+    Ok(Outcome::Done)
+}
+
+/// Packs a unit with the shared library that cargo builds beside this program.
+fn unit(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
+    let default = || Path::new(&args.model).with_extension("fmu");
+    let path = args.output.clone().unwrap_or_else(default);
+    if path.as_os_str() == "-" {
+        return Err(
+            WrongArguments("a unit is an archive and is not printed; name a file with -o".into()).into()
+        );
+    }
+    output::check_target(&path, Path::new(&args.model), args.force)?;
+    let program = std::env::current_exe().context("this program does not know where it is")?;
+    let bytes = socam_fmu::unit_bytes(&model.text, &socam_fmu::library_beside(&program))?;
+    let mut file = output::create_new(&path, args.force)?;
+    file.write_all(&bytes).with_context(|| format!("cannot write `{}`", path.display()))?;
+    file.commit()?;
+    output::say(format_args!("{} written to {}", model.name, path.display()));
     Ok(Outcome::Done)
 }
 
