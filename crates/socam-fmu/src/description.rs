@@ -1,118 +1,182 @@
-//! `modelDescription.xml`.
+//! `modelDescription.xml`: what an importer knows of an FMU.
 
-use std::fmt::Write;
+use std::io;
 
-use crate::unit::{Causality, Unit, Variable};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use socam_model::{Model, units};
 
-/// The description of a unit.
-#[must_use]
-pub fn description(unit: &Unit) -> String {
-    let model = unit.model();
-    let mut units: Vec<&str> = unit.variables().iter().map(|variable| variable.unit.as_str()).collect();
-    units.push("s");
-    units.retain(|unit| !unit.is_empty());
-    units.sort_unstable();
-    units.dedup();
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{}\" instantiationToken=\"{}\" \
-         description=\"{}\" generationTool=\"socam\" variableNamingConvention=\"flat\">\n  <CoSimulation modelIdentifier=\"{}\" \
-         canHandleVariableCommunicationStepSize=\"true\"/>\n  <UnitDefinitions>\n",
-        escaped(&model.name),
-        token(&model.text),
-        escaped(&model.description),
-        identifier(&model.name)
-    );
-    for unit in units {
-        let base = base(unit).map_or(String::new(), |base| format!("<BaseUnit{base}/>"));
-        let _ = writeln!(text, "    <Unit name=\"{}\">{base}</Unit>", escaped(unit));
-    }
-    text.push_str(
-        "  </UnitDefinitions>\n  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"0.001\"/>\n  <ModelVariables>\n    \
-         <Float64 name=\"time\" valueReference=\"0\" causality=\"independent\" variability=\"continuous\" unit=\"s\"/>\n",
-    );
-    for (index, variable) in unit.variables().iter().enumerate() {
-        text.push_str(&line(index + 1, variable));
-    }
-    text.push_str("  </ModelVariables>\n  <ModelStructure>\n");
-    for element in ["Output", "InitialUnknown"] {
-        for (index, variable) in unit.variables().iter().enumerate() {
-            if variable.causality == Causality::Output {
-                let _ = writeln!(text, "    <{element} valueReference=\"{}\"/>", index + 1);
-            }
-        }
-    }
-    text.push_str("  </ModelStructure>\n</fmiModelDescription>\n");
-    text
-}
+use crate::variables::{Kind, Variable, can_exchange};
 
-fn line(reference: usize, variable: &Variable) -> String {
-    let kind = match variable.causality {
-        Causality::Input => "causality=\"input\" variability=\"continuous\"",
-        Causality::Output => "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
-        Causality::Parameter | Causality::State => {
-            "causality=\"parameter\" variability=\"fixed\" initial=\"exact\""
-        }
-    };
-    let attribute = |name: &str, value: &str| {
-        if value.is_empty() { String::new() } else { format!(" {name}=\"{}\"", escaped(value)) }
-    };
-    let start =
-        if variable.causality == Causality::Output { String::new() } else { variable.start.to_string() };
-    format!(
-        "    <Float64 name=\"{}\" valueReference=\"{reference}\" {kind}{}{}{}/>\n",
-        escaped(&variable.name),
-        attribute("start", &start),
-        attribute("unit", &variable.unit),
-        attribute("description", &variable.description)
-    )
-}
+/// Name of the shared library without its extension.
+pub(crate) const MODEL_IDENTIFIER: &str = "socam_fmu";
 
-/// Text within an attribute; control characters, which XML has not, become spaces.
-fn escaped(text: &str) -> String {
-    let plain = text.replace(char::is_control, " ");
-    maud::html! { (plain) }.into_string()
-}
+const TOKEN: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
 
-/// Ties a library's instance to its model: FNV-1a of the model's text.
+/// The token that ties a description to its model file and to the version of this crate.
 pub(crate) fn token(model_text: &str) -> String {
-    let hash = model_text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("socam-{hash:016x}")
+    format!("socam-{}-{:016x}", env!("CARGO_PKG_VERSION"), TOKEN.checksum(model_text.as_bytes()))
 }
 
-/// The name as a C identifier: name of the shared library.
-pub(crate) fn identifier(name: &str) -> String {
-    let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-    format!("model_{plain}")
+/// The description of a model with these variables.
+pub(crate) fn describe(model: &Model, variables: &[Variable]) -> io::Result<Vec<u8>> {
+    let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
+    writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let (name, about) = (printable(&model.name), printable(&model.description));
+    let token = token(&model.text);
+    let root = writer.create_element("fmiModelDescription").with_attributes([
+        ("fmiVersion", "3.0"),
+        ("modelName", name.as_str()),
+        ("description", about.as_str()),
+        ("instantiationToken", token.as_str()),
+        ("generationTool", concat!("socam ", env!("CARGO_PKG_VERSION"))),
+        ("variableNamingConvention", "structured"),
+    ]);
+    root.write_inner_content(|writer| {
+        if can_exchange(model) {
+            writer
+                .create_element("ModelExchange")
+                .with_attributes([("modelIdentifier", MODEL_IDENTIFIER), ("canGetAndSetFMUState", "true")])
+                .write_empty()?;
+        }
+        writer
+            .create_element("CoSimulation")
+            .with_attributes([
+                ("modelIdentifier", MODEL_IDENTIFIER),
+                ("canGetAndSetFMUState", "true"),
+                ("canHandleVariableCommunicationStepSize", "true"),
+            ])
+            .write_empty()?;
+        writer.create_element("UnitDefinitions").write_inner_content(|writer| units(writer, variables))?;
+        writer
+            .create_element("DefaultExperiment")
+            .with_attributes([("startTime", "0"), ("stopTime", "1"), ("stepSize", "0.001")])
+            .write_empty()?;
+        writer.create_element("ModelVariables").write_inner_content(|writer| {
+            (0..variables.len()).try_for_each(|reference| variable(writer, variables, reference))
+        })?;
+        writer.create_element("ModelStructure").write_inner_content(|writer| structure(writer, variables))?;
+        Ok(())
+    })?;
+    Ok(writer.into_inner())
 }
 
-/// Exponents of SI base units as attributes; `None` for a unit that is not composed of known ones.
-fn base(unit: &str) -> Option<String> {
-    const NAMES: [&str; 6] = ["kg", "m", "s", "A", "K", "rad"];
-    let mut exponents = [0; 6];
-    for (part, sign) in unit.split('/').zip([1, -1]) {
-        for token in part.split([' ', '(', ')']).filter(|token| !token.is_empty() && *token != "1") {
-            let symbol = token.trim_end_matches(|c: char| c.is_ascii_digit());
-            let power: i32 =
-                if symbol.len() < token.len() { token[symbol.len()..].parse().ok()? } else { 1 };
-            let own = match symbol {
-                "kg" => [1, 0, 0, 0, 0, 0],
-                "m" => [0, 1, 0, 0, 0, 0],
-                "s" => [0, 0, 1, 0, 0, 0],
-                "A" => [0, 0, 0, 1, 0, 0],
-                "K" => [0, 0, 0, 0, 1, 0],
-                "rad" => [0, 0, 0, 0, 0, 1],
-                "N" => [1, 1, -2, 0, 0, 0],
-                "V" => [1, 2, -3, -1, 0, 0],
-                _ => return None,
-            };
-            exponents.iter_mut().zip(own).for_each(|(sum, own)| *sum += sign * power * own);
+fn variable(writer: &mut Writer<Vec<u8>>, variables: &[Variable], reference: usize) -> io::Result<()> {
+    let variable = &variables[reference];
+    let (causality, variability, initial) = match variable.kind {
+        Kind::Time => ("independent", "continuous", None),
+        Kind::Input(_) => ("input", "continuous", None),
+        Kind::Output(_) => ("output", "continuous", Some("calculated")),
+        Kind::Parameter(_) => ("parameter", "tunable", Some("exact")),
+        Kind::State(_) => ("local", "continuous", Some("exact")),
+        Kind::Derivative(_) => ("local", "continuous", Some("calculated")),
+    };
+    let mut attributes = vec![
+        ("name", variable.name.clone()),
+        ("valueReference", reference.to_string()),
+        ("causality", causality.into()),
+        ("variability", variability.into()),
+    ];
+    attributes.extend(initial.map(|initial| ("initial", initial.into())));
+    attributes.extend(variable.start.map(|start| ("start", start.to_string())));
+    if let Kind::Derivative(index) = variable.kind {
+        let state = variables.iter().position(|other| other.kind == Kind::State(index));
+        attributes.extend(state.map(|state| ("derivative", state.to_string())));
+    }
+    let (least, greatest) = variable.bounds;
+    for (name, bound) in [("min", least), ("max", greatest)] {
+        if bound.is_finite() {
+            attributes.push((name, bound.to_string()));
         }
     }
-    if unit.split('/').count() > 2 {
-        return None;
+    for (name, text) in [("unit", &variable.unit), ("description", &variable.description)] {
+        if !text.is_empty() {
+            attributes.push((name, printable(text)));
+        }
     }
-    let known = NAMES.iter().zip(exponents).filter(|(_, power)| *power != 0);
-    Some(known.map(|(name, power)| format!(" {name}=\"{power}\"")).collect())
+    let attributes = attributes.iter().map(|(name, value)| (*name, value.as_str()));
+    writer.create_element("Float64").with_attributes(attributes).write_empty()?;
+    Ok(())
+}
+
+/// Each output and derivative depends on everything, which is what a list without dependencies means.
+fn structure(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()> {
+    let is_output = |variable: &Variable| matches!(variable.kind, Kind::Output(_));
+    let is_derivative = |variable: &Variable| matches!(variable.kind, Kind::Derivative(_));
+    for (reference, _) in variables.iter().enumerate().filter(|(_, v)| is_output(v)) {
+        unknown(writer, "Output", reference)?;
+    }
+    for (reference, _) in variables.iter().enumerate().filter(|(_, v)| is_derivative(v)) {
+        unknown(writer, "ContinuousStateDerivative", reference)?;
+    }
+    for (reference, _) in variables.iter().enumerate().filter(|(_, v)| is_output(v) || is_derivative(v)) {
+        unknown(writer, "InitialUnknown", reference)?;
+    }
+    Ok(())
+}
+
+fn unknown(writer: &mut Writer<Vec<u8>>, element: &str, reference: usize) -> io::Result<()> {
+    let reference = reference.to_string();
+    writer.create_element(element).with_attribute(("valueReference", reference.as_str())).write_empty()?;
+    Ok(())
+}
+
+/// Every unit once, with its exponents of base units.
+fn units(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()> {
+    let named: std::collections::BTreeSet<&str> =
+        variables.iter().map(|variable| variable.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
+    for unit in named {
+        let exponents = exponents(unit);
+        let element = writer.create_element("Unit").with_attribute(("name", unit));
+        element.write_inner_content(|writer| {
+            if let Some(exponents) = exponents {
+                let written: Vec<_> =
+                    exponents.iter().map(|(base, power)| (*base, power.to_string())).collect();
+                let attributes = written.iter().map(|(base, power)| (*base, power.as_str()));
+                writer.create_element("BaseUnit").with_attributes(attributes).write_empty()?;
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Exponents other than 0 of an SI unit. FMI counts radians, which [`units::parse`] does not.
+fn exponents(unit: &str) -> Option<Vec<(&'static str, i32)>> {
+    let parsed = units::parse(unit)?;
+    let [kg, m, s, ampere] = parsed.dimension.map(i32::from);
+    let (above, below) = unit.split_once('/').unwrap_or((unit, ""));
+    let rad = radians(above) - radians(below);
+    let bases = [("kg", kg), ("m", m), ("s", s), ("A", ampere), ("rad", rad)];
+    // A unit that is not SI would need a factor.
+    (parsed.factor == 1.0).then(|| bases.into_iter().filter(|(_, power)| *power != 0).collect())
+}
+
+fn radians(product: &str) -> i32 {
+    let power = |word: &str| match word.trim_matches(['(', ')']).strip_prefix("rad")? {
+        "" => Some(1),
+        power => power.trim_start_matches('^').parse::<i32>().ok(),
+    };
+    product.split_whitespace().filter_map(power).sum()
+}
+
+/// The text with blanks for characters that XML cannot hold.
+fn printable(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_base_units_with_radians() {
+        assert_eq!(exponents("N m/rad").unwrap(), [("kg", 1), ("m", 2), ("s", -2), ("rad", -1)]);
+        assert_eq!(exponents("N m s2/rad2").unwrap().last(), Some(&("rad", -2)));
+        assert_eq!(exponents("V s/m").unwrap(), [("kg", 1), ("m", 1), ("s", -2), ("A", -1)]);
+        assert_eq!(exponents("1").unwrap(), []);
+        assert_eq!(exponents("rpm"), None);
+    }
 }

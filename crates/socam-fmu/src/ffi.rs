@@ -1,81 +1,52 @@
-//! FMI 3.0's C functions for co-simulation. The signatures are those of `fmi3FunctionTypes.h`.
+//! The C functions of FMI 3.0: here those of all interfaces and of co-simulation, in `exchange` those of model exchange.
 //!
-//! A panic must not cross into C: every function that computes catches it and returns `fmi3Error`. Types that a unit has no variables of are
-//! answered with `fmi3Error` unless nothing is asked. Functions of the other interfaces are exported, because importers (FMPy) look up all of
-//! them, and answer with `fmi3Error`.
+//! This module is the only one with `unsafe` code, because C passes pointers and finds functions by their names. Each function turns its pointers
+//! into slices and an instance, and calls [`Simulation`]. A panic becomes `fmi3Fatal`, an error `fmi3Error` with a log message; neither
+//! crosses the boundary. Pointers are those that the standard promises: an instance is one that was made here and not freed, an array has
+//! the length that is passed beside it.
+#![allow(unsafe_code)]
 
-use std::{
-    ffi::{CStr, c_char, c_int, c_void},
-    panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
-    slice,
-};
+mod absent;
+mod exchange;
+mod pointers;
 
-use crate::{description::token, unit::Unit};
+use std::ffi::{c_char, c_void};
+use std::path::Path;
 
-type Status = c_int;
-const OK: Status = 0;
-const ERROR: Status = 3;
-type LogMessage = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
+use socam_model::Model;
 
-/// What an `fmi3Instance` points to.
-struct Instance {
-    unit: Unit,
-    text: String,
+use crate::{FmuError, Simulation, Snapshot, description, package};
+use pointers::{Instance, Log, LogMessage, OK, Status, array, put, refuse, text, within};
+
+fn open(token: &str, resources: &str) -> Result<Simulation, FmuError> {
+    let path = Path::new(resources).join(package::MODEL_FILE);
+    let read = std::fs::read_to_string(&path);
+    let model_text = read.map_err(|source| FmuError::File { path, source })?;
+    if token != description::token(&model_text) {
+        let problem =
+            "the instantiation token is not that of the model file in the resources; write the FMU again";
+        return Err(refuse(problem));
+    }
+    Simulation::new(Model::parse(&model_text)?)
+}
+
+/// An instance that passes `check`; null, and a message, where there is none.
+unsafe fn instantiate(
+    token: *const c_char,
+    resources: *const c_char,
     environment: *mut c_void,
-    log: LogMessage,
-}
-
-impl Instance {
-    fn say(&self, sentence: &str) {
-        say(self.log, self.environment, sentence);
-    }
-}
-
-fn say(log: LogMessage, environment: *mut c_void, sentence: &str) {
-    let text = std::ffi::CString::new(sentence.replace('\0', " "));
-    if let (Some(log), Ok(text)) = (log, text) {
-        // SAFETY: the importer gave the callback, and both strings end with a zero and outlive the call.
-        unsafe { log(environment, ERROR, c"logStatusError".as_ptr(), text.as_ptr()) };
-    }
-}
-
-/// Runs `action` on an instance.
-///
-/// # Safety
-/// `instance` is null or comes from `fmi3InstantiateCoSimulation`, is not freed and is used by one thread at a time.
-unsafe fn with(instance: *mut c_void, action: impl FnOnce(&mut Instance) -> Result<(), String>) -> Status {
-    // SAFETY: see above.
-    let Some(instance) = (unsafe { instance.cast::<Instance>().as_mut() }) else { return ERROR };
-    match catch_unwind(AssertUnwindSafe(|| action(instance))) {
-        Ok(Ok(())) => OK,
-        Ok(Err(sentence)) => {
-            instance.say(&sentence);
-            ERROR
-        }
-        Err(_) => {
-            instance.say("the model's computation failed");
-            ERROR
-        }
-    }
-}
-
-/// A C string.
-///
-/// # Safety
-/// `text` is null or ends with a zero.
-unsafe fn string(text: *const c_char) -> Option<String> {
-    // SAFETY: see above.
-    (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
-}
-
-/// `count` values of C.
-///
-/// # Safety
-/// `values` points to `count` values unless `count` is zero.
-unsafe fn list<'a, T>(values: *const T, count: usize) -> &'a [T] {
-    // SAFETY: see above.
-    if values.is_null() || count == 0 { &[] } else { unsafe { slice::from_raw_parts(values, count) } }
+    message: LogMessage,
+    check: impl FnOnce(&Simulation) -> Result<(), FmuError>,
+) -> *mut Instance {
+    let log = Log { environment, message };
+    // SAFETY: texts of the importer.
+    let (token, resources) = unsafe { (text(token), text(resources)) };
+    let opened = log.guard(|| {
+        let simulation = open(token, resources)?;
+        check(&simulation)?;
+        Ok(simulation)
+    });
+    opened.map_or(std::ptr::null_mut(), |simulation| Box::into_raw(Box::new(Instance { simulation, log })))
 }
 
 #[unsafe(no_mangle)]
@@ -84,152 +55,98 @@ extern "C" fn fmi3GetVersion() -> *const c_char {
 }
 
 #[unsafe(no_mangle)]
-#[allow(clippy::too_many_arguments)] // FMI's.
+unsafe extern "C" fn fmi3SetDebugLogging(
+    _instance: *mut Instance,
+    _logging_on: bool,
+    _count: usize,
+    _categories: *const *const c_char,
+) -> Status {
+    OK
+}
+
+#[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: *const c_char,
-    instantiation_token: *const c_char,
+    token: *const c_char,
     resources: *const c_char,
     _visible: bool,
-    _logging: bool,
-    _event_mode: bool,
-    _early_return: bool,
+    _logging_on: bool,
+    event_mode_used: bool,
+    _early_return_allowed: bool,
     _intermediate: *const u32,
-    _intermediates: usize,
+    intermediate_count: usize,
     environment: *mut c_void,
-    log: LogMessage,
+    message: LogMessage,
     _intermediate_update: *const c_void,
-) -> *mut c_void {
-    // SAFETY: FMI gives strings that end with a zero.
-    let (expected, folder) = unsafe { (string(instantiation_token), string(resources)) };
-    let made = catch_unwind(|| {
-        let path = Path::new(&folder.ok_or("no path of the resources was given")?).join("model.toml");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| format!("cannot read `{}`: {error}", path.display()))?;
-        if expected.as_deref() != Some(&token(&text)) {
-            return Err("the instantiation token is not that of resources/model.toml".to_owned());
-        }
-        Ok((Unit::new(&text)?, text))
-    });
-    match made.unwrap_or_else(|_| Err("the model cannot be read".into())) {
-        Ok((unit, text)) => Box::into_raw(Box::new(Instance { unit, text, environment, log })).cast(),
-        Err(sentence) => {
-            say(log, environment, &sentence);
-            std::ptr::null_mut()
-        }
-    }
+) -> *mut Instance {
+    let is_plain = !event_mode_used && intermediate_count == 0;
+    let missing = || refuse("there is neither an event mode nor an intermediate update");
+    let check = |_: &Simulation| is_plain.then_some(()).ok_or_else(missing);
+    // SAFETY: texts of the importer.
+    unsafe { instantiate(token, resources, environment, message, check) }
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3InstantiateModelExchange() -> *mut c_void {
-    std::ptr::null_mut()
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3InstantiateScheduledExecution() -> *mut c_void {
-    std::ptr::null_mut()
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
+unsafe extern "C" fn fmi3FreeInstance(instance: *mut Instance) {
     if !instance.is_null() {
-        // SAFETY: FMI frees an instance once.
-        drop(unsafe { Box::from_raw(instance.cast::<Instance>()) });
+        // SAFETY: made by `Box::into_raw` and not freed before.
+        drop(unsafe { Box::from_raw(instance) });
     }
 }
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3EnterInitializationMode(
-    instance: *mut c_void,
-    _has_tolerance: bool,
+    instance: *mut Instance,
+    _tolerance_defined: bool,
     _tolerance: f64,
     start_s: f64,
-    _has_stop: bool,
+    _stop_defined: bool,
     _stop_s: f64,
 ) -> Status {
-    // SAFETY: FMI gives an instance of this library.
-    unsafe {
-        with(instance, |instance| {
-            instance.unit.start(start_s);
-            Ok(())
-        })
-    }
+    // SAFETY: an instance.
+    unsafe { within(instance, |simulation| simulation.start_at(start_s)) }
 }
 
-/// Start values may be set until here.
+/// Computes the outputs, so that parameters without equations are refused here.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> Status {
-    // SAFETY: FMI gives an instance of this library.
-    unsafe {
-        with(instance, |instance| {
-            instance.unit.start(instance.unit.time_s());
-            Ok(())
-        })
-    }
+unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut Instance) -> Status {
+    // SAFETY: an instance.
+    unsafe { within(instance, |simulation| simulation.outputs().map(drop)) }
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> Status {
-    // SAFETY: FMI gives an instance of this library.
-    unsafe {
-        with(instance, |instance| {
-            instance.unit = Unit::new(&instance.text)?;
-            Ok(())
-        })
-    }
+unsafe extern "C" fn fmi3Terminate(instance: *mut Instance) -> Status {
+    // SAFETY: an instance.
+    unsafe { within(instance, |_| Ok(())) }
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3DoStep(
-    instance: *mut c_void,
-    _point_s: f64,
-    step_s: f64,
-    _no_state_before: bool,
-    event_needed: *mut bool,
-    terminate: *mut bool,
-    early_return: *mut bool,
-    last_s: *mut f64,
-) -> Status {
-    let mut reached_s = f64::NAN;
-    // SAFETY: FMI gives an instance of this library.
-    let status = unsafe {
-        with(instance, |instance| {
-            let done = instance.unit.step(step_s);
-            reached_s = instance.unit.time_s();
-            done
-        })
+unsafe extern "C" fn fmi3Reset(instance: *mut Instance) -> Status {
+    let reset = |simulation: &mut Simulation| {
+        simulation.reset();
+        Ok(())
     };
-    // SAFETY: FMI gives places of these types, or null.
-    unsafe {
-        for flag in [event_needed, terminate, early_return] {
-            if let Some(flag) = flag.as_mut() {
-                *flag = false;
-            }
-        }
-        if let Some(last_s) = last_s.as_mut() {
-            *last_s = reached_s;
-        }
-    }
-    status
+    // SAFETY: an instance.
+    unsafe { within(instance, reset) }
 }
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3GetFloat64(
-    instance: *mut c_void,
+    instance: *mut Instance,
     references: *const u32,
     count: usize,
     values: *mut f64,
-    places: usize,
+    value_count: usize,
 ) -> Status {
-    // SAFETY: FMI gives an instance of this library and arrays of these lengths.
+    // SAFETY: an instance and two arrays of the lengths that are checked.
     unsafe {
-        with(instance, |instance| {
-            let found = instance.unit.get(list(references, count))?;
-            if found.len() != places {
-                return Err(format!("{places} places for {} values", found.len()));
+        within(instance, |simulation| {
+            if count != value_count || (values.is_null() && count > 0) {
+                return Err(refuse(format!("{count} value references for {value_count} values")));
             }
-            if !found.is_empty() && !values.is_null() {
-                slice::from_raw_parts_mut(values, places).copy_from_slice(&found);
-            }
+            let references: Vec<usize> = array(references, count).iter().map(|r| *r as usize).collect();
+            let found = simulation.get(&references)?;
+            found.iter().enumerate().for_each(|(index, value)| values.add(index).write(*value));
             Ok(())
         })
     }
@@ -237,74 +154,92 @@ unsafe extern "C" fn fmi3GetFloat64(
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3SetFloat64(
-    instance: *mut c_void,
+    instance: *mut Instance,
     references: *const u32,
     count: usize,
     values: *const f64,
-    places: usize,
+    value_count: usize,
 ) -> Status {
-    // SAFETY: FMI gives an instance of this library and arrays of these lengths.
+    // SAFETY: an instance and two arrays of these lengths.
     unsafe {
-        with(instance, |instance| {
-            let (references, values) = (list(references, count), list(values, places));
-            if references.len() != values.len() {
-                return Err(format!("{places} values for {count} variables"));
+        within(instance, |simulation| {
+            if count != value_count {
+                return Err(refuse(format!("{count} value references for {value_count} values")));
             }
-            references
-                .iter()
-                .zip(values)
-                .try_for_each(|(reference, value)| instance.unit.set(*reference, *value))
+            let pairs = array(references, count).iter().zip(array(values, count));
+            pairs.into_iter().try_for_each(|(reference, value)| simulation.set(*reference as usize, *value))
         })
     }
 }
 
-/// Getters and setters of types that no variable has. Further arguments of C are ignored: in the calling conventions of 64-bit platforms the
-/// caller removes them.
-macro_rules! no_variables {
-    ($($name:ident)*) => { $(
-        #[unsafe(no_mangle)]
-        extern "C" fn $name(_: *mut c_void, _: *const u32, count: usize) -> Status {
-            if count == 0 { OK } else { ERROR }
-        }
-    )* };
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3DoStep(
+    instance: *mut Instance,
+    from_s: f64,
+    step_s: f64,
+    _no_restore_before: bool,
+    event_needed: *mut bool,
+    terminate: *mut bool,
+    early_return: *mut bool,
+    last_s: *mut f64,
+) -> Status {
+    // SAFETY: an instance and four variables of the importer.
+    unsafe {
+        put(event_needed, false);
+        put(terminate, false);
+        put(early_return, false);
+        within(instance, |simulation| {
+            let now_s = simulation.snapshot().time_s;
+            // Importers add up step sizes or multiply them, with another rounding.
+            let is_here = (from_s - now_s).abs() <= 1e-6 * step_s.abs();
+            let stepped = if is_here {
+                simulation.step(step_s)
+            } else {
+                Err(refuse(format!("a step from {from_s} s was asked for, but the time is {now_s} s")))
+            };
+            put(last_s, simulation.snapshot().time_s);
+            stepped
+        })
+    }
 }
 
-no_variables! {
-    fmi3GetFloat32 fmi3GetInt8 fmi3GetUInt8 fmi3GetInt16 fmi3GetUInt16 fmi3GetInt32 fmi3GetUInt32 fmi3GetInt64 fmi3GetUInt64
-    fmi3GetBoolean fmi3GetString fmi3GetBinary fmi3GetClock
-    fmi3SetFloat32 fmi3SetInt8 fmi3SetUInt8 fmi3SetInt16 fmi3SetUInt16 fmi3SetInt32 fmi3SetUInt32 fmi3SetInt64 fmi3SetUInt64
-    fmi3SetBoolean fmi3SetString fmi3SetBinary fmi3SetClock
+/// The present state, into `state` if that is one already.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3GetFMUState(instance: *mut Instance, state: *mut *mut Snapshot) -> Status {
+    // SAFETY: an instance, and a variable that is null or a state that was made here and not freed.
+    unsafe {
+        within(instance, |simulation| {
+            let slot = state.as_mut().ok_or_else(|| refuse("there is no place for the state"))?;
+            match slot.as_mut() {
+                Some(kept) => kept.clone_from(simulation.snapshot()),
+                None => *slot = Box::into_raw(Box::new(simulation.snapshot().clone())),
+            }
+            Ok(())
+        })
+    }
 }
 
-/// Functions that change nothing here: logging is by errors only, and there are neither events nor tunable parameters.
-macro_rules! nothing_to_do {
-    ($($name:ident)*) => { $(
-        #[unsafe(no_mangle)]
-        extern "C" fn $name(_: *mut c_void) -> Status {
-            OK
-        }
-    )* };
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3SetFMUState(instance: *mut Instance, state: *const Snapshot) -> Status {
+    // SAFETY: an instance, and null or a state that was made here and not freed.
+    unsafe {
+        within(instance, |simulation| {
+            simulation.restore(state.as_ref().ok_or_else(|| refuse("there is no state to restore"))?)
+        })
+    }
 }
 
-nothing_to_do! { fmi3SetDebugLogging fmi3Terminate }
-
-/// Functions whose capability the description does not claim.
-macro_rules! not_offered {
-    ($($name:ident)*) => { $(
-        #[unsafe(no_mangle)]
-        extern "C" fn $name(_: *mut c_void) -> Status {
-            ERROR
-        }
-    )* };
-}
-
-not_offered! {
-    fmi3EnterContinuousTimeMode fmi3CompletedIntegratorStep fmi3SetTime fmi3SetContinuousStates fmi3GetContinuousStateDerivatives
-    fmi3GetEventIndicators fmi3GetContinuousStates fmi3GetNominalsOfContinuousStates fmi3GetNumberOfEventIndicators
-    fmi3GetNumberOfContinuousStates
-    fmi3EnterEventMode fmi3EnterStepMode fmi3EnterConfigurationMode fmi3ExitConfigurationMode fmi3UpdateDiscreteStates fmi3EvaluateDiscreteStates
-    fmi3GetNumberOfVariableDependencies fmi3GetVariableDependencies fmi3GetFMUState fmi3SetFMUState fmi3FreeFMUState fmi3SerializedFMUStateSize
-    fmi3SerializeFMUState fmi3DeserializeFMUState fmi3GetDirectionalDerivative fmi3GetAdjointDerivative fmi3GetOutputDerivatives
-    fmi3GetIntervalDecimal fmi3GetIntervalFraction fmi3GetShiftDecimal fmi3GetShiftFraction fmi3SetIntervalDecimal fmi3SetIntervalFraction
-    fmi3SetShiftDecimal fmi3SetShiftFraction fmi3ActivateModelPartition
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3FreeFMUState(instance: *mut Instance, state: *mut *mut Snapshot) -> Status {
+    // SAFETY: an instance, and a variable that is null or a state that was made here and not freed.
+    unsafe {
+        within(instance, |_| {
+            if let Some(slot) = state.as_mut()
+                && !slot.is_null()
+            {
+                drop(Box::from_raw(std::mem::replace(slot, std::ptr::null_mut())));
+            }
+            Ok(())
+        })
+    }
 }

@@ -1,19 +1,21 @@
-//! A model as a functional mock-up unit (FMI 3.0, co-simulation).
+//! Functional Mock-up Units (FMI 3.0, co-simulation and model exchange) of model files.
 //!
-//! [`unit_bytes`] packs a model file, its `modelDescription.xml` and this crate's shared library into one `.fmu`. The library reads the model
-//! from the unit's resources, so that one library serves every model. [`Unit`] is an instance without C.
+//! The crate is built twice from the same source. As a shared library it is the program inside every FMU: it reads the model file from the
+//! FMU's resources and exports the C functions of FMI (`ffi`). As a Rust library it packs FMUs: [`fmu`] writes the description of
+//! the model's variables and puts it into a zip archive with the model file and the shared library.
 //!
-//! # Numerics
-//! Each step is one sample of [`socam_identify::Predictor`]: exact in the linear part, error-controlled in force laws. Inputs are held over
-//! a step, as FMI has it.
+//! The numerics are those of `socam_identify::Predictor`; inputs are held over a communication step. `docs/fmi.md` says how a variable
+//! relates to the model file.
 
 mod description;
-#[allow(unsafe_code, non_snake_case)]
-// FMI is a C interface: exported symbols, and pointers that the importer owns.
+mod error;
 mod ffi;
-mod pack;
-mod unit;
+mod package;
+mod rates;
+mod simulation;
+mod variables;
 
-pub use description::description;
-pub use pack::{FmuError, LIBRARY, library_beside, unit_bytes};
-pub use unit::{Causality, Unit, Variable};
+pub use error::FmuError;
+pub use package::{fmu, library};
+pub use simulation::{Simulation, Snapshot};
+pub use variables::{Kind, Variable, variables};

@@ -1,127 +1,92 @@
-//! A unit in FMPy: it validates, and simulates as socam does.
+//! FMUs in FMPy, an importer that others wrote: no problem is found, and every output is that of socam's simulator, which integrates by
+//! another method.
+//!
+//! `SOCAM_PYTHON` names a Python that has the packages of `tests/readers/requirements.txt` already.
 
-use std::{
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::fmt::Write as _;
+use std::process::Command;
 
-use socam_fmu::Unit;
-use socam_identify::{Intersample, Predictor, Start};
 use socam_model::Model;
-use socam_sim::Plant;
-use socam_tests::readers::python;
+use socam_recording::{Channel, Dataset};
+use socam_sim::{Replay, Start, Truth};
+use socam_tests::readers::{python, scripts};
 
-const STEP_S: f64 = 1e-3;
 const ROWS: usize = 2000;
+const SAMPLE_S: f64 = 1e-3;
 
-fn model() -> Model {
-    Model::builtin("two-mass").expect("an embedded model")
+/// A force that changes at random every 20 ms.
+fn force(largest: f64) -> Vec<f64> {
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+    };
+    (0..ROWS / 20).flat_map(|_| [largest * random(); 20]).collect()
 }
 
-/// Torques held over each step, N m.
-fn torque() -> Vec<f64> {
-    let wave = |t: f64| (31.0 * t).sin() + 0.5 * (83.0 * t * t).sin();
-    (0..ROWS).map(|k| wave(k as f64 * STEP_S)).collect()
-}
-
-/// Outputs by the whole-recording predictor.
-fn expected() -> Vec<Vec<f64>> {
-    let model = model();
-    let predictor = Predictor::new(&model, &model.values(), STEP_S).unwrap();
-    let rest = vec![0.0; predictor.states()];
-    predictor.run(&[&torque()], &[Intersample::Hold], Start::State(&rest)).unwrap().outputs
-}
-
-/// Largest difference relative to the largest value.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let size = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
-}
-
-#[test]
-fn steps_equal_the_predictor_and_the_simulator() {
-    let model = model();
-    let mut unit = Unit::new(&model.text).unwrap();
-    unit.start(0.0);
-    let plant = Plant::new(&model, &model.values()).unwrap();
-    let mut trajectory = plant.start().unwrap();
-    let (mut stepped, mut simulated) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
-    for (k, torque) in torque().into_iter().enumerate() {
-        unit.set(1, torque).unwrap();
-        let mut outputs = [0.0; 2];
-        trajectory.outputs(&mut outputs);
-        for (column, (own, other)) in unit.get(&[2, 3]).unwrap().into_iter().zip(outputs).enumerate() {
-            stepped[column].push(own);
-            simulated[column].push(other);
-        }
-        unit.step(STEP_S).unwrap();
-        trajectory.hold((k + 1) as f64 * STEP_S, &[torque]).unwrap();
+/// The simulator's answer to a force, as a table: time, force, outputs.
+fn simulated(model: &Model, (parameter, value): (&str, f64), force: &[f64]) -> String {
+    let mut truth = Truth::new(model, &[], &[]).unwrap();
+    truth.values[model.parameter(parameter).unwrap()] = value;
+    let channels = model.inputs().map(|input| Channel::from_column_name(&input.column).unwrap()).collect();
+    let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * SAMPLE_S).collect();
+    let recording = Dataset::from_columns("force", channels, time_s, vec![force.to_vec()]).unwrap();
+    let replay = Replay { truth, disturbances: Vec::new(), start: Start::Rest };
+    let replayed = replay.run(&recording).unwrap();
+    let mut table = String::from("time");
+    model.inputs().chain(model.outputs()).for_each(|channel| write!(table, ",{}", channel.name).unwrap());
+    for row in 0..ROWS {
+        write!(table, "\n{}", replayed.time_s[row]).unwrap();
+        replayed.values.iter().for_each(|column| write!(table, ",{}", column[row]).unwrap());
     }
-    for (column, expected) in expected().iter().enumerate() {
-        let (rounding, integration) =
-            (difference(expected, &stepped[column]), difference(expected, &simulated[column]));
-        println!("output {column}: predictor {rounding:.1e}, simulator {integration:.1e}");
-        assert!(rounding < 1e-10 && integration < 1e-4, "{rounding} {integration}");
-    }
+    table
 }
 
-#[test]
-fn what_cannot_be_set_or_read_is_said() {
-    let mut unit = Unit::new(&model().text).unwrap();
-    unit.start(0.0);
-    assert!(unit.set(2, 1.0).unwrap_err().contains("cannot be set"));
-    assert!(unit.set(1, f64::NAN).unwrap_err().contains("cannot be set"));
-    assert!(unit.set(0, 1.0).unwrap_err().contains("reference 0"));
-    assert!(unit.get(&[999]).unwrap_err().contains("reference 999"));
-    assert!(unit.step(-1.0).unwrap_err().contains("sample time"));
-    assert!(Unit::new("x = 1").is_err());
-}
-
-/// `target/PROFILE` of this test.
-fn folder() -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    test.ancestors().nth(2).unwrap().to_owned()
-}
-
-#[test]
-fn fmpy_validates_and_simulates_to_rounding() {
+fn assert_equal_in_fmpy(interface: &str, text: &str, changed: (&str, f64), force: &[f64]) {
     let Some(python) = python() else {
-        socam_tests::skip("no Python with FMPy (SOCAM_PYTHON names one)");
+        eprintln!("skipped: no Python with FMPy (SOCAM_PYTHON names one)");
         return;
     };
-    // Cargo builds the shared library with the tests, beside them.
-    let library = folder().join("deps").join(socam_fmu::LIBRARY);
-    let work = tempfile::tempdir().unwrap();
-    let unit = work.path().join("two-mass.fmu");
-    std::fs::write(&unit, socam_fmu::unit_bytes(&model().text, &library).unwrap()).unwrap();
-    let mut table = String::from("time,motor_torque\n");
-    torque().iter().enumerate().for_each(|(k, u)| table.push_str(&format!("{},{u}\n", k as f64 * STEP_S)));
-    std::fs::write(work.path().join("in.csv"), table).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/simulate.py");
+    let model = Model::parse(text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (fmu, table) = (folder.path().join("model.fmu"), folder.path().join("table.csv"));
+    std::fs::write(&fmu, socam_fmu::fmu(text).unwrap()).unwrap();
+    std::fs::write(&table, simulated(&model, changed, force)).unwrap();
     let output = Command::new(python)
-        .arg(script)
-        .arg(&unit)
-        .args(["in.csv", "out.csv"])
-        .current_dir(work.path())
+        .arg(scripts().join("simulate_fmu.py"))
+        .args([&fmu, &table])
+        .args([interface, "1", &format!("parameter.{}", changed.0), &changed.1.to_string()])
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let found = std::fs::read_to_string(work.path().join("out.csv")).unwrap();
-    let rows: Vec<Vec<f64>> = found
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
-        .collect();
-    for (column, expected) in expected().iter().enumerate() {
-        let own: Vec<f64> = rows.iter().map(|row| row[column + 1]).collect();
-        let rounding = difference(expected, &own);
-        println!("output {column}: {rounding:.1e} in FMPy");
-        assert!(rounding < 1e-10, "{rounding}");
-    }
+    let said =
+        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+    assert!(output.status.success(), "{said}");
+    println!("{said}");
+}
+
+/// The text of an embedded model whose first input is held between samples.
+fn held(name: &str, input: &str) -> String {
+    let table = format!("[channels.{input}]");
+    let text = Model::builtin(name).unwrap().text.replace(&table, &format!("{table}\nbetween = \"hold\""));
+    assert!(text.contains("hold"));
+    text
+}
+
+#[test]
+fn co_simulation_of_a_linear_model_is_equal() {
+    let text = held("two-mass", "motor_torque");
+    assert_equal_in_fmpy("CoSimulation", &text, ("stiffness", 200.0), &force(1.0));
+}
+
+#[test]
+fn co_simulation_with_friction_is_equal() {
+    let text = held("emps", "force");
+    assert_equal_in_fmpy("CoSimulation", &text, ("coulomb", 30.0), &force(300.0));
+}
+
+/// The force is constant, because FMPy sets inputs at communication points and its integrator steps beyond them.
+#[test]
+fn model_exchange_with_friction_is_equal() {
+    let text = held("emps", "force");
+    assert_equal_in_fmpy("ModelExchange", &text, ("coulomb", 30.0), &[100.0; ROWS]);
 }

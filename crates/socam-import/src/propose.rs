@@ -159,7 +159,8 @@ impl ProposedClock {
 impl Proposed {
     fn of(signal: &Signal, full_name: String, prefix: usize) -> Self {
         let (bare, in_name) = unit::in_name(&signal.name);
-        let own = bare.get(prefix..).filter(|own| !own.is_empty()).unwrap_or(&bare);
+        let is_name = |own: &&str| own.starts_with(|c: char| c.is_alphabetic());
+        let own = bare.get(prefix..).filter(is_name).unwrap_or(&bare);
         let stated = signal.unit.clone().or(in_name);
         let is_known = |text: &String| unit::parse(text).is_some();
         let held = || signal.absolute().filter(|value| value.is_finite());

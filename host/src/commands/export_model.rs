@@ -107,8 +107,7 @@ fn unit(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         );
     }
     output::check_target(&path, Path::new(&args.model), args.force)?;
-    let program = std::env::current_exe().context("this program does not know where it is")?;
-    let bytes = socam_fmu::unit_bytes(&model.text, &socam_fmu::library_beside(&program))?;
+    let bytes = socam_fmu::fmu(&model.text)?;
     let mut file = output::create_new(&path, args.force)?;
     file.write_all(&bytes).with_context(|| format!("cannot write `{}`", path.display()))?;
     file.commit()?;

@@ -74,6 +74,7 @@ fn dataset(arrays: &mut Arrays<'_>, path: &str, dataset: &Dataset) -> Result<(),
         [rows] => (*rows, 1, false),
         [1, rows] | [rows, 1] => (*rows, 1, false),
         [columns, rows] if is_matlab => (*rows, *columns, false),
+        [rows, columns] if Arrays::is_by_rows(*rows as usize, *columns as usize) => (*columns, *rows, false),
         [rows, columns] => (*rows, *columns, true),
         _ => {
             arrays.leave(path, "has more than two dimensions");
@@ -81,14 +82,16 @@ fn dataset(arrays: &mut Arrays<'_>, path: &str, dataset: &Dataset) -> Result<(),
         }
     };
     let (rows, columns) = (rows as usize, columns as usize);
-    if !arrays.takes(path, columns) {
+    let signals = if Arrays::is_by_rows(rows, columns) { rows } else { columns };
+    if !arrays.takes(path, signals) {
         return Ok(());
     }
     let mut values = dataset.read_f64()?;
     if is_transposed {
         values = transposed(&values, rows, columns);
     }
-    arrays.add(path, text("unit").or_else(|| text("units")).as_deref(), columns, &values);
+    let unit = text("unit").or_else(|| text("units"));
+    arrays.add_matrix(path, unit.as_deref(), rows, columns, &values);
     Ok(())
 }
 

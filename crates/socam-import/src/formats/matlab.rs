@@ -109,16 +109,26 @@ fn matrix(
         }
         _ if NUMBERS.contains(&class) && is_complex => arrays.leave(&path, "holds complex numbers"),
         _ if NUMBERS.contains(&class) => {
-            let columns = match dimensions.as_slice() {
-                [1, _] => 1,
-                [_, columns] => usize::try_from(*columns).unwrap_or(0),
+            let (rows, columns) = match dimensions.as_slice() {
+                [1, length] => (usize::try_from(*length).unwrap_or(0), 1),
+                [rows, columns] => {
+                    (usize::try_from(*rows).unwrap_or(0), usize::try_from(*columns).unwrap_or(0))
+                }
                 _ => {
                     arrays.leave(&path, "has more than two dimensions");
                     return Ok(());
                 }
             };
-            if arrays.takes(&path, columns) {
-                arrays.add(&path, None, columns, &elements.numbers()?);
+            let signals = if Arrays::is_by_rows(rows, columns) { rows } else { columns };
+            if arrays.takes(&path, signals) {
+                let values = elements.numbers()?;
+                if values.len() != rows.saturating_mul(columns) {
+                    return Err(format!(
+                        "`{path}` has {} numbers for {rows} rows of {columns}",
+                        values.len()
+                    ));
+                }
+                arrays.add_matrix(&path, None, rows, columns, &values);
             }
         }
         _ => {}

@@ -6,6 +6,8 @@ use crate::source::{Group, Signal, Source, Wanted};
 
 /// Most columns of a matrix that are taken as signals.
 const MOST_COLUMNS: usize = 256;
+/// Most rows of a matrix that are taken as signals.
+const MOST_ROWS: usize = 32;
 /// Shortest array that can be a signal.
 const SHORTEST: usize = 8;
 
@@ -47,7 +49,29 @@ impl<'w> Arrays<'w> {
         self.scalars.push((path.to_owned(), value));
     }
 
-    /// Adds a matrix whose columns stand one behind the other.
+    /// Whether the signals of a matrix are its rows, as in files that Simulink writes.
+    pub(super) fn is_by_rows(rows: usize, columns: usize) -> bool {
+        rows > 1 && rows <= MOST_ROWS && columns >= SHORTEST.max(4 * rows)
+    }
+
+    /// Adds a matrix whose columns stand one behind the other. Its signals are its columns, or its rows where those are few and long.
+    pub(super) fn add_matrix(
+        &mut self,
+        path: &str,
+        unit: Option<&str>,
+        rows: usize,
+        columns: usize,
+        values: &[f64],
+    ) {
+        if !Self::is_by_rows(rows, columns) {
+            return self.add(path, unit, columns, values);
+        }
+        let turned: Vec<f64> =
+            (0..rows).flat_map(|row| values.iter().skip(row).step_by(rows)).copied().collect();
+        self.add(path, unit, rows, &turned);
+    }
+
+    /// Adds signals that stand one behind the other.
     pub(super) fn add(&mut self, path: &str, unit: Option<&str>, columns: usize, values: &[f64]) {
         if columns == 0 || columns > MOST_COLUMNS {
             return self.leave(path, &format!("has {columns} columns"));

@@ -90,8 +90,22 @@ fn time_unit(signal: &Signal, is_declared: bool) -> Option<(String, Option<Strin
             };
             Some((unit.into(), Some(why)))
         }
-        None => None,
+        None => unnamed(signal),
     }
+}
+
+/// The first column of a table without names, where it increases evenly.
+fn unnamed(signal: &Signal) -> Option<(String, Option<String>)> {
+    const EVEN: f64 = 0.05;
+    let is_first = signal.name == "column 1" || (signal.name.ends_with(".1") && !signal.name.contains(' '));
+    let step = crate::times::median_step_s(&signal.values).filter(|step| *step > 0.0 && *step < 0.5)?;
+    let is_even = signal.values.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < EVEN * step);
+    let why = format!(
+        "it is the first of columns without names, and increases in steps of {}, {} Hz",
+        short(step),
+        short(1.0 / step)
+    );
+    (is_first && is_even).then(|| ("s".into(), Some(why)))
 }
 
 fn short(number: f64) -> String {
