@@ -14,7 +14,9 @@ import pyarrow.feather
 import pyarrow.parquet
 import scipy.io
 from asammdf import MDF, Signal
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory, timestamp_pb2
 from mcap.writer import Writer
+from mcap_protobuf.writer import Writer as ProtobufWriter
 from mcap_ros2.writer import Writer as RosWriter
 from nptdms import ChannelObject, TdmsWriter
 
@@ -103,9 +105,29 @@ def ros():
         writer.finish()
 
 
+def protobuf():
+    file = descriptor_pb2.FileDescriptorProto(name="bench.proto", package="lab", syntax="proto3")
+    file.dependency.append(timestamp_pb2.DESCRIPTOR.name)
+    message = file.message_type.add(name="State")
+    kinds = descriptor_pb2.FieldDescriptorProto
+    message.field.add(name="stamp", number=1, type=kinds.TYPE_MESSAGE, type_name=".google.protobuf.Timestamp", label=1)
+    message.field.add(name="motor_speed_rpm", number=2, type=kinds.TYPE_DOUBLE, label=1)
+    message.field.add(name="torque_mNm", number=3, type=kinds.TYPE_DOUBLE, label=1)
+    pool = descriptor_pool.Default()
+    pool.Add(file)
+    State = message_factory.GetMessageClass(pool.FindMessageTypeByName("lab.State"))
+    with open(folder / "protobuf.mcap", "wb") as out, ProtobufWriter(out) as writer:
+        for k in range(ROWS):
+            stamp = START_NS + round(t[k] * 1e9)
+            state = State(motor_speed_rpm=rpm[k], torque_mNm=mNm[k])
+            state.stamp.FromNanoseconds(stamp)
+            writer.write_message("/state", state, log_time=stamp + 1_700_000, publish_time=stamp)
+
+
 tdms("run.tdms")
 mdf("run.mf4", 0)
 mdf("compressed.mf4", 2)
 arrow()
 matlab()
+protobuf()
 ros()

@@ -65,8 +65,16 @@ fn a_bad_recording_is_refused_by_every_command_with_its_line() {
         ("empty.mcap", vec![], &["empty", "0 bytes"]),
         ("photo.csv", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), &["expected an .mcap log"]),
         ("photo.mcap", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), &["expected an .mcap log"]),
-        ("header.csv", b"time,speed\n0,1\n0.1,2\n".to_vec(), &["does not say the unit of `speed`", "--propose"]),
-        ("units.csv", b"t_s,motor_speed,torque_in\n0,1,2\n1,2,3\n".to_vec(), &["the unit of `motor_speed`", "--propose"]),
+        (
+            "header.csv",
+            b"time,speed\n0,1\n0.1,2\n".to_vec(),
+            &["does not say the unit of `speed`", "--propose"],
+        ),
+        (
+            "units.csv",
+            b"t_s,motor_speed,torque_in\n0,1,2\n1,2,3\n".to_vec(),
+            &["the unit of `motor_speed`", "--propose"],
+        ),
         ("only_header.csv", table(""), &["no samples"]),
         ("back.csv", table("0,1,2\n0.001,1,2\n0.0005,1,2\n"), &["line 4", "0.001 s", "0.0005 s", "increase"]),
         ("nan.csv", table("0,1,2\n0.001,NaN,2\n"), &["line 3", "`motor_speed_rad_s`", "`NaN`", "finite"]),

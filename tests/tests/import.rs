@@ -31,7 +31,7 @@ fn foreign_files(python: &Path) -> TempDir {
     folder
 }
 
-const STATED: [&str; 10] = [
+const STATED: [&str; 11] = [
     "run.tdms",
     "run.mf4",
     "compressed.mf4",
@@ -42,6 +42,7 @@ const STATED: [&str; 10] = [
     "run.feather",
     "run.arrows",
     "json.mcap",
+    "protobuf.mcap",
 ];
 
 #[test]
