@@ -1,11 +1,11 @@
 //! One channel: how large its error is, and what it follows.
 
 use serde::Serialize;
-use socam_recording::Unit;
 
+use crate::delay::Matched;
 use crate::error::Result;
-use crate::pair::{Motion, Pair, Pairing, derivative, interpolated};
-use crate::regression;
+use crate::laws::laws;
+use crate::pair::{Motion, Pair, Pairing};
 use crate::spectrum::{Spectra, spectra};
 
 /// Periods of a recording that are looked at one by one.
@@ -14,10 +14,6 @@ const PERIODS: usize = 50;
 const OUTSTANDING: f64 = 2.0;
 /// Bins of speed.
 const BINS: usize = 40;
-/// Largest delay that is looked for, as a share of the recording and in seconds.
-const LARGEST_DELAY: (f64, f64) = (0.1, 0.5);
-/// Share of the largest speed over which the sign of a speed is smoothed.
-const SIGN_WIDTH: f64 = 0.002;
 
 /// The law of an offset.
 pub(crate) const CONSTANT: &str = "a constant";
@@ -32,7 +28,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    fn new(value: f64, half_width: f64) -> Self {
+    pub(crate) fn new(value: f64, half_width: f64) -> Self {
         Self { value, ci95: [value - half_width, value + half_width] }
     }
 
@@ -174,7 +170,7 @@ pub(crate) fn compare(
     })
 }
 
-fn rms(values: &[f64]) -> f64 {
+pub(crate) fn rms(values: &[f64]) -> f64 {
     let held = values.iter().filter(|value| value.is_finite());
     let (sum, count) = held.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
@@ -184,136 +180,6 @@ fn std(values: &[f64]) -> f64 {
     let held = || values.iter().filter(|value| value.is_finite());
     let mean = held().sum::<f64>() / held().count().max(1) as f64;
     rms(&values.iter().map(|value| value - mean).collect::<Vec<_>>())
-}
-
-/// Delay, gain and offset with which the simulation is nearest to the measurement.
-struct Matched {
-    delay_s: Estimate,
-    gain: Estimate,
-    offset: Estimate,
-    rms: f64,
-}
-
-impl Matched {
-    fn of(pair: &Pair, time_s: &[f64], step_s: f64) -> Option<Self> {
-        let span_s = time_s.last()? - time_s.first()?;
-        let mut delay_s = coarse_delay(pair, step_s, (LARGEST_DELAY.0 * span_s).min(LARGEST_DELAY.1));
-        let mut result = None;
-        for _ in 0..6 {
-            let moved: Vec<f64> = time_s.iter().map(|time| time - delay_s).collect();
-            let simulated = interpolated(&moved, time_s, &pair.simulated);
-            let slope = derivative(time_s, &simulated);
-            let columns = [vec![1.0; time_s.len()], simulated, slope];
-            let fit = regression::fit(&pair.measured, &columns)?;
-            let gain = fit.coefficients[1];
-            if gain.abs() < 1e-3 {
-                return None;
-            }
-            let change_s = -fit.coefficients[2] / gain;
-            delay_s += change_s;
-            let width = |index: usize| fit.half_width(index);
-            result = Some(Self {
-                delay_s: Estimate::new(delay_s, width(2) / gain.abs()),
-                gain: Estimate::new(gain, width(1)),
-                offset: Estimate::new(fit.coefficients[0], width(0)),
-                rms: rms(&pair.measured) * (1.0 - fit.explained).max(0.0).sqrt(),
-            });
-            if change_s.is_nan() || change_s.abs() <= 1e-3 * step_s {
-                break;
-            }
-        }
-        result.filter(|matched| matched.delay_s.value.abs() < span_s)
-    }
-}
-
-/// The whole number of steps, as seconds, at which the two are most correlated.
-fn coarse_delay(pair: &Pair, step_s: f64, largest_s: f64) -> f64 {
-    let most = ((largest_s / step_s) as isize).min(pair.measured.len() as isize / 2);
-    let centre = |values: &[f64]| {
-        let held: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-        let mean = held.iter().sum::<f64>() / held.len().max(1) as f64;
-        values.iter().map(|value| if value.is_finite() { value - mean } else { 0.0 }).collect::<Vec<f64>>()
-    };
-    let (measured, simulated) = (centre(&pair.measured), centre(&pair.simulated));
-    let at = |shift: isize| {
-        let (from, to) = (shift.max(0) as usize, (-shift).max(0) as usize);
-        let (a, b) = (&measured[from..], &simulated[to..]);
-        let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-        product / a.len().min(b.len()) as f64
-    };
-    let stride = (most / 250).max(1);
-    let coarse =
-        (-most / stride..=most / stride).map(|k| k * stride).max_by(|a, b| at(*a).total_cmp(&at(*b)));
-    let coarse = coarse.unwrap_or(0);
-    let fine = (coarse - stride..=coarse + stride).max_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap_or(coarse);
-    step_s * fine as f64
-}
-
-/// Regressions of the error on functions of the simulated motion; `p_value` is corrected for their number and the coherence's.
-fn laws(pair: &Pair, rows: usize, error: &[f64], motion: Option<&Motion>, level: f64) -> Vec<Law> {
-    let unit = pair.channel.unit;
-    let symbol = unit.symbol();
-    let mut named = vec![(CONSTANT.to_owned(), symbol.to_owned(), vec![1.0; rows])];
-    let is_effort = matches!(unit, Unit::Nm | Unit::N);
-    match motion {
-        Some(motion) => {
-            let largest =
-                motion.speed.iter().filter(|v| v.is_finite()).fold(0.0_f64, |most, v| most.max(v.abs()));
-            let width = (SIGN_WIDTH * largest).max(f64::MIN_POSITIVE);
-            let name = &motion.name;
-            let per = |power: &str| format!("{symbol} per {}{power}", motion.unit.symbol());
-            let speed = || motion.speed.iter();
-            named.push((
-                format!("the sign of {name}"),
-                symbol.into(),
-                speed().map(|v| (v / width).tanh()).collect(),
-            ));
-            if is_effort || pair.channel.name != *name {
-                named.push((name.clone(), per(""), motion.speed.clone()));
-            }
-            if is_effort {
-                named.push((
-                    format!("{name} squared"),
-                    per(" squared"),
-                    speed().map(|v| v * v.abs()).collect(),
-                ));
-            }
-            if !is_effort {
-                named.push((format!("{} itself", pair.channel.name), "1".into(), pair.simulated.clone()));
-            }
-        }
-        None => named.push((format!("{} itself", pair.channel.name), "1".into(), pair.simulated.clone())),
-    }
-    // Each function is tested beside those before it: a constant explains what a speed that hardly changes would explain too. Functions
-    // that say the same as those before them, such as the sign of a speed that never changes, are left out.
-    let tests = (named.len() + 1) as f64;
-    let (mut columns, mut tested) = (Vec::new(), Vec::new());
-    for (of, symbol, column) in named {
-        columns.push(column);
-        match regression::fit(error, &columns) {
-            Some(fit) => tested.push((of, symbol, (fit.p_value(columns.len() - 1) * tests).min(1.0))),
-            None => drop(columns.pop()),
-        }
-    }
-    // Sizes are those beside the others that are there.
-    let is_there = |p_value: f64| p_value < level;
-    let kept: Vec<Vec<f64>> = columns
-        .into_iter()
-        .zip(&tested)
-        .filter(|(_, (.., p))| is_there(*p))
-        .map(|(column, _)| column)
-        .collect();
-    let fit = regression::fit(error, &kept);
-    let mut index = 0;
-    let law = |(of, unit, p_value): (String, String, f64)| {
-        let fit = fit.as_ref().filter(|_| is_there(p_value));
-        let (factor, share) = fit.map_or((Estimate::new(0.0, f64::INFINITY), 0.0), |fit| {
-            index += 1;
-            (Estimate::new(fit.coefficients[index - 1], fit.half_width(index - 1)), fit.shares[index - 1])
-        });
-        Law { of, factor, unit, share, p_value }
-    };
-    tested.into_iter().map(law).collect()
 }
 
 /// Neighbouring spans of time whose error is far above the median.

@@ -6,7 +6,9 @@
 //! the recording; their levels add up to [`Options::false_alarm_rate`].
 
 mod channel;
+mod delay;
 mod error;
+mod laws;
 mod page;
 mod pair;
 mod regression;

@@ -23,7 +23,7 @@ pub enum Kind {
     Derivative(usize),
 }
 
-/// A variable. Its value reference is its index in [`variables`].
+/// A variable. Its value reference is its index in [`variables()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Name by the structured naming convention of FMI, unique.

@@ -3,6 +3,7 @@
 mod align;
 mod dates;
 mod error;
+mod file;
 mod formats;
 mod import;
 mod mapping;
