@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::delay::Matched;
-use crate::error::Result;
 use crate::laws::laws;
 use crate::pair::{Motion, Pair, Pairing};
 use crate::spectrum::{Spectra, spectra};
@@ -131,7 +130,7 @@ pub(crate) fn compare(
     pairing: &Pairing,
     motion: Option<&Motion>,
     level: f64,
-) -> Result<ChannelComparison> {
+) -> ChannelComparison {
     let time_s = &pairing.time_s;
     let error: Vec<f64> = pair.measured.iter().zip(&pair.simulated).map(|(a, b)| a - b).collect();
     let spectra = spectra(pairing.step_s, &pair.measured, &pair.simulated);
@@ -144,7 +143,7 @@ pub(crate) fn compare(
     p_value = laws.iter().map(|law| law.p_value).fold(p_value, f64::min);
     let mut laws: Vec<Law> = laws.into_iter().filter(|law| law.p_value < level && law.share > 1e-3).collect();
     laws.sort_by(|a, b| b.share.total_cmp(&a.share));
-    Ok(ChannelComparison {
+    ChannelComparison {
         name: pair.channel.name.clone(),
         unit: pair.channel.unit.symbol(),
         measured_std,
@@ -167,7 +166,7 @@ pub(crate) fn compare(
             simulated: pair.simulated.clone(),
             spectra,
         },
-    })
+    }
 }
 
 pub(crate) fn rms(values: &[f64]) -> f64 {

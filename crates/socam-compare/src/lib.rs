@@ -70,20 +70,18 @@ pub enum Verdict {
 }
 
 /// Compares channels that were paired.
-///
-/// # Errors
-/// [`CompareError`] where too few rows are common.
-pub fn compare(pairing: &Pairing, options: &Options) -> Result<Comparison> {
+#[must_use]
+pub fn compare(pairing: &Pairing, options: &Options) -> Comparison {
     let level = options.false_alarm_rate / pairing.channels.len().max(1) as f64;
     let motion = pairing.motion();
     let each =
         pairing.channels.iter().map(|channel| channel::compare(channel, pairing, motion.as_ref(), level));
-    let mut channels = each.collect::<Result<Vec<_>>>()?;
+    let mut channels: Vec<_> = each.collect();
     channels.sort_by(|a, b| b.differs.cmp(&a.differs).then(b.error_share.total_cmp(&a.error_share)));
     let differs = channels.iter().any(|channel| channel.differs);
     let [first, last] =
         [pairing.time_s.first(), pairing.time_s.last()].map(|time| time.copied().unwrap_or(0.0));
-    Ok(Comparison {
+    Comparison {
         schema: "socam.compare/1",
         recording: pairing.recording.clone(),
         simulation: pairing.simulation.clone(),
@@ -93,5 +91,5 @@ pub fn compare(pairing: &Pairing, options: &Options) -> Result<Comparison> {
         rows: pairing.time_s.len(),
         channels,
         warnings: pairing.warnings.clone(),
-    })
+    }
 }

@@ -16,7 +16,7 @@ pub struct Pairing {
     pub simulation: String,
     /// Times of the recording at which the simulation has values too, s.
     pub time_s: Vec<f64>,
-    /// Median step of these times, s.
+    /// The recording's sample time, s.
     pub step_s: f64,
     /// Channels that are in both and differ.
     pub channels: Vec<Pair>,
@@ -77,7 +77,7 @@ pub fn pair(recording: &Dataset, simulation: &Dataset, maps: &[String]) -> Resul
             rows_s.len()
         ));
     }
-    let (step_s, sim_step_s) = (median_step_s(&time_s), median_step_s(times_s));
+    let (step_s, sim_step_s) = (recording.sample_time_s(), simulation.sample_time_s());
     if sim_step_s > 1.5 * step_s {
         warnings.push(format!(
             "the simulation has a value every {:.4} ms and the recording every {:.4} ms: what it does in between is interpolated",
@@ -171,12 +171,6 @@ fn names(recording: &Dataset, simulation: &Dataset, maps: &[String]) -> Result<V
         }
     }
     if pairs.is_empty() { Err(no_common(recording, simulation)) } else { Ok(pairs) }
-}
-
-pub(crate) fn median_step_s(times_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() { f64::NAN } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 fn is_constant(values: &[f64]) -> bool {

@@ -86,7 +86,7 @@ fn recorded(rig: Rig, seed: u64, colour: f64, share: f64) -> Dataset {
 
 fn compared(recording: &Dataset, false_alarm_rate: f64) -> Comparison {
     let pairing = pair(recording, &dataset("simulated", RIGHT.run()), &[]).unwrap();
-    compare(&pairing, &Options { false_alarm_rate }).unwrap()
+    compare(&pairing, &Options { false_alarm_rate })
 }
 
 fn channel<'c>(comparison: &'c Comparison, name: &str) -> &'c ChannelComparison {
@@ -120,7 +120,7 @@ fn a_friction_is_called_by_the_sign_of_the_speed() {
         simulated.iter().zip(&speed).map(|(torque, v)| torque + friction(*v) + noise.sample(&mut random));
     let recording = dataset("recorded", [speed.clone(), measured.collect()]);
     let pairing = pair(&recording, &dataset("simulated", [speed.clone(), simulated]), &[]).unwrap();
-    let comparison = compare(&pairing, &Options::default()).unwrap();
+    let comparison = compare(&pairing, &Options::default());
     let torque = channel(&comparison, "shaft_torque");
     let law = &torque.laws[0];
     assert!(torque.differs && law.of == "the sign of load_speed", "{:?}", torque.laws);

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use serde::Serialize;
 use socam_compare::{ChannelComparison, Comparison, Options, Verdict};
 use socam_recording::Dataset;
@@ -79,7 +80,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let simulation = shifted(output::open(&args.simulation)?, args.offset)?;
     let options = Options { false_alarm_rate: args.false_alarm_rate };
     let comparison =
-        socam_compare::compare(&socam_compare::pair(&recording, &simulation, &args.map)?, &options)?;
+        socam_compare::compare(&socam_compare::pair(&recording, &simulation, &args.map)?, &options);
     let model = match (&args.model, model) {
         (Some(name), Some(model)) => Some(check(name, model, &args, &simulation, &options)?),
         _ => None,
@@ -94,7 +95,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             ),
             format!("false alarm rate {}", args.false_alarm_rate),
         ];
-        std::fs::create_dir_all(folder)?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
         output::write_whole(&folder.join("index.html"), &socam_compare::page(&comparison, &about))?;
         let document = Document { comparison: &comparison, sentences: sentences.clone(), model: None };
         output::write_whole(&folder.join("comparison.json"), &serde_json::to_string_pretty(&document)?)?;
@@ -136,7 +138,7 @@ fn check(
     let replayed = replay.run(&data)?;
     let own = Dataset::from_columns(name, replayed.columns, replayed.time_s, replayed.values)?;
     let pairing = socam_compare::pair(&own, simulation, &args.map)?;
-    let comparison = socam_compare::compare(&pairing, options)?;
+    let comparison = socam_compare::compare(&pairing, options);
     let largest = comparison.channels.iter().map(|channel| channel.error_share).fold(0.0, f64::max);
     let mut sentences = vec![format!(
         "The simulator and {name} on the same inputs, from rest, are apart by {} % of a channel's standard deviation at most.",
