@@ -4,6 +4,7 @@ use socam_recording::{Dataset, Selection};
 
 use crate::error::Result;
 use crate::formats::detect;
+use crate::import::Imported;
 use crate::propose::import_stated;
 
 /// Opens a recording, or a part of one: MCAP, CSV and legacy logs of `socam`, and files of other programs that state the units and times
@@ -20,10 +21,30 @@ pub fn open(run: &str) -> Result<Dataset> {
 /// # Errors
 /// As [`open`].
 pub fn open_selection(selection: &Selection) -> Result<Dataset> {
+    Ok(match open_either(selection)? {
+        Opened::Own(data) => data,
+        Opened::Foreign(imported) => imported.data,
+    })
+}
+
+/// A recording, and where it comes from.
+#[derive(Debug)]
+pub enum Opened {
+    /// One of `socam`'s own formats.
+    Own(Dataset),
+    /// A file of another program that states its units and times.
+    Foreign(Imported),
+}
+
+/// As [`open_selection`], with what is known of a file of another program.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_either(selection: &Selection) -> Result<Opened> {
     match Dataset::open_selection(selection) {
         Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {
-            Ok(import_stated(selection)?.data)
+            Ok(Opened::Foreign(import_stated(selection)?))
         }
-        opened => Ok(opened?),
+        opened => Ok(Opened::Own(opened?)),
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use anyhow::Context;
-use socam_import::{Imported, Mapping};
+use socam_import::{Imported, Mapping, Opened};
 use socam_recording::{Attachment, Calibration, Dataset, Format, LegacyLog, Selection, import_mcap};
 
 use super::{Outcome, record};
@@ -135,11 +135,9 @@ impl Log {
 
     /// A recording that says itself what its numbers are.
     fn stated(selection: &Selection) -> anyhow::Result<Self> {
-        match Dataset::open_selection(selection) {
-            Err(error) if error.is_foreign() && socam_import::detect(&selection.path).is_ok() => {
-                Ok(Self::imported(socam_import::import_stated(selection)?, selection))
-            }
-            opened => Self::own(opened?, selection),
+        match socam_import::open_either(selection)? {
+            Opened::Own(data) => Self::own(data, selection),
+            Opened::Foreign(imported) => Ok(Self::imported(imported, selection)),
         }
     }
 
