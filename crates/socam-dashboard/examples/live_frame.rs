@@ -43,14 +43,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
     let mut dashboard = Dashboard::new(Layout { view: View::Live, ..Layout::default() });
     let theirs = ends.clone();
-    dashboard.live.connect_by(Box::new(move |_| {
+    dashboard.views.live.connect_by(Box::new(move |_| {
         let (port, bench) = link();
         *theirs.lock().expect("one thread") = Some(bench);
         port
     }));
     let ctx = egui::Context::default();
     dashboard.set_up(&ctx);
-    dashboard.live.connect(&ctx);
+    dashboard.views.live.connect(&ctx);
     let bench = ends.lock().expect("one thread").take().ok_or("the link was not made")?;
     let channels = (0..CHANNELS).map(|n| Channel::new(format!("channel_{n}"), Unit::V)).collect();
     bench.news.send(News::Connected { board: "a board".into(), channels, step_s: 1.0 / RATE_HZ })?;

@@ -98,7 +98,7 @@ fn pan(dashboard: &mut Dashboard, length_s: f64, spike_s: f64) {
         for frame in 0..30 {
             let from = (spike_s - 0.5 * width_s + width_s * 0.01 * f64::from(frame))
                 .clamp(0.0, (length_s - width_s).max(0.0));
-            dashboard.review.show_span([from, from + width_s]);
+            dashboard.views.time.show_span([from, from + width_s]);
             let input = RawInput {
                 screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 800.0))),
                 ..RawInput::default()

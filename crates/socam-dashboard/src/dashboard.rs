@@ -8,19 +8,15 @@ use std::path::{Path, PathBuf};
 use egui::{Frame, Key, Margin, Ui};
 use socam_model::Model;
 
-use crate::diagnosis::DiagnosisView;
 use crate::document::Document;
-use crate::draw::chart::Seen;
 use crate::files::Dialog;
 use crate::job::Job;
-use crate::layout::{Layout, View};
-use crate::live::{self, Live};
-use crate::outside;
-use crate::parameters::{self, Identification};
+use crate::layout::Layout;
 use crate::recording::Recording;
-use crate::review::{Entry, Review};
-use crate::spectra::Spectra;
-use crate::theme;
+use crate::review::Entry;
+use crate::view::{View, Views};
+use crate::workspace::{Request, Workspace};
+use crate::{live, outside, theme};
 
 /// An error or a remark; it is shown until it is dismissed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,18 +33,10 @@ pub struct Dashboard {
     pub(crate) simulate: Option<Simulate>,
     /// The layout that is kept from one start to the next.
     pub layout: Layout,
-    pub(crate) entries: Vec<Entry>,
-    /// The view over time.
-    pub review: Review,
-    /// The view over frequency.
-    pub spectra: Spectra,
-    pub(crate) checks: crate::spectra::check::Checks,
-    pub(crate) model: Model,
-    pub(crate) identification: Option<Identification>,
-    /// The diagnosis.
-    pub diagnosis: DiagnosisView,
-    /// The running bench.
-    pub live: Live,
+    /// The open recordings and the model.
+    pub workspace: Workspace,
+    /// The states of the views.
+    pub views: Views,
     pub(crate) opening: Vec<Job<Result<Document, String>>>,
     saving: Vec<Job<outside::Saved>>,
     /// Files to open with the next pass.
@@ -58,8 +46,6 @@ pub struct Dashboard {
     pub(crate) help: bool,
     /// Where the emergency stop was drawn in the last frame, points.
     stop_button: egui::Rect,
-    /// The charts of the last pass, for exports.
-    pub(crate) seen: Vec<Seen>,
     /// Held-out recordings of a diagnosis that begins once all files are open.
     diagnose: Option<Vec<String>>,
     /// The file that the picture of this pass is written to.
@@ -87,17 +73,13 @@ impl Dashboard {
     pub fn new(layout: Layout) -> Self {
         let model =
             Model::builtin("speed-o-cam").unwrap_or_else(|| unreachable!("the default model is embedded"));
+        let mut views = Views::default();
+        views.live.choose_device(&layout.device);
         Self {
             simulate: None,
-            live: Live::new(&layout.device),
             layout,
-            entries: Vec::new(),
-            review: Review::default(),
-            spectra: Spectra::default(),
-            checks: crate::spectra::check::Checks::default(),
-            model,
-            identification: None,
-            diagnosis: DiagnosisView::default(),
+            workspace: Workspace::new(model),
+            views,
             opening: Vec::new(),
             saving: Vec::new(),
             waiting: Vec::new(),
@@ -105,7 +87,6 @@ impl Dashboard {
             dialog: None,
             help: false,
             stop_button: egui::Rect::NOTHING,
-            seen: Vec::new(),
             exporting: None,
             diagnose: None,
             #[cfg(target_arch = "wasm32")]
@@ -117,7 +98,7 @@ impl Dashboard {
 
     /// Sets the model that recordings are checked against.
     pub fn use_model(&mut self, model: Model) {
-        self.model = model;
+        self.workspace.set_model(model);
     }
 
     /// Sets the function that simulates a model with the inputs of a recording.
@@ -149,7 +130,7 @@ impl Dashboard {
 
     /// Adds a recording that is in memory.
     pub fn add_recording(&mut self, recording: Recording) {
-        self.entries.push(Entry { recording, shown: true, shift_s: 0.0 });
+        self.workspace.entries.push(Entry { recording, shown: true, shift_s: 0.0 });
     }
 
     /// Whether something is still being opened or computed.
@@ -158,10 +139,8 @@ impl Dashboard {
         !self.opening.is_empty()
             || !self.saving.is_empty()
             || !self.waiting.is_empty()
-            || (self.diagnose.is_some() && !self.entries.is_empty())
-            || self.diagnosis.is_busy()
-            || self.spectra.is_busy()
-            || self.checks.is_busy()
+            || (self.diagnose.is_some() && !self.workspace.entries.is_empty())
+            || self.views.is_busy()
     }
 
     /// Shows a document.
@@ -175,25 +154,24 @@ impl Dashboard {
             }
             Document::Model(model) => {
                 self.say(format!("{} is the model now", model.name));
-                self.model = *model;
-                self.checks.forget();
+                self.workspace.set_model(*model);
             }
             Document::Identification(identification) => {
-                self.identification = Some(*identification);
+                self.views.parameters.shown = Some(*identification);
                 self.layout.view = View::Parameters;
             }
             Document::Diagnosis(diagnosis, model) => {
-                self.diagnosis.show(
+                self.views.diagnosis.show(
                     *diagnosis,
                     None,
-                    model.map_or_else(|| self.model.clone(), |model| *model),
+                    model.map_or_else(|| self.workspace.model().clone(), |model| *model),
                 );
                 self.layout.view = View::Diagnosis;
             }
             Document::Signal(_) if !live::REACHABLE => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
             ),
-            Document::Signal(file) => match self.live.signal.take(&file) {
+            Document::Signal(file) => match self.views.live.signal.take(&file) {
                 Ok(()) => self.layout.view = View::Live,
                 Err(sentence) => self.warn(sentence),
             },
@@ -202,7 +180,7 @@ impl Dashboard {
 
     /// Shows residuals beside the diagnosis that is shown.
     pub fn show_evidence(&mut self, evidence: socam_answer::Evidence) {
-        self.diagnosis.evidence(evidence);
+        self.views.diagnosis.evidence(evidence);
     }
 
     /// Shows a remark.
@@ -232,59 +210,47 @@ impl Dashboard {
         self.take_saved();
         #[cfg(not(target_arch = "wasm32"))]
         if self.opening.is_empty()
-            && !self.entries.is_empty()
+            && !self.workspace.entries.is_empty()
             && let Some(held_out) = self.diagnose.take()
         {
-            let names = self.entries.iter().map(|entry| entry.recording.about.name.clone());
-            self.diagnosis.start(&ctx, self.model.clone(), names.collect(), held_out);
+            let names = self.workspace.entries.iter().map(|entry| entry.recording.about.name.clone());
+            let model = self.workspace.model().clone();
+            self.views.diagnosis.start(&ctx, model, names.collect(), held_out);
             self.layout.view = View::Diagnosis;
         }
-        self.live.listen();
+        for view in View::ALL {
+            self.views.get(*view).poll(&ctx, &mut self.workspace);
+        }
         self.keys(&ctx);
-        self.seen.clear();
+        self.workspace.seen.clear();
         egui::Panel::top("menu")
             .frame(Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6)))
             .show(ui, |ui| {
                 self.bar(ui);
             });
         self.messages(ui);
-        match self.layout.view {
-            View::Live => {
-                if let Some(path) = self.live.ui(ui, &mut self.seen) {
-                    self.open([path]);
-                    self.layout.view = View::Time;
-                }
-            }
-            View::Time => self.review.ui(ui, &mut self.entries, &mut self.seen),
-            View::Frequency => {
-                egui::CentralPanel::default()
-                    .show(ui, |ui| self.spectra.ui(ui, &self.entries, &self.model, &mut self.seen));
-            }
-            View::Check => {
-                egui::CentralPanel::default().show(ui, |ui| self.checks.ui(ui, &self.entries, &self.model));
-            }
-            View::Parameters => {
-                egui::CentralPanel::default().show(ui, |ui| parameters::ui(ui, self.identification.as_ref()));
-            }
-            View::Diagnosis => self.diagnosis_view(ui),
-        }
+        self.views.get(self.layout.view).ui(ui, &mut self.workspace);
+        self.answer_requests();
         self.dialogs(&ctx);
         crate::help::window(&ctx, &mut self.help);
         self.layout.panels = crate::layout::panels(&ctx);
         self.export(&ctx);
     }
 
-    fn diagnosis_view(&mut self, ui: &mut Ui) {
-        let recordings: Vec<&Recording> =
-            self.entries.iter().filter(|e| e.shown).map(|e| &e.recording).collect();
-        let asked = self.diagnosis.ui(ui, &recordings, &self.model, &mut self.seen);
-        let Some(profile) = asked else { return };
-        if !live::REACHABLE {
-            return self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));
-        }
-        match self.live.signal.take(&profile) {
-            Ok(()) => self.layout.view = View::Live,
-            Err(sentence) => self.warn(sentence),
+    fn answer_requests(&mut self) {
+        for request in std::mem::take(&mut self.workspace.requests) {
+            match request {
+                Request::Show(view) => self.layout.view = view,
+                Request::Open(path) => self.open([path]),
+                Request::Save(path, bytes) => self.put(&path, Ok(bytes)),
+                Request::Signal(profile) if !live::REACHABLE => {
+                    self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));
+                }
+                Request::Signal(profile) => self.show(Document::Signal(*profile)),
+                Request::Model(model) => self.show(Document::Model(model)),
+                Request::Say(text) => self.say(text),
+                Request::Warn(text) => self.warn(text),
+            }
         }
     }
 
@@ -294,8 +260,8 @@ impl Dashboard {
             let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
             input.key_pressed(Key::Escape) || (input.pointer.primary_pressed() && on_button())
         };
-        if self.live.is_connected() && ctx.input(stop) {
-            self.live.emergency_stop();
+        if self.views.live.is_connected() && ctx.input(stop) {
+            self.views.live.emergency_stop();
         }
         self.shortcuts(ctx);
     }

@@ -3,9 +3,10 @@
 use egui::{Grid, RichText, ScrollArea, Window};
 
 use crate::theme;
+use crate::view::{Help, View};
 
-/// Names of controls as the window shows them, separated by `; ` and with `...` for variable parts, and their explanation.
-const CONTROLS: &[(&str, &[(&str, &str)])] = &[
+/// Controls of the frame around the views.
+const FRAME: [(&str, Help); 2] = [
     (
         "Everywhere",
         &[
@@ -13,7 +14,10 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
                 "EMERGENCY STOP; Esc",
                 "cuts the command at once, from every view; the board also stops by itself half a second after it hears nothing",
             ),
-            ("Live; Time; Frequency; Check; Parameters; Diagnosis", "the views: Ctrl+1 .. Ctrl+6"),
+            (
+                "a view's name",
+                "shows that view; Ctrl+1, Ctrl+2 and so on are the views in the order of their tabs",
+            ),
             (
                 "Ctrl+O; drop",
                 "opens recordings (.mcap, .csv, .m), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder)",
@@ -22,87 +26,6 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
             ("Ctrl+plus; Ctrl+minus; Ctrl+0", "the size of everything"),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),
             ("Dismiss", "puts a message away"),
-        ],
-    ),
-    (
-        "Live",
-        &[
-            ("Device", "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT"),
-            (
-                "Connect; Disconnect",
-                "opens and closes the link to the device; a bench that runs is stopped before",
-            ),
-            ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),
-            (
-                "Signal",
-                "sine (0.2 to 2.3 V, 0.05 to 5 Hz) around an offset, a constant, or a profile; what is outside the limits is limited, and said",
-            ),
-            (
-                "Amplitude; Frequency; Offset; Level; Duration",
-                "of the signal; the picture below is what the board will put out",
-            ),
-            ("Name; Samples per second", "of the next recording: NAME-1.mcap, NAME-2.mcap and so on"),
-            ("Note; Add", "travels with the recording; during a run it is marked at its time"),
-            ("Arm", "loads the signal and watches all limits; the drive stays off"),
-            ("Run", "starts the signal and its recording"),
-            ("Stop", "ramps down gently; what was recorded until then is kept"),
-            ("Look at the recording", "opens it in the view over time"),
-            ("Hold picture", "stands still while bench and recording go on"),
-            ("2 s; 10 s; 30 s; 60 s", "how much of the past is in sight"),
-        ],
-    ),
-    (
-        "Time",
-        &[
-            (
-                "drag; wheel; Shift+wheel",
-                "pan, zoom, scroll; the right button zooms to a box; the axes can be dragged",
-            ),
-            ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
-            (
-                "Cursors A, B; C; click",
-                "cursors A and B, set in turns by clicks; the table below has values and differences",
-            ),
-            ("Zoom to A..B", "shows what is between the cursors"),
-            ("a name; Close ...", "shows or hides a recording or a channel; closes it"),
-            ("shift of ...", "0.000 s beside a recording: draws it so much later or earlier"),
-            ("Difference to", "draws every other recording minus this one"),
-            ("shaded; vertical lines", "gaps, and events of the recording"),
-        ],
-    ),
-    (
-        "Frequency",
-        &[
-            ("Spectrum", "amplitude spectral density by Welch's method"),
-            (
-                "Response; output; over input",
-                "output over input with coherence, and the model's own response",
-            ),
-            (
-                "Poles and zeros; zeros of; over",
-                "of the model at its file's values; undamped frequency and damping ratio of each pole",
-            ),
-        ],
-    ),
-    (
-        "Diagnosis",
-        &[
-            (
-                "Diagnose; hold out ...",
-                "asks whether the shown recordings need physics that the model lacks, which, and where; those that are held out are the proof",
-            ),
-            (
-                "drawing",
-                "the place of each finding is framed and numbered; rivals are dashed; click an element to see what was found there",
-            ),
-            (
-                "over speed; over angle; over torque; over frequency; over time; recording; channel",
-                "where the model and the recordings part: residuals of every channel, or over time of one of them",
-            ),
-            ("measured shape", "the torque that is missing, as the recordings have it, with no law assumed"),
-            ("fit", "what remains of each channel beside its noise"),
-            ("before; after; both", "residuals of the model as it was and with the findings added"),
-            ("Make it the input signal", "what to record next, ready to be armed"),
         ],
     ),
     (
@@ -120,16 +43,25 @@ const CONTROLS: &[(&str, &[(&str, &str)])] = &[
     ),
 ];
 
+/// Title and controls of each part of the window.
+fn parts() -> impl Iterator<Item = (&'static str, Help)> {
+    let [everywhere, menus] = FRAME;
+    let views = View::ALL.iter().map(|view| (view.name(), view.help()));
+    std::iter::once(everywhere).chain(views).chain([menus]).filter(|(_, controls)| !controls.is_empty())
+}
+
 /// Whether a control of that name is explained.
 #[must_use]
 pub fn names(label: &str) -> bool {
     let label = label.to_lowercase();
-    CONTROLS.iter().flat_map(|(_, controls)| *controls).any(|(control, _)| {
-        control.split("; ").any(|name| match name.strip_suffix("...") {
-            Some(start) => label.starts_with(&start.to_lowercase()),
-            None => label == name.to_lowercase(),
+    let is_view = View::ALL.iter().any(|view| label == view.name().to_lowercase());
+    is_view
+        || parts().flat_map(|(_, controls)| controls).any(|(control, _)| {
+            control.split("; ").any(|name| match name.strip_suffix("...") {
+                Some(start) => label.starts_with(&start.to_lowercase()),
+                None => label == name.to_lowercase(),
+            })
         })
-    })
 }
 
 /// The help's window.
@@ -138,11 +70,11 @@ pub(crate) fn window(ctx: &egui::Context, open: &mut bool) {
         ctx,
         |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                for (view, controls) in CONTROLS {
+                for (view, controls) in parts() {
                     ui.add_space(6.0);
-                    ui.label(RichText::new(*view).strong().size(15.0));
-                    Grid::new(*view).num_columns(2).spacing([16.0, 5.0]).striped(true).show(ui, |ui| {
-                        for (control, text) in *controls {
+                    ui.label(RichText::new(view).strong().size(15.0));
+                    Grid::new(view).num_columns(2).spacing([16.0, 5.0]).striped(true).show(ui, |ui| {
+                        for (control, text) in controls {
                             ui.label(RichText::new(*control).color(theme::good(ui)));
                             ui.add(egui::Label::new(*text).wrap());
                             ui.end_row();

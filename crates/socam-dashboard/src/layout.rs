@@ -1,4 +1,4 @@
-//! The layout: the view that is shown and the settings that are kept from one start to the next.
+//! The layout: settings that are kept from one start to the next.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,42 +7,7 @@ use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
 use crate::theme::Look;
-
-/// A view.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "each is named by its tab")]
-pub enum View {
-    Live,
-    Time,
-    Frequency,
-    Check,
-    Parameters,
-    Diagnosis,
-}
-
-impl View {
-    /// All of them, in the order of their tabs.
-    pub const ALL: [Self; 6] =
-        [Self::Live, Self::Time, Self::Frequency, Self::Check, Self::Parameters, Self::Diagnosis];
-
-    /// Views that have a tab on this platform.
-    pub(crate) fn reachable() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|view| crate::live::REACHABLE || *view != Self::Live)
-    }
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Live => "Live",
-            Self::Time => "Time",
-            Self::Frequency => "Frequency",
-            Self::Check => "Check",
-            Self::Parameters => "Parameters",
-            Self::Diagnosis => "Diagnosis",
-        }
-    }
-}
+use crate::view::View;
 
 /// Settings that are kept from one start to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -7,6 +7,7 @@
 //! SI inside, unit in the name.
 
 mod about;
+pub mod check;
 mod dashboard;
 pub mod diagnosis;
 pub mod document;
@@ -26,7 +27,11 @@ pub mod samples;
 mod save;
 pub mod spectra;
 pub mod theme;
+mod view;
+mod workspace;
 
 pub use dashboard::{Dashboard, Simulate};
 pub use headless::{Viewport, picture};
-pub use layout::{Layout, View};
+pub use layout::Layout;
+pub use view::{Help, View, ViewPanel, Views};
+pub use workspace::{Request, Workspace};

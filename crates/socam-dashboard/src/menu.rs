@@ -25,7 +25,9 @@ const EXPORT: KeyboardShortcut = with_ctrl(Key::E);
 const UNDO: KeyboardShortcut = with_ctrl(Key::Z);
 const REDO: KeyboardShortcut = with_ctrl(Key::Y);
 const HELP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F1);
-const VIEWS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+/// Views beyond the ninth have no key.
+const VIEWS: [Key; 9] =
+    [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 fn item(ui: &mut Ui, text: &str, keys: Option<KeyboardShortcut>) -> bool {
     enabled_item(ui, true, text, keys)
@@ -61,7 +63,7 @@ impl Dashboard {
 
     fn file_menu(&mut self, ui: &mut Ui) {
         if live::REACHABLE && item(ui, "New input signal", None) {
-            self.live.signal.change(Settings::default());
+            self.views.live.signal.change(Settings::default());
             self.layout.view = View::Live;
         }
         if item(ui, "Open...", Some(OPEN)) {
@@ -70,9 +72,9 @@ impl Dashboard {
         if live::REACHABLE && item(ui, "Save input signal...", Some(SAVE)) {
             self.ask(ui.ctx(), Purpose::SaveSignal, "signal.toml");
         }
-        let any = self.entries.iter().any(|entry| entry.shown);
+        let any = self.workspace.entries.iter().any(|entry| entry.shown);
         if enabled_item(ui, any, "Save recording as .csv or .m...", None) {
-            let first = self.entries.iter().find(|entry| entry.shown);
+            let first = self.workspace.entries.iter().find(|entry| entry.shown);
             let name =
                 first.map_or("recording", |entry| crate::recording::short(&entry.recording.about.name));
             let name = Path::new(name).with_extension("csv").display().to_string();
@@ -93,29 +95,29 @@ impl Dashboard {
                 }
             }
         });
-        if enabled_item(ui, !self.entries.is_empty(), "Close all recordings", None) {
-            self.entries.clear();
-            self.review.fit();
+        if enabled_item(ui, !self.workspace.entries.is_empty(), "Close all recordings", None) {
+            self.workspace.entries.clear();
+            self.views.time.fit();
         }
     }
 
     fn edit_menu(&mut self, ui: &mut Ui) {
-        let [undo, redo] = self.live.signal.history();
+        let [undo, redo] = self.views.live.signal.history();
         if enabled_item(ui, undo, "Undo", Some(UNDO)) {
-            self.live.signal.undo();
+            self.views.live.signal.undo();
         }
         if enabled_item(ui, redo, "Redo", Some(REDO)) {
-            self.live.signal.redo();
+            self.views.live.signal.redo();
         }
         ui.separator();
         // These change the live view, so it is shown.
         if item(ui, "Cut input signal", Some(with_ctrl(Key::X))) {
-            ui.ctx().copy_text(self.live.signal.text());
-            self.live.signal.change(Settings::default());
+            ui.ctx().copy_text(self.views.live.signal.text());
+            self.views.live.signal.change(Settings::default());
             self.layout.view = View::Live;
         }
         if item(ui, "Copy input signal", Some(with_ctrl(Key::C))) {
-            ui.ctx().copy_text(self.live.signal.text());
+            ui.ctx().copy_text(self.views.live.signal.text());
             self.layout.view = View::Live;
         }
         if item(ui, "Paste input signal", Some(with_ctrl(Key::V))) {
@@ -125,8 +127,8 @@ impl Dashboard {
     }
 
     fn view_menu(&mut self, ui: &mut Ui) {
-        for (view, key) in View::reachable().zip(VIEWS) {
-            if item(ui, view.name(), Some(with_ctrl(key))) {
+        for (place, view) in View::reachable().enumerate() {
+            if item(ui, view.name(), VIEWS.get(place).copied().map(with_ctrl)) {
                 self.layout.view = view;
             }
         }
@@ -151,13 +153,13 @@ impl Dashboard {
     fn signal_menu(&mut self, ui: &mut Ui) {
         for (kind, name) in [(Kind::Sine, "Sine"), (Kind::Constant, "Constant")] {
             if item(ui, name, None) {
-                self.live.signal.change(Settings { kind, ..self.live.signal.settings.clone() });
+                self.views.live.signal.change(Settings { kind, ..self.views.live.signal.settings.clone() });
                 self.layout.view = View::Live;
             }
         }
         for name in socam_recording::ProfileFile::built_in_names().filter(|name| *name != "sine") {
             if item(ui, name, None) {
-                if let Err(sentence) = self.live.signal.take_built_in(name) {
+                if let Err(sentence) = self.views.live.signal.take_built_in(name) {
                     self.warn(sentence);
                 }
                 self.layout.view = View::Live;
@@ -210,10 +212,10 @@ impl Dashboard {
             return;
         }
         if pressed(UNDO) {
-            self.live.signal.undo();
+            self.views.live.signal.undo();
         }
         if pressed(REDO) {
-            self.live.signal.redo();
+            self.views.live.signal.redo();
         }
         if self.layout.view == View::Live {
             self.clipboard(ctx);
@@ -223,13 +225,13 @@ impl Dashboard {
     fn clipboard(&mut self, ctx: &egui::Context) {
         for event in ctx.input(|input| input.events.clone()) {
             match event {
-                egui::Event::Copy => ctx.copy_text(self.live.signal.text()),
+                egui::Event::Copy => ctx.copy_text(self.views.live.signal.text()),
                 egui::Event::Cut => {
-                    ctx.copy_text(self.live.signal.text());
-                    self.live.signal.change(Settings::default());
+                    ctx.copy_text(self.views.live.signal.text());
+                    self.views.live.signal.change(Settings::default());
                 }
                 egui::Event::Paste(text) => {
-                    if let Err(sentence) = self.live.signal.paste(&text) {
+                    if let Err(sentence) = self.views.live.signal.paste(&text) {
                         self.warn(sentence);
                     }
                 }
@@ -258,7 +260,7 @@ fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Ve
         .unwrap_or_default()
     };
     match extension.as_str() {
-        "csv" => Ok(export::csv(&dashboard.seen).into_bytes()),
+        "csv" => Ok(export::csv(&dashboard.workspace.seen).into_bytes()),
         "svg" => Ok(svg::svg(&shapes(), part, ground).into_bytes()),
         "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),
         _ => Err(format!("{}: what is seen is exported as .png, .svg or .csv", path.display())),

@@ -7,6 +7,8 @@ use serde::Deserialize;
 
 use crate::draw::chart;
 use crate::theme;
+use crate::view::{Help, ViewPanel};
+use crate::workspace::Workspace;
 
 /// Schema of the document.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -85,8 +87,24 @@ pub struct ChannelFit {
     pub vaf_percent: f64,
 }
 
-/// Draws the view.
-pub fn ui(ui: &mut Ui, shown: Option<&Identification>) {
+/// State of the view.
+#[derive(Debug, Default)]
+pub struct Parameters {
+    /// The identification that is shown.
+    pub shown: Option<Identification>,
+}
+
+impl ViewPanel for Parameters {
+    fn ui(&mut self, ui: &mut Ui, _: &mut Workspace) {
+        egui::CentralPanel::default().show(ui, |ui| contents(ui, self.shown.as_ref()));
+    }
+
+    fn help() -> Help {
+        &[]
+    }
+}
+
+fn contents(ui: &mut Ui, shown: Option<&Identification>) {
     let Some(shown) = shown else {
         chart::empty_state(
             ui,

@@ -3,7 +3,7 @@
 use egui::{Align, Button, Frame, Layout as Direction, Margin, RichText, Stroke, Ui};
 
 use super::Dashboard;
-use crate::layout::View;
+use crate::view::View;
 use crate::{live, theme};
 
 /// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
@@ -27,10 +27,10 @@ impl Dashboard {
                 let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
                 self.stop_button = stop.rect;
                 if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
-                    self.live.emergency_stop();
+                    self.views.live.emergency_stop();
                 }
                 if is_one_row {
-                    self.live.lamp(ui);
+                    self.views.live.lamp(ui);
                 }
             });
         });
@@ -39,7 +39,7 @@ impl Dashboard {
                 self.tabs(ui);
                 if live::REACHABLE {
                     ui.separator();
-                    self.live.lamp(ui);
+                    self.views.live.lamp(ui);
                 }
             });
         }

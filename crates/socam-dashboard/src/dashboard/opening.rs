@@ -12,8 +12,10 @@ impl Dashboard {
     /// Simulates the model with the inputs of the shown recordings, and opens the results beside them.
     pub(crate) fn simulate(&mut self, ctx: &egui::Context) {
         let Some(simulate) = self.simulate else { return };
-        for entry in self.entries.iter().filter(|entry| entry.shown && entry.recording.path.is_some()) {
-            let (model, run) = (self.model.clone(), entry.recording.about.name.clone());
+        for entry in
+            self.workspace.entries.iter().filter(|entry| entry.shown && entry.recording.path.is_some())
+        {
+            let (model, run) = (self.workspace.model().clone(), entry.recording.about.name.clone());
             let title = format!("Simulating {}", crate::recording::short(&run));
             let work = move |_: &crate::job::Handle| simulate(&model, &run).map(Document::Recording);
             self.opening.push(Job::start(&title, ctx, work));
@@ -64,7 +66,7 @@ impl Dashboard {
             Purpose::Open => self.open(files.iter().map(|path| path.display().to_string())),
             Purpose::Export => self.exporting = files.into_iter().next(),
             Purpose::SaveSignal => {
-                let text = self.live.signal.text();
+                let text = self.views.live.signal.text();
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
@@ -73,7 +75,8 @@ impl Dashboard {
 
     /// Writes the first recording that is shown; on a thread, since it may be long.
     fn save_recording(&mut self, ctx: &egui::Context, path: &Path) {
-        let Some(recording) = self.entries.iter().find(|entry| entry.shown).map(|entry| &entry.recording)
+        let Some(recording) =
+            self.workspace.entries.iter().find(|entry| entry.shown).map(|entry| &entry.recording)
         else {
             return self.warn("no recording is shown; open one first");
         };

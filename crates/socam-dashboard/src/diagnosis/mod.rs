@@ -12,10 +12,12 @@ use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
 use socam_answer::document::{ProofOutcome, Validation, Verdict};
 use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
-use socam_recording::ProfileFile;
 
 use crate::draw::chart::{self, Seen};
+#[cfg(not(target_arch = "wasm32"))]
 use crate::recording::Recording;
+use crate::view::{Help, ViewPanel};
+use crate::workspace::{Request, Workspace};
 use crate::{layout, theme};
 pub use choice::{Over, Sides};
 
@@ -43,16 +45,65 @@ struct Shown {
     model: Model,
 }
 
-impl DiagnosisView {
-    /// Whether a diagnosis is being made.
-    #[must_use]
-    pub fn is_busy(&self) -> bool {
-        #[cfg(target_arch = "wasm32")]
-        return false;
-        #[cfg(not(target_arch = "wasm32"))]
+impl ViewPanel for DiagnosisView {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        let mut wanted = None;
+        let width = layout::panel(ui, "findings", 372.0);
+        let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
+        let panel = panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                #[cfg(not(target_arch = "wasm32"))]
+                {
+                    let recordings: Vec<&Recording> = workspace.shown().map(|(_, shown)| shown).collect();
+                    self.maker.ui(ui, &recordings, workspace.model(), self.shown.is_none());
+                }
+                if let Some(shown) = &self.shown {
+                    wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
+                }
+            });
+        });
+        layout::keep_panel(ui, "findings", panel.response.rect.width());
+        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, &mut workspace.seen));
+        if let Some(profile) = wanted {
+            workspace.request(Request::Signal(Box::new(profile)));
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+        if let Some(answer) = self.maker.poll() {
+            self.show(answer.diagnosis, Some(answer.evidence), answer.model);
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn is_busy(&self) -> bool {
         self.maker.is_busy()
     }
 
+    fn help() -> Help {
+        &[
+            (
+                "Diagnose; hold out ...",
+                "asks whether the shown recordings need physics that the model lacks, which, and where; those that are held out are the proof",
+            ),
+            (
+                "drawing",
+                "the place of each finding is framed and numbered; rivals are dashed; click an element to see what was found there",
+            ),
+            (
+                "over speed; over angle; over torque; over frequency; over time; recording; channel",
+                "where the model and the recordings part: residuals of every channel, or over time of one of them",
+            ),
+            ("measured shape", "the torque that is missing, as the recordings have it, with no law assumed"),
+            ("fit", "what remains of each channel beside its noise"),
+            ("before; after; both", "residuals of the model as it was and with the findings added"),
+            ("Make it the input signal", "what to record next, ready to be armed"),
+        ]
+    }
+}
+
+impl DiagnosisView {
     /// Begins a diagnosis of recordings; held-out ones are used for validation only.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn start(
@@ -90,37 +141,6 @@ impl DiagnosisView {
         if let Some(shown) = &mut self.shown {
             shown.evidence = Some(evidence);
         }
-    }
-
-    /// Draws it. Returns the profile that is to become the input signal.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        recordings: &[&Recording],
-        model: &Model,
-        seen: &mut Vec<Seen>,
-    ) -> Option<ProfileFile> {
-        #[cfg(target_arch = "wasm32")]
-        let _ = (recordings, model);
-        #[cfg(not(target_arch = "wasm32"))]
-        if let Some(answer) = self.maker.poll() {
-            self.show(answer.diagnosis, Some(answer.evidence), answer.model);
-        }
-        let mut wanted = None;
-        let width = layout::panel(ui, "findings", 372.0);
-        let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
-        let panel = panel.show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                #[cfg(not(target_arch = "wasm32"))]
-                self.maker.ui(ui, recordings, model, self.shown.is_none());
-                if let Some(shown) = &self.shown {
-                    wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
-                }
-            });
-        });
-        layout::keep_panel(ui, "findings", panel.response.rect.width());
-        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen));
-        wanted
     }
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {

@@ -15,8 +15,9 @@ use egui::{RichText, Ui};
 use socam_core::State;
 use socam_recording::ProfileFile;
 
-use crate::draw::chart::Seen;
 use crate::theme;
+use crate::view::{Help, View, ViewPanel};
+use crate::workspace::{Request, Workspace};
 use buffer::Buffer;
 pub use link::{Batch, Bench, Connector, Health, News, Order, Plan, Port, Presses, link};
 use signal::Signal;
@@ -62,13 +63,13 @@ impl std::fmt::Debug for Live {
     }
 }
 
-impl Live {
-    pub(crate) fn new(device: &str) -> Self {
+impl Default for Live {
+    fn default() -> Self {
         Self {
             connector: None,
             port: None,
             link: Link::Closed,
-            device: device.into(),
+            device: "sim".into(),
             health: None,
             buffer: Buffer::default(),
             signal: Signal::default(),
@@ -83,6 +84,58 @@ impl Live {
             problem: None,
             preview: None,
         }
+    }
+}
+
+impl ViewPanel for Live {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        if self.port.is_some() {
+            // 40 pictures per second, even if the pointer rests.
+            ui.ctx().request_repaint_after_secs(1.0 / 40.0);
+        }
+        if let Some(path) = controls::panel(self, ui) {
+            workspace.request(Request::Open(path));
+            workspace.request(Request::Show(View::Time));
+        }
+        egui::CentralPanel::default().show(ui, |ui| self.charts(ui, &mut workspace.seen));
+    }
+
+    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+        self.listen();
+    }
+
+    fn help() -> Help {
+        &[
+            ("Device", "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT"),
+            (
+                "Connect; Disconnect",
+                "opens and closes the link to the device; a bench that runs is stopped before",
+            ),
+            ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),
+            (
+                "Signal",
+                "sine (0.2 to 2.3 V, 0.05 to 5 Hz) around an offset, a constant, or a profile; what is outside the limits is limited, and said",
+            ),
+            (
+                "Amplitude; Frequency; Offset; Level; Duration",
+                "of the signal; the picture below is what the board will put out",
+            ),
+            ("Name; Samples per second", "of the next recording: NAME-1.mcap, NAME-2.mcap and so on"),
+            ("Note; Add", "travels with the recording; during a run it is marked at its time"),
+            ("Arm", "loads the signal and watches all limits; the drive stays off"),
+            ("Run", "starts the signal and its recording"),
+            ("Stop", "ramps down gently; what was recorded until then is kept"),
+            ("Look at the recording", "opens it in the view over time"),
+            ("Hold picture", "stands still while bench and recording go on"),
+            ("2 s; 10 s; 30 s; 60 s", "how much of the past is in sight"),
+        ]
+    }
+}
+
+impl Live {
+    /// The device that Connect opens.
+    pub fn choose_device(&mut self, device: &str) {
+        self.device = device.into();
     }
 
     /// Sets the function that makes a link; without it there is no live view.
@@ -238,16 +291,5 @@ impl Live {
             }
         };
         ui.label(RichText::new(text).strong().color(colour));
-    }
-
-    /// Draws the view. Returns a recording that the user wants to open.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) -> Option<String> {
-        if self.port.is_some() {
-            // 40 pictures per second, even if the pointer rests.
-            ui.ctx().request_repaint_after_secs(1.0 / 40.0);
-        }
-        let wanted = controls::panel(self, ui);
-        egui::CentralPanel::default().show(ui, |ui| self.charts(ui, seen));
-        wanted
     }
 }

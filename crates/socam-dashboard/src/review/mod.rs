@@ -14,6 +14,8 @@ use socam_recording::Channel;
 use crate::draw::chart::{self, Chart, Flag, Seen, range_of, with_room};
 use crate::recording::short;
 use crate::theme;
+use crate::view::{Help, ViewPanel};
+use crate::workspace::Workspace;
 pub(crate) use difference::thinned;
 pub use entry::Entry;
 use entry::channels;
@@ -34,6 +36,31 @@ pub struct Review {
     next: usize,
     /// The recording that others are compared with.
     pub reference: Option<usize>,
+}
+
+impl ViewPanel for Review {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        self.draw(ui, &mut workspace.entries, &mut workspace.seen);
+    }
+
+    fn help() -> Help {
+        &[
+            (
+                "drag; wheel; Shift+wheel",
+                "pan, zoom, scroll; the right button zooms to a box; the axes can be dragged",
+            ),
+            ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
+            (
+                "Cursors A, B; C; click",
+                "cursors A and B, set in turns by clicks; the table below has values and differences",
+            ),
+            ("Zoom to A..B", "shows what is between the cursors"),
+            ("a name; Close ...", "shows or hides a recording or a channel; closes it"),
+            ("shift of ...", "0.000 s beside a recording: draws it so much later or earlier"),
+            ("Difference to", "draws every other recording minus this one"),
+            ("shaded; vertical lines", "gaps, and events of the recording"),
+        ]
+    }
 }
 
 /// Least height of a chart, points.
@@ -64,7 +91,7 @@ impl Review {
     }
 
     /// Draws the list and the charts.
-    pub fn ui(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) {
+    fn draw(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) {
         if let Some(closed) = list::panel(self, ui, entries) {
             entries.remove(closed);
             self.reference = None;

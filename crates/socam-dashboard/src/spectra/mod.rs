@@ -1,6 +1,5 @@
 //! The frequency view: spectra, frequency responses with coherence, poles and zeros.
 
-pub mod check;
 mod legend;
 mod model_response;
 mod poles;
@@ -17,6 +16,8 @@ use crate::recording::Recording;
 use crate::review::Entry;
 use crate::samples::Samples;
 use crate::theme;
+use crate::view::{Help, ViewPanel};
+use crate::workspace::Workspace;
 use legend::legend;
 use model_response::model_response;
 
@@ -57,14 +58,45 @@ impl std::fmt::Debug for Spectra {
     }
 }
 
-impl Spectra {
-    /// Whether something is being computed.
-    #[must_use]
-    pub fn is_busy(&self) -> bool {
+impl ViewPanel for Spectra {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace));
+    }
+
+    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+        if let Some(result) = self.job.as_ref().and_then(Job::poll) {
+            self.job = None;
+            self.computed.extend(result);
+        }
+    }
+
+    fn is_busy(&self) -> bool {
         self.job.is_some()
     }
 
-    pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model, seen: &mut Vec<Seen>) {
+    fn help() -> Help {
+        &[
+            ("Spectrum", "amplitude spectral density by Welch's method"),
+            (
+                "Response; output; over input",
+                "output over input with coherence, and the model's own response",
+            ),
+            (
+                "Poles and zeros; zeros of; over",
+                "of the model at its file's values; undamped frequency and damping ratio of each pole",
+            ),
+        ]
+    }
+}
+
+impl Spectra {
+    fn contents(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        let mut seen = std::mem::take(&mut workspace.seen);
+        self.draw(ui, &workspace.entries, workspace.model(), &mut seen);
+        workspace.seen = seen;
+    }
+
+    fn draw(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model, seen: &mut Vec<Seen>) {
         ui.horizontal(|ui| {
             for (kind, name) in
                 [(Kind::Spectrum, "Spectrum"), (Kind::Response, "Response"), (Kind::Poles, "Poles and zeros")]
@@ -116,10 +148,6 @@ impl Spectra {
     }
 
     fn compute(&mut self, ui: &mut Ui, shown: &[(usize, &Recording)], model: &Model) {
-        if let Some(result) = self.job.as_ref().and_then(Job::poll) {
-            self.job = None;
-            self.computed.extend(result);
-        }
         self.computed
             .retain(|computed| shown.iter().any(|(_, r)| Arc::ptr_eq(&r.samples, &computed.samples)));
         if self.job.is_none()

@@ -146,20 +146,20 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     let model = crate::model_file::load(&args.bench.model)?;
     dashboard.use_model(model);
     dashboard.simulate_by(simulated::simulated);
-    dashboard.live.record_into(args.record_into.clone());
+    dashboard.views.live.record_into(args.record_into.clone());
     if let Some(rate_hz) = args.rate {
-        dashboard.live.sample_at(rate_hz);
+        dashboard.views.live.sample_at(rate_hz);
     }
-    dashboard.live.connect_by(bench::connector(args.bench.clone(), calibration, args.token.read()?));
+    dashboard.views.live.connect_by(bench::connector(args.bench.clone(), calibration, args.token.read()?));
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
     if args.diagnose {
         dashboard.diagnose(args.holdout.clone());
     }
     if let [a, b] = args.cursors[..] {
-        dashboard.review.cursors = Some([a, b]);
+        dashboard.views.time.cursors = Some([a, b]);
     }
-    dashboard.review.reference = args.difference.then_some(0);
+    dashboard.views.time.reference = args.difference.then_some(0);
     Ok(dashboard)
 }
 
@@ -186,7 +186,7 @@ fn draw(
 }
 
 fn view(text: &str) -> Result<View, String> {
-    let names = View::ALL.map(|view| view.name().to_lowercase());
+    let names: Vec<String> = View::ALL.iter().map(|view| view.name().to_lowercase()).collect();
     let found = names.iter().position(|name| name == text).map(|index| View::ALL[index]);
     found.ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }

@@ -25,7 +25,7 @@ impl Rehearsal {
     /// A run of the default input signal for a given time.
     pub(super) fn new(dashboard: &mut Dashboard, length: Duration) -> Self {
         let signal = Settings { duration_s: length.as_secs_f64(), ..Settings::default() };
-        dashboard.live.signal.change(signal);
+        dashboard.views.live.signal.change(signal);
         let (asked, runs_since) = (None, None);
         Self { length, asked, is_connecting: false, since: Instant::now(), runs_since, frames: 0 }
     }
@@ -35,7 +35,7 @@ impl Rehearsal {
     /// # Errors
     /// When a step fails or times out; one sentence.
     pub(super) fn go_on(&mut self, dashboard: &mut Dashboard, ctx: &egui::Context) -> anyhow::Result<bool> {
-        let live = &mut dashboard.live;
+        let live = &mut dashboard.views.live;
         if let Some((_, text, _)) = live.ended() {
             println!("{text}");
             return Ok(true);
@@ -73,7 +73,7 @@ impl Rehearsal {
     ) -> anyhow::Result<()> {
         let ctx = egui::Context::default();
         while !is(self) {
-            dashboard.live.listen();
+            dashboard.views.live.listen();
             if self.go_on(dashboard, &ctx)? {
                 break;
             }

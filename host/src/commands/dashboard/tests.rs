@@ -27,10 +27,10 @@ fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let mut dashboard = Dashboard::new(layout);
     let bench =
         BenchArgs { model: model.into(), set: Vec::new(), hide: Vec::new(), seed: 1, no_noise: false };
-    dashboard.live.connect_by(bench::connector(bench, None, None));
+    dashboard.views.live.connect_by(bench::connector(bench, None, None));
     dashboard.simulate_by(simulated::simulated);
-    dashboard.live.record_into(folder.into());
-    dashboard.live.sample_at(rate_hz);
+    dashboard.views.live.record_into(folder.into());
+    dashboard.views.live.sample_at(rate_hz);
     let harness = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02);
     let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
     window.run_steps(2);
@@ -54,7 +54,7 @@ fn click(window: &mut Window, label: &str) {
 }
 
 fn state(window: &Window) -> Option<State> {
-    window.state().live.state()
+    window.state().views.live.state()
 }
 
 fn connected(device: &str, folder: &Path, rate_hz: f64) -> Window {
@@ -64,7 +64,7 @@ fn connected(device: &str, folder: &Path, rate_hz: f64) -> Window {
 fn connect(mut window: Window) -> Window {
     click(&mut window, "Connect");
     until(&mut window, "the board", |window| state(window) == Some(State::Idle));
-    until(&mut window, "samples", |window| window.state().live.samples_shown() > 200);
+    until(&mut window, "samples", |window| window.state().views.live.samples_shown() > 200);
     window
 }
 
@@ -89,8 +89,8 @@ fn a_run_is_armed_started_stopped_and_looked_at() {
     click(&mut window, "Add");
     std::thread::sleep(Duration::from_millis(400));
     click(&mut window, "Stop");
-    until(&mut window, "the end", |window| window.state().live.ended().is_some());
-    let (path, text, well) = window.state().live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
+    let (path, text, well) = window.state().views.live.ended().unwrap();
     assert!(well && text.starts_with("stopped by the operator") && text.contains("none lost"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 500 && data.lost_samples() == 0, "{}", data.rows());
@@ -115,8 +115,8 @@ fn the_emergency_stop_cuts_the_command_from_any_view_by_its_key() {
     click(&mut window, "Diagnosis");
     window.key_press(egui::Key::Escape);
     window.run_steps(1);
-    until(&mut window, "the end", |window| window.state().live.ended().is_some());
-    let (path, text, _) = window.state().live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
+    let (path, text, _) = window.state().views.live.ended().unwrap();
     assert!(text.contains("emergency") || text.contains("stopped"), "{text}");
     let command = Dataset::open(&path.display().to_string()).unwrap().load(&["command"]).unwrap();
     let values = command.columns[0].values();
@@ -141,7 +141,7 @@ fn a_press_on_the_emergency_stop_acts_while_a_dialog_is_open() {
     window.event(egui::Event::PointerMoved(pos));
     window.event(press);
     window.run_steps(1);
-    until(&mut window, "the end", |window| window.state().live.ended().is_some());
+    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
     until(&mut window, "the fault", |window| state(window) == Some(State::Fault));
 }
 
@@ -189,7 +189,7 @@ fn what_the_model_makes_of_a_recordings_inputs_lies_over_it_and_differs_by_its_n
     window.run_steps(2);
     assert_eq!(window.state().problems().collect::<Vec<_>>(), Vec::<&str>::new());
     window.get_by_label("run.mcap simulated by speed-o-cam");
-    window.state_mut().review.reference = Some(0);
+    window.state_mut().views.time.reference = Some(0);
     window.run_steps(2);
     window.get_by_label("Chart torque_out minus run.mcap, N m");
 
@@ -212,11 +212,11 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     std::fs::write(&model, format!("{}{sixth}", crate::model_file::text("speed-o-cam").unwrap())).unwrap();
     let mut window = connect(window_at(&model.display().to_string(), "sim", folder.path(), 10_000.0));
     let long = Settings { duration_s: 60.0, ..Settings::default() };
-    window.state_mut().live.signal.change(long);
+    window.state_mut().views.live.signal.change(long);
     running(&mut window);
     // What the eye sees is the last ten seconds: they fill up first.
     let full = 90_000;
-    until(&mut window, "a full picture", |window| window.state().live.samples_shown() > full);
+    until(&mut window, "a full picture", |window| window.state().views.live.samples_shown() > full);
     let begin = Instant::now();
     let mut spent = Duration::ZERO;
     let mut frames = 0;
@@ -234,8 +234,8 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     std::thread::sleep(Duration::from_secs(4));
     let own_ms = 1e3 * spent.as_secs_f64() / f64::from(frames);
     click(&mut window, "Stop");
-    until(&mut window, "the end", |window| window.state().live.ended().is_some());
-    let (path, text, well) = window.state().live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
+    let (path, text, well) = window.state().views.live.ended().unwrap();
     assert!(well, "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert_eq!((data.lost_samples(), data.channels().len()), (0, 6));

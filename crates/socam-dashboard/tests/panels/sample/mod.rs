@@ -175,7 +175,7 @@ fn with_runs(look: Look, view: View, runs: u32) -> Dashboard {
 
 fn with_spectra(look: Look, kind: Kind, runs: u32) -> Dashboard {
     let mut dashboard = with_runs(look, View::Frequency, runs);
-    dashboard.spectra.kind = kind;
+    dashboard.views.frequency.kind = kind;
     dashboard
 }
 
@@ -183,7 +183,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
     let mut dashboard = dashboard(look, View::Diagnosis);
     dashboard.show(parse("diagnosis.json", DIAGNOSIS).unwrap());
     dashboard.show_evidence(evidence());
-    dashboard.diagnosis.over = over;
+    dashboard.views.diagnosis.over = over;
     dashboard
 }
 
@@ -192,12 +192,12 @@ fn running(look: Look, fault: Option<&str>) -> Dashboard {
     let mut dashboard = dashboard(look, View::Live);
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
     let theirs = ends.clone();
-    dashboard.live.connect_by(Box::new(move |_| {
+    dashboard.views.live.connect_by(Box::new(move |_| {
         let (port, bench) = link();
         *theirs.lock().unwrap() = Some(bench);
         port
     }));
-    dashboard.live.connect(&egui::Context::default());
+    dashboard.views.live.connect(&egui::Context::default());
     let bench = ends.lock().unwrap().take().unwrap();
     let board = "virtual bench, firmware 1.0.0, at sim".into();
     bench.news.send(News::Connected { board, channels: channels(), step_s: 1e-3 }).unwrap();
@@ -284,8 +284,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
     };
     match name {
         "help" => state.show_help(),
-        "time" => state.review.cursors = Some([2.5, 5.25]),
-        "time-differences" => state.review.reference = Some(0),
+        "time" => state.views.time.cursors = Some([2.5, 5.25]),
+        "time-differences" => state.views.time.reference = Some(0),
         "time-trouble" | "spectrum-trouble" => state.add_recording(troubled(8000)),
         "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),
         "time-nothing" => {

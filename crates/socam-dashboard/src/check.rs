@@ -9,6 +9,8 @@ use crate::job::Job;
 use crate::recording::short;
 use crate::review::Entry;
 use crate::theme;
+use crate::view::{Help, ViewPanel};
+use crate::workspace::Workspace;
 
 /// Relative tolerance of the ratio of mean speeds.
 const RATIO_TOLERANCE: f64 = 0.01;
@@ -18,22 +20,38 @@ const RATIO_TOLERANCE: f64 = 0.01;
 pub struct Checks {
     known: Vec<(String, Result<Check, String>)>,
     job: Option<(String, Job<Result<Check, String>>)>,
+    /// The model that the results belong to.
+    revision: u64,
 }
 
-impl Checks {
-    /// Whether something is being checked.
-    #[must_use]
-    pub fn is_busy(&self) -> bool {
+impl ViewPanel for Checks {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, &workspace.entries, workspace.model()));
+    }
+
+    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
+        if self.revision != workspace.revision() {
+            *self = Self { revision: workspace.revision(), ..Self::default() };
+        }
+        if let Some((name, job)) = &self.job
+            && let Some(result) = job.poll()
+        {
+            self.known.push((name.clone(), result.and_then(|result| result)));
+            self.job = None;
+        }
+    }
+
+    fn is_busy(&self) -> bool {
         self.job.is_some()
     }
 
-    /// Discards all results, since the model has changed.
-    pub(crate) fn forget(&mut self) {
-        self.known.clear();
-        self.job = None;
+    fn help() -> Help {
+        &[]
     }
+}
 
-    pub(crate) fn ui(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
+impl Checks {
+    fn contents(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
         if entries.is_empty() {
             chart::empty_state(
                 ui,
@@ -62,12 +80,6 @@ impl Checks {
     }
 
     fn work(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
-        if let Some((name, job)) = &self.job
-            && let Some(result) = job.poll()
-        {
-            self.known.push((name.clone(), result.and_then(|result| result)));
-            self.job = None;
-        }
         let unknown = |name: &str| self.known.iter().all(|(known, _)| known != name);
         let next = entries.iter().map(|entry| &entry.recording).find(|next| unknown(&next.about.name));
         if let (None, Some(recording)) = (&self.job, next) {
