@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
-use socam_model::{BUILTIN, Intersample, LARGEST_VALUE, Model};
+use socam_model::{BUILTIN, Intersample, Model};
 
 use crate::output::WrongArguments;
 
@@ -73,28 +73,10 @@ pub(crate) fn set(model: &mut Model, settings: &[String], fix: bool) -> anyhow::
             Some((name, value)) => (name.trim(), Some(value.trim())),
             None => (setting.trim(), None),
         };
-        let Some(index) = model.parameter(name) else {
-            let names: Vec<_> = model.parameters.iter().map(|p| p.name.as_str()).collect();
-            return Err(wrong(format!(
-                "the model {} has no parameter {name}; it has {}",
-                model.name,
-                names.join(", ")
-            ))
-            .into());
-        };
-        let parameter = &mut model.parameters[index];
-        if let Some(text) = value {
-            let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.abs() <= LARGEST_VALUE);
-            let Some(number) = number else {
-                return Err(wrong(format!(
-                    "expected a number of at most {LARGEST_VALUE:e} in {} after the equals sign",
-                    parameter.unit
-                ))
-                .into());
-            };
-            parameter.value = number;
-        }
-        parameter.fixed |= fix;
+        let value =
+            value.map(|text| text.parse::<f64>().map_err(|_| wrong(format!("`{text}` is no number"))));
+        let set = model.set_parameter(name, value.transpose()?, fix);
+        set.map_err(|error| wrong(error.to_string()))?;
     }
     model.equations(&model.values())?;
     Ok(())

@@ -10,6 +10,8 @@ pub use elements::{Bearing, Differential, EffectUse, Gear, Motor, Node, Servo, S
 pub use parameter::{Parameter, Prior, Update};
 pub use quantity::{Quantity, Role};
 
+use crate::{LARGEST_VALUE, ModelError};
+
 /// Whether coordinates are angles or positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -75,6 +77,43 @@ impl Model {
     /// Index of a parameter in [`Self::parameters`].
     pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter.name == name)
+    }
+
+    /// Sets a parameter to a value in SI, where one is given, and holds it there if `fix`. [`Self::text`] keeps what the file says.
+    ///
+    /// ```
+    /// use socam_model::Model;
+    ///
+    /// let mut model = Model::builtin("two-mass").expect("an embedded model");
+    /// model.set_parameter("stiffness", Some(150.0), true)?;
+    /// let stiffness = &model.parameters[model.parameter("stiffness").unwrap()];
+    /// assert_eq!((stiffness.value, stiffness.fixed), (150.0, true));
+    /// assert!(model.set_parameter("stifness", None, true).is_err());
+    /// # Ok::<(), socam_model::ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ModelError::Network`] for a parameter that does not exist, [`ModelError::Value`] for a value beyond [`LARGEST_VALUE`].
+    pub fn set_parameter(&mut self, name: &str, value: Option<f64>, fix: bool) -> Result<(), ModelError> {
+        let Some(index) = self.parameter(name) else {
+            let names: Vec<_> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+            let message =
+                format!("the model {} has no parameter {name}; it has {}", self.name, names.join(", "));
+            return Err(ModelError::Network(message));
+        };
+        let parameter = &mut self.parameters[index];
+        if let Some(value) = value {
+            if value.is_nan() || value.abs() > LARGEST_VALUE {
+                return Err(ModelError::Value {
+                    name: name.into(),
+                    value,
+                    expected: "a number of at most 1e30",
+                });
+            }
+            parameter.value = value;
+        }
+        parameter.fixed |= fix;
+        Ok(())
     }
 
     /// Channels that drive the model, in the order of [`crate::Equations`]' inputs.
