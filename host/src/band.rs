@@ -1,7 +1,6 @@
 //! `--band LOW..HIGH`: the fit to recordings that were held out, counted within a band of frequencies.
 
-use serde_json::{Value, json};
-use socam_identify::{Band, BandFit};
+use socam_identify::{Band, BandFit, BandFits};
 use socam_recording::Dataset;
 
 use crate::output::WrongArguments;
@@ -20,31 +19,18 @@ pub(crate) fn check(band: Band, datasets: &[Dataset]) -> Result<(), WrongArgumen
     datasets.iter().try_for_each(|dataset| band.check(dataset)).map_err(|e| WrongArguments(e.to_string()))
 }
 
-/// Fits within a band, by output.
-pub(crate) struct BandFits {
-    pub(crate) band: Band,
-    pub(crate) channels: Vec<(String, Option<BandFit>)>,
-}
-
-impl BandFits {
-    pub(crate) fn json(&self) -> Value {
-        let channels = self.channels.iter().map(|(name, fit)| (name.clone(), json!(fit)));
-        let channels: serde_json::Map<String, Value> = channels.collect();
-        json!({"low_hz": self.band.low_hz(), "high_hz": self.band.high_hz(), "channels": channels})
-    }
-
-    pub(crate) fn table(&self) -> String {
-        let ends = format!("  within {} to {} Hz", self.band.low_hz(), self.band.high_hz());
-        let head = vec![ends, "residual rms".into(), "fit".into()];
-        let row = |(name, fit): &(String, Option<BandFit>)| match fit {
-            Some(fit) => {
-                vec![format!("  {name}"), table::number(fit.rms), format!("{:.1} %", fit.fit_percent)]
-            }
-            None => vec![format!("  {name}"), "nothing there".into(), "-".into()],
-        };
-        let rows: Vec<_> = std::iter::once(head).chain(self.channels.iter().map(row)).collect();
-        table::align(&rows, &[false, true, true])
-    }
+/// Fits within a band as a table.
+pub(crate) fn table(fits: &BandFits) -> String {
+    let ends = format!("  within {} to {} Hz", fits.band.low_hz(), fits.band.high_hz());
+    let head = vec![ends, "residual rms".into(), "fit".into()];
+    let row = |(name, fit): &(String, Option<BandFit>)| match fit {
+        Some(fit) => {
+            vec![format!("  {name}"), table::number(fit.rms), format!("{:.1} %", fit.fit_percent)]
+        }
+        None => vec![format!("  {name}"), "nothing there".into(), "-".into()],
+    };
+    let rows: Vec<_> = std::iter::once(head).chain(fits.channels.iter().map(row)).collect();
+    table::align(&rows, &[false, true, true])
 }
 
 #[cfg(test)]

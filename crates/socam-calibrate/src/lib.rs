@@ -2,7 +2,7 @@
 //!
 //! [`Pairs`] reads tables as people write them from instruments; [`tasks`] recognises what they calibrate and fits a [`Line`] to
 //! each, robustly against outliers; [`steady`] extracts such pairs from recordings. [`regression`] is the estimator, which can also use
-//! prior knowledge.
+//! prior knowledge. [`sensors`] brings the uncertainty of calibrated sensors into a fit.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 
@@ -11,6 +11,7 @@ mod line;
 mod pairs;
 pub mod plot;
 pub mod regression;
+pub mod sensors;
 pub mod steady;
 pub mod tasks;
 

@@ -20,6 +20,9 @@ use report::Regression;
 mod axis;
 mod report;
 
+/// Id of the method in results.
+pub(crate) const METHOD: &str = "inverse-dynamics";
+
 /// Regresses the torque (force) input of `model` on its measured angle (position), all recordings together.
 ///
 /// ```

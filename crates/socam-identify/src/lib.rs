@@ -60,6 +60,7 @@ mod problem;
 mod progress;
 mod report;
 pub mod uncertainty;
+mod validation;
 
 #[cfg(test)]
 mod tests;
@@ -90,3 +91,4 @@ pub use uncertainty::{
     combinations::{combination_values, pairs as springs_in_series},
     information::Information,
 };
+pub use validation::{BandFits, Document, ForceError, Validation, force_errors, validate};

@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 use socam_sim::{Concealed, Override};
 
 use super::record::CourseArgs;
-use super::{Outcome, identify, simulate};
+use super::{Outcome, simulate};
 use crate::device::virtual_bench::BenchArgs;
 use crate::interrupt::Interrupt;
 use crate::{model_file, output, table, watch};
@@ -68,7 +68,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     })?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;
     let identified = args.dir.join("identified.toml");
-    identify::write_model(output::create(&identified)?, &model, &result)?;
+    output::write_whole(&identified, &result.model_text(&model)?)?;
     output::print(&report(&model, &result, &test, &held_out[0]))?;
     let outcome = worse(outcome, hidden::run(&args.dir, &model, args.seed)?);
     output::print(&next_steps(&args.dir, &identified))?;

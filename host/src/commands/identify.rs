@@ -17,8 +17,8 @@ mod validation;
 
 use std::io::Write;
 
-use socam_identify::{End, Identification};
-use socam_model::{Model, Update};
+use socam_identify::Document;
+use socam_model::Model;
 use socam_recording::{Dataset, OutputFile};
 
 use super::Outcome;
@@ -28,8 +28,8 @@ use crate::{band, calibrated, model_file, watch};
 use args::Method;
 pub(crate) use args::{Args, Start};
 use noise::options;
-use result::{print_json, report};
-use validation::{bind, force_errors, validate};
+use result::report;
+use validation::{bind, in_words};
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut model = model_file::load(&args.model)?;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(calibration) = calibrated::of(&args.runs, args.calibration.as_deref())?
         && args.method == Method::OutputError
     {
-        model = calibrated::with_sensor_gains(&model, &calibration)?;
+        model = socam_calibrate::sensors::with_sensor_gains(&model, &calibration)?;
     }
     refuse_unused(&args)?;
     match args.method {
@@ -71,18 +71,21 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         })?,
         _ => socam_identify::inverse_dynamics(&model, &datasets)?,
     };
-    let validation = validate(&args, &model, &held_out, &result, &options)?;
-    let force_errors = force_errors(&args, &model, &datasets, &result)?;
-    if let Some(target) = target {
+    let validation = socam_identify::validate(&model, &held_out, &result, &options, args.band)
+        .map_err(|error| in_words(&model, error))?;
+    let training = socam_identify::force_errors(&model, &datasets, &result)?;
+    let document = Document { result: &result, training: &training, validation: &validation };
+    if let Some(mut target) = target {
         // The written model has no sensor gains, which belong to the calibration.
-        write_model(target, &uncalibrated, &result)?;
+        target.write_all(result.model_text(&uncalibrated)?.as_bytes())?;
+        target.commit()?;
         interrupt.unfinished(None);
     }
     if args.json {
-        print_json(&result, &validation, &force_errors)?;
+        output::print_json(&document)?;
     } else {
         result.warnings.iter().for_each(output::warn);
-        output::print(&report(&result, &validation, &force_errors))?;
+        output::print(&report(document))?;
     }
     Ok(Outcome::on(datasets.iter().chain(&held_out)))
 }
@@ -114,36 +117,4 @@ fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
 
 fn open_all(runs: &[String], model: &Model) -> anyhow::Result<Vec<Dataset>> {
     runs.iter().map(|run| output::open_for(run, model, output::GRID_PARTS)).collect()
-}
-
-/// Writes `model` with the identified values.
-pub(crate) fn write_model(
-    mut target: OutputFile,
-    model: &Model,
-    result: &Identification,
-) -> anyhow::Result<()> {
-    let recordings = result.recordings.join(", ");
-    let updates: Vec<Update> = result
-        .parameters
-        .iter()
-        .zip(&result.point)
-        .filter(|(parameter, _)| parameter.source != socam_identify::Source::Fixed)
-        .map(|(parameter, value)| Update {
-            name: parameter.name.clone(),
-            value: *value,
-            ci95: parameter.ci95[0]
-                .zip(parameter.ci95[1])
-                .map(|(low, high)| [low, high])
-                .filter(|_| parameter.identifiable),
-            source: if parameter.identifiable && result.end == End::Interrupted {
-                format!("best so far of an interrupted search ({}) from {recordings}", result.method)
-            } else if parameter.identifiable {
-                format!("identified ({}) from {recordings}", result.method)
-            } else {
-                format!("not determined by {recordings}; part of the fit only")
-            },
-        })
-        .collect();
-    target.write_all(model.text_with(&updates)?.as_bytes())?;
-    Ok(target.commit()?)
 }

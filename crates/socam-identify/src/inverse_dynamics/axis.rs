@@ -47,7 +47,7 @@ pub(super) struct Table {
 impl<'m> Axis<'m> {
     pub(super) fn new(model: &'m Model) -> Result<Self, IdentifyError> {
         let unsuited = |why: &str| IdentifyError::Unsuited {
-            method: "inverse-dynamics",
+            method: super::METHOD,
             model: model.name.clone(),
             why: why.into(),
         };

@@ -50,7 +50,7 @@ impl Regression {
         let point = self.point.iter().zip(&model.parameters).enumerate();
         Identification {
             schema: report::SCHEMA,
-            method: "inverse-dynamics",
+            method: super::METHOD,
             model: model.name.clone(),
             recordings: datasets.iter().map(|dataset| dataset.name().to_owned()).collect(),
             converged: true,

@@ -1,6 +1,7 @@
-//! Noise: its levels at inputs and outputs (`levels`, `input_noise`), the filters that whiten residuals (`innovations_filter`,
+//! Noise: its levels at inputs and outputs (`levels`, `input_noise`, or given: `by_name`), the filters that whiten residuals (`innovations_filter`,
 //! `prewhitening`), its bias in the information (`regressor_noise`), and the discrepancy of a model that lacks physics (`discrepancy`).
 
+mod by_name;
 pub(crate) mod discrepancy;
 pub(crate) mod filter_batch;
 pub(crate) mod innovations_filter;

@@ -85,7 +85,7 @@ pub struct Fit {
     pub channels: Vec<(String, ChannelFit)>,
 }
 
-fn as_map<T: Serialize, S: serde::Serializer>(
+pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
     channels: &[(String, T)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

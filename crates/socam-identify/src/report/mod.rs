@@ -4,10 +4,12 @@ mod advice;
 mod estimates;
 mod identification;
 mod intersample_check;
+mod model_text;
 mod offsets;
 mod warnings;
 
 pub(crate) use estimates::predicted;
+pub(crate) use identification::as_map;
 pub use identification::{
     ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };

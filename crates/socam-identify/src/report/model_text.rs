@@ -1,0 +1,35 @@
+//! The model file with the identified values.
+
+use socam_model::{Model, ModelError, Update};
+
+use crate::{End, Identification, Source};
+
+impl Identification {
+    /// The text of `model`'s file with the identified values, their intervals and sources. Fixed parameters stay as they are.
+    ///
+    /// # Errors
+    /// [`ModelError::File`] where [`Model::text`] is not TOML.
+    pub fn model_text(&self, model: &Model) -> Result<String, ModelError> {
+        let recordings = self.recordings.join(", ");
+        let method = self.method;
+        let free = self.parameters.iter().zip(&self.point).filter(|(p, _)| p.source != Source::Fixed);
+        let updates: Vec<Update> = free
+            .map(|(parameter, value)| Update {
+                name: parameter.name.clone(),
+                value: *value,
+                ci95: parameter.ci95[0]
+                    .zip(parameter.ci95[1])
+                    .map(|(low, high)| [low, high])
+                    .filter(|_| parameter.identifiable),
+                source: match (parameter.identifiable, self.end) {
+                    (true, End::Interrupted) => {
+                        format!("best so far of an interrupted search ({method}) from {recordings}")
+                    }
+                    (true, _) => format!("identified ({method}) from {recordings}"),
+                    (false, _) => format!("not determined by {recordings}; part of the fit only"),
+                },
+            })
+            .collect();
+        model.text_with(&updates)
+    }
+}
