@@ -1,12 +1,10 @@
 //! `check`: whether recordings can carry a fit, before any fit.
 
-use std::borrow::Cow;
 use std::fmt::Write;
 
 use anyhow::bail;
-use serde::Serialize;
 use socam_model::Model;
-use socam_recording::check::{ChannelCheck, Check, CheckOptions, Finding, Severity, Verdict, check};
+use socam_recording::check::{ChannelCheck, Check, CheckOptions, Document, Severity, Verdict, check};
 use socam_recording::{Channel, Dataset};
 
 use super::Outcome;
@@ -66,8 +64,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     };
     let checks = args.runs.iter().map(check_one).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
-        let recordings = checks.iter().map(Described::from).collect();
-        output::print_json(&Document { schema: "socam.check/1", recordings })?;
+        output::print_json(&Document::new(&checks))?;
     } else {
         let texts: Vec<String> = checks.iter().map(text).collect();
         output::print(&texts.join("\n"))?;
@@ -90,38 +87,6 @@ fn require_common_ground(data: &Dataset, model: &Model) -> anyhow::Result<()> {
         read.join(", "),
         held.join(", ")
     )
-}
-
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    recordings: Vec<Described<'a>>,
-}
-
-/// A check, with its findings in words beside the numbers.
-#[derive(Serialize)]
-struct Described<'a> {
-    #[serde(flatten)]
-    check: &'a Check,
-    sentences: Vec<Sentence>,
-}
-
-#[derive(Serialize)]
-struct Sentence {
-    severity: Severity,
-    sentence: String,
-    remedy: Cow<'static, str>,
-}
-
-impl<'a> From<&'a Check> for Described<'a> {
-    fn from(check: &'a Check) -> Self {
-        let sentence = |finding: &Finding| Sentence {
-            severity: finding.severity(),
-            sentence: finding.sentence(),
-            remedy: finding.remedy(),
-        };
-        Self { check, sentences: check.findings.iter().map(sentence).collect() }
-    }
 }
 
 fn text(check: &Check) -> String {

@@ -3,6 +3,7 @@
 //!
 //! One pass over the data. Findings are values with their numbers; each says what to record instead.
 
+mod document;
 mod excitation;
 mod finding;
 mod flat;
@@ -21,6 +22,7 @@ use crate::Channel;
 use crate::dataset::Dataset;
 use crate::error::Result;
 use crate::warning::Warning;
+pub use document::{Document, SCHEMA};
 use excitation::one_way;
 pub use finding::{Finding, HeldAt, Severity};
 pub use held::{Held, Saturation, held, saturations};
