@@ -9,10 +9,12 @@
 mod error;
 mod family;
 mod goal;
+mod proposal;
 mod rig;
 mod search;
 
 pub use error::DesignError;
 pub use goal::{Width, widths};
+pub use proposal::{Document, SCHEMA, five_steps};
 pub use rig::{Limits, Rig};
 pub use search::{Design, Tried, foretell, sharpest, telling_apart};

@@ -64,6 +64,12 @@ impl Rig {
         Ok(Self { setup, limits })
     }
 
+    /// Limits of its command.
+    #[must_use]
+    pub fn limits(&self) -> Limits {
+        self.limits
+    }
+
     /// The same rig with another model.
     pub(crate) fn with_setup(&self, setup: Setup) -> Self {
         Self { setup, limits: self.limits }

@@ -8,10 +8,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
-use serde::Serialize;
-use socam_design::{Limits, Rig, Width};
+use socam_design::{Document, Limits, Rig, five_steps};
 use socam_model::Model;
-use socam_recording::{Calibration, Course, ProfileFile};
+use socam_recording::Calibration;
 use socam_sim::{Setup, Truth, calibration_for};
 
 use super::Outcome;
@@ -73,19 +72,6 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// The names are part of the JSON document.
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    goal: &'static str,
-    profile: String,
-    tells_apart: Option<[String; 2]>,
-    distance: Option<f64>,
-    widths: &'a [Width],
-    reference: Option<&'a [Width]>,
-    tried: usize,
-}
-
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let target = args.output.as_deref().map(output::create).transpose()?;
     let base = model_file::load(&args.model)?;
@@ -101,33 +87,18 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     };
     let reference = match rival {
         Some(_) => None,
-        None => {
-            socam_design::foretell(&rig, &model, &recorded, &five_steps(&args))?.map(|(_, widths)| widths)
-        }
+        None => socam_design::foretell(&rig, &model, &recorded, &five_steps(&rig.limits()))?
+            .map(|(_, widths)| widths),
     };
     bar.finish_and_clear();
     let tells_apart = rival.map(|rival| rival.names);
-    let purpose = match &tells_apart {
-        Some([a, b]) => format!("to tell {a} from {b}"),
-        None => format!("to make the widest interval of {} narrowest", model.name),
-    };
-    let profile = ProfileFile { purpose: Some(purpose), ..design.best.profile.clone() };
-    let profile = rounded(profile).to_toml();
+    let profile = design.profile(&model.name, tells_apart.as_ref()).to_toml();
     if let Some(mut target) = target {
         target.write_all(profile.as_bytes())?;
         target.commit()?;
     }
     if args.json {
-        output::print_json(&Document {
-            schema: "socam.design/1",
-            goal: if tells_apart.is_some() { "tell_apart" } else { "sharpest" },
-            profile,
-            tells_apart,
-            distance: design.best.distance,
-            widths: &design.best.widths,
-            reference: reference.as_deref(),
-            tried: design.tried,
-        })?;
+        output::print_json(&Document::new(&design, profile, tells_apart, reference.as_deref()))?;
     } else {
         output::print(&text(
             &design,
@@ -178,47 +149,4 @@ fn rig(args: &Args, model: &Model) -> anyhow::Result<Rig> {
     let truth = Truth::new(model, &[], &[])?;
     let rig = Rig::new(Setup::new(truth, calibration, 1), limits);
     rig.map_err(|error| WrongArguments(error.to_string()).into())
-}
-
-/// The profile of the thesis: five speeds of equal duration.
-fn five_steps(args: &Args) -> ProfileFile {
-    let highest = args.voltage.unwrap_or(USUAL_V);
-    let first = 0.43 * highest;
-    let dwell_s = (args.duration / 5.0 * 1e3).floor() * 1e-3;
-    ProfileFile {
-        purpose: None,
-        command: socam_core::Command::Voltage,
-        course: Course::Staircase {
-            first,
-            step: 0.25 * (0.98 * highest - first),
-            count: 5,
-            dwell_s,
-            and_back: false,
-        },
-        ramp_s: 0.0,
-        limit: highest,
-        slew: args.slew,
-        duration_s: args.duration,
-    }
-}
-
-/// Rounds the numbers of a profile.
-fn rounded(mut profile: ProfileFile) -> ProfileFile {
-    let round = |value: &mut f64, digits: f64| *value = (*value * digits).floor() / digits;
-    match &mut profile.course {
-        Course::Multisine { offset, amplitude, from_hz, to_hz, .. }
-        | Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
-            [offset, amplitude].into_iter().for_each(|value| round(value, 1e4));
-            [from_hz, to_hz].into_iter().for_each(|value| round(value, 1e2));
-        }
-        Course::Prbs { offset, amplitude, .. } => {
-            [offset, amplitude].into_iter().for_each(|value| round(value, 1e4))
-        }
-        Course::Staircase { first, step, .. } => {
-            [first, step].into_iter().for_each(|value| round(value, 1e4))
-        }
-        _ => {}
-    }
-    round(&mut profile.duration_s, 1e3);
-    profile
 }

@@ -159,15 +159,8 @@ pub(crate) fn plan(course: &CourseArgs, path: PathBuf) -> anyhow::Result<Plan> {
     let period_us = period_us(course.rate)?;
     let mut file = ProfileFile::open(name)?;
     if let Some(duration_s) = course.duration {
-        if duration_s <= 2.0 * file.ramp_s {
-            return Err(WrongArguments(format!(
-                "--duration {duration_s} s is too short for the profile `{name}`, which fades in and out for {} s each",
-                file.ramp_s
-            ))
-            .into());
-        }
-        // The profile fades out after its own duration.
-        file.duration_s = duration_s - file.ramp_s;
+        let lasting = file.lasting(duration_s);
+        file = lasting.map_err(|error| WrongArguments(format!("--duration, profile `{name}`: {error}")))?;
     }
     if file.duration_s > LONGEST_RUN_S {
         return Err(WrongArguments(format!(

@@ -97,6 +97,21 @@ impl ProfileFile {
         Self::parse(&text).map_err(|error| error.in_file(Path::new(name_or_path)))
     }
 
+    /// The profile with another length: its command is back at 0 after `duration_s`, fading included.
+    ///
+    /// # Errors
+    /// When it would end before it has faded in and out.
+    pub fn lasting(self, duration_s: f64) -> Result<Self, SettingsError> {
+        if !(duration_s > 2.0 * self.ramp_s && duration_s.is_finite()) {
+            return Err(SettingsError::new(format!(
+                "a duration of {duration_s} s is too short for the profile, which fades in and out for {} s each",
+                self.ramp_s
+            )));
+        }
+        // The profile fades out after its own duration.
+        Ok(Self { duration_s: duration_s - self.ramp_s, ..self })
+    }
+
     /// Reads a profile from its TOML text.
     pub fn parse(text: &str) -> Result<Self, SettingsError> {
         let mut fields = Fields::parse(text)?;
