@@ -58,7 +58,7 @@ pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use convert::{export_csv, import_mcap, write_csv};
-pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Steps};
+pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Shared, Steps};
 pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;

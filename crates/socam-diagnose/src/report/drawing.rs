@@ -48,8 +48,8 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
 }
 
 /// The bench as an SVG file of its own.
-pub(super) fn file(model: &Model, style: &str) -> String {
-    let (size, content) = drawn(model, &[]);
+pub(super) fn file(model: &Model, style: &str, marks: &[(&str, PlaceMark)]) -> String {
+    let (size, content) = drawn(model, marks);
     let own = style.lines().filter(|line| line.starts_with(".bench")).collect::<Vec<_>>().join("\n");
     socam_plot::drawing(size, &format!("Drawing of {}", model.name), ("bench", &own), &content)
 }

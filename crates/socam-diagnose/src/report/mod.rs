@@ -45,7 +45,25 @@ pub enum ReportError {
 /// ```
 #[must_use]
 pub fn drawing_of(model: &Model) -> String {
-    drawing::file(model, page::STYLE)
+    drawing::file(model, page::STYLE, &[])
+}
+
+/// The verdict in one sentence, as it stands at the head of the page.
+#[must_use]
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    page::verdict(diagnosis)
+}
+
+/// The bench with the places of the findings and of their rivals marked, as an SVG file in light colours.
+#[must_use]
+pub fn bench_of(diagnosis: &Diagnosis, model: &Model) -> String {
+    drawing::file(model, page::STYLE, &page::marks(diagnosis))
+}
+
+/// The spectrum of the residual of the channel that is missed most, in units of its noise floor, as an SVG file; `None` without one.
+#[must_use]
+pub fn picture_of(diagnosis: &Diagnosis, evidence: &Evidence) -> Option<String> {
+    residuals::worst_spectrum(diagnosis, evidence)
 }
 
 /// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment

@@ -56,7 +56,7 @@ fn head(diagnosis: &Diagnosis, model: &Model) -> Markup {
 }
 
 /// The verdict in one sentence.
-fn verdict(diagnosis: &Diagnosis) -> String {
+pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     let named: Vec<String> = diagnosis
         .findings
         .iter()
@@ -108,8 +108,8 @@ fn summary(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// Drawing of the bench with the places of findings and of competing models.
-fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
+/// The places of findings and of competing models.
+pub(super) fn marks(diagnosis: &Diagnosis) -> Vec<(&str, drawing::PlaceMark)> {
     let findings = diagnosis.findings.iter().enumerate();
     let found =
         findings.map(|(index, finding)| (finding.location.as_str(), drawing::PlaceMark::Finding(index + 1)));
@@ -117,7 +117,12 @@ fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
     let rivals = rivals
         .filter(|rival| rival.weight >= LEAST_WEIGHT)
         .map(|rival| (rival.location.as_str(), drawing::PlaceMark::Rival));
-    let marks: Vec<_> = found.chain(rivals).collect();
+    found.chain(rivals).collect()
+}
+
+/// Drawing of the bench with these places.
+fn bench(diagnosis: &Diagnosis, model: &Model) -> Markup {
+    let marks = marks(diagnosis);
     html! {
         section {
             h2 { "The bench" }

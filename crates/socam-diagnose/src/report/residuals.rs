@@ -6,7 +6,7 @@ use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 use super::words;
 use crate::{
-    Evidence,
+    Diagnosis, Evidence,
     evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
 };
 
@@ -99,7 +99,22 @@ fn over_bins(channel: &ChannelEvidence, binned: &Binned, over: &str, unit: &str)
     html! { figure { figcaption { "Over " (over.to_lowercase()) } (plot) } }
 }
 
+/// See [`super::picture_of`].
+pub(super) fn worst_spectrum(diagnosis: &Diagnosis, evidence: &Evidence) -> Option<String> {
+    let missed = |channel: &ChannelEvidence| {
+        let fit = diagnosis.fit.channels.iter().find(|(name, _)| *name == channel.name);
+        fit.and_then(|(_, fit)| Some(fit.rms_before? / fit.noise_std?)).unwrap_or(0.0)
+    };
+    let worst = evidence.channels.iter().max_by(|a, b| missed(a).total_cmp(&missed(b)))?;
+    let spectrum = worst.spectrum.as_ref()?;
+    Some(socam_plot::standalone(&spectrum_plot(worst, spectrum)))
+}
+
 fn over_frequency(channel: &ChannelEvidence, spectrum: &Spectrum) -> Markup {
+    html! { figure { figcaption { "Over frequency" } (spectrum_plot(channel, spectrum)) } }
+}
+
+fn spectrum_plot<'a>(channel: &ChannelEvidence, spectrum: &'a Spectrum) -> Plot<'a> {
     let line = |label, class, y| Series {
         label,
         class,
@@ -115,14 +130,13 @@ fn over_frequency(channel: &ChannelEvidence, spectrum: &Spectrum) -> Markup {
     if !spectrum.noise.is_empty() {
         series.push(line("noise floor", "noise", &spectrum.noise));
     }
-    let plot = Plot {
+    Plot {
         title: format!("Amplitude spectrum of the residual of {}", channel.name),
         x: Axis::logarithmic("Frequency", "Hz"),
         y: Axis::logarithmic("Residual", &format!("{}/√Hz", words::unit(&channel.unit))),
         series,
         columns: COLUMNS,
-    };
-    html! { figure { figcaption { "Over frequency" } (plot) } }
+    }
 }
 
 fn over_time(

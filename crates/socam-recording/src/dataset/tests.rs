@@ -109,6 +109,12 @@ fn check(name: &str) {
             assert_eq!(row, rows.end.min(last).max(rows.start));
         }
     }
+    let all = [&far, &near, &spilled].map(|data| data.shared().unwrap());
+    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    for (read, kept) in [(&all[0], &all[1]), (&all[2], &all[1])] {
+        assert_eq!(bits(read.time_s()), bits(kept.time_s()));
+        assert!((0..3).all(|i| bits(read.values(i).unwrap()) == bits(kept.values(i).unwrap())), "{name}");
+    }
     // Several readers at once.
     let parts = [0..9000, 9000..18_000, 2000..last];
     for data in [&far, &near, &spilled] {
