@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use socam_identify::{Observer, Options, Progress, ProgressMonitor, Stage};
+use socam_identify::{Observer, Options, Progress, ProgressMonitor};
 
 use crate::interrupt::Interrupt;
 use crate::output;
@@ -32,7 +32,7 @@ enum Display {
 
 impl Observer for Waiting {
     fn progress(&self, progress: &Progress) {
-        let text = if self.stop() { format!("ending: {}", words(progress)) } else { words(progress) };
+        let text = if self.stop() { format!("ending: {progress}") } else { progress.to_string() };
         match &self.display {
             Display::Line(bar) => bar.set_message(text),
             Display::Lines(last) => {
@@ -48,17 +48,6 @@ impl Observer for Waiting {
     fn stop(&self) -> bool {
         self.interrupt.count() > self.before
     }
-}
-
-/// `start 2 of 6, step 14, chi2/n 1.03`
-fn words(progress: &Progress) -> String {
-    let stage = match progress.stage {
-        Stage::Start { number, of } => format!("start {number} of {of}"),
-        Stage::Descent { round } => format!("all data, descent {round}"),
-        Stage::Intervals => return "intervals".into(),
-    };
-    let misfit = progress.misfit.map(|misfit| format!(", chi2/n {misfit:.4}")).unwrap_or_default();
-    format!("{stage}, step {}{misfit}", progress.step)
 }
 
 /// Fits while somebody waits: shows how far it is on a terminal (in lines elsewhere, if these are wanted), and ends the
@@ -94,17 +83,4 @@ fn line() -> ProgressBar {
     let bar = style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style));
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_says_how_far_it_is() {
-        let progress = Progress { stage: Stage::Start { number: 2, of: 6 }, step: 14, misfit: Some(1.03) };
-        assert_eq!(words(&progress), "start 2 of 6, step 14, chi2/n 1.0300");
-        let progress = Progress { stage: Stage::Descent { round: 1 }, step: 3, misfit: None };
-        assert_eq!(words(&progress), "all data, descent 1, step 3");
-    }
 }

@@ -33,6 +33,19 @@ pub struct Progress {
     pub misfit: Option<f64>,
 }
 
+/// `start 2 of 6, step 14, chi2/n 1.0300`
+impl std::fmt::Display for Progress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.stage {
+            Stage::Start { number, of } => write!(f, "start {number} of {of}")?,
+            Stage::Descent { round } => write!(f, "all data, descent {round}")?,
+            Stage::Intervals => return f.write_str("intervals"),
+        }
+        write!(f, ", step {}", self.step)?;
+        self.misfit.map_or(Ok(()), |misfit| write!(f, ", chi2/n {misfit:.4}"))
+    }
+}
+
 /// Receiver of a fit's progress; it is called from the fit's threads.
 pub trait Observer: Send + Sync {
     /// Called at each step.
@@ -91,5 +104,18 @@ impl ProgressMonitor {
 impl std::fmt::Debug for ProgressMonitor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(if self.0.is_some() { "watched" } else { "unwatched" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_a_line() {
+        let progress = Progress { stage: Stage::Start { number: 2, of: 6 }, step: 14, misfit: Some(1.03) };
+        assert_eq!(progress.to_string(), "start 2 of 6, step 14, chi2/n 1.0300");
+        let progress = Progress { stage: Stage::Descent { round: 1 }, step: 3, misfit: None };
+        assert_eq!(progress.to_string(), "all data, descent 1, step 3");
     }
 }
