@@ -137,6 +137,13 @@ impl Dataset {
         self.contents.as_deref()
     }
 
+    /// With another name in results, where the path that it was read from says nothing.
+    #[must_use]
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
     /// With further warnings of whoever read it.
     #[must_use]
     pub fn with_warnings(mut self, warnings: impl IntoIterator<Item = Warning>) -> Self {
