@@ -17,8 +17,8 @@ mod validation;
 
 use std::io::Write;
 
-use socam_identify::{End, Identification};
-use socam_model::{Model, Update};
+use socam_identify::Identification;
+use socam_model::Model;
 use socam_recording::{Dataset, OutputFile};
 
 use super::Outcome;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(calibration) = calibrated::of(&args.runs, args.calibration.as_deref())?
         && args.method == Method::OutputError
     {
-        model = calibrated::with_sensor_gains(&model, &calibration)?;
+        model = socam_expectation::with_sensor_gains(&model, &calibration)?;
     }
     refuse_unused(&args)?;
     match args.method {
@@ -113,7 +113,7 @@ fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
 }
 
 fn open_all(runs: &[String], model: &Model) -> anyhow::Result<Vec<Dataset>> {
-    runs.iter().map(|run| output::open_for(run, model, output::GRID_PARTS)).collect()
+    runs.iter().map(|run| output::open_for(run, model, socam_expectation::GRID_PARTS)).collect()
 }
 
 /// Writes `model` with the identified values.
@@ -122,28 +122,6 @@ pub(crate) fn write_model(
     model: &Model,
     result: &Identification,
 ) -> anyhow::Result<()> {
-    let recordings = result.recordings.join(", ");
-    let updates: Vec<Update> = result
-        .parameters
-        .iter()
-        .zip(&result.point)
-        .filter(|(parameter, _)| parameter.source != socam_identify::Source::Fixed)
-        .map(|(parameter, value)| Update {
-            name: parameter.name.clone(),
-            value: *value,
-            ci95: parameter.ci95[0]
-                .zip(parameter.ci95[1])
-                .map(|(low, high)| [low, high])
-                .filter(|_| parameter.identifiable),
-            source: if parameter.identifiable && result.end == End::Interrupted {
-                format!("best so far of an interrupted search ({}) from {recordings}", result.method)
-            } else if parameter.identifiable {
-                format!("identified ({}) from {recordings}", result.method)
-            } else {
-                format!("not determined by {recordings}; part of the fit only")
-            },
-        })
-        .collect();
-    target.write_all(model.text_with(&updates)?.as_bytes())?;
+    target.write_all(result.model_text(model)?.as_bytes())?;
     Ok(target.commit()?)
 }

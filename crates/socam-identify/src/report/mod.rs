@@ -1,12 +1,14 @@
 //! The report of a fit: estimates with intervals, what the data do not determine, warnings and advice.
 
 mod advice;
+mod document;
 mod estimates;
 mod identification;
 mod intersample_check;
 mod offsets;
 mod warnings;
 
+pub use document::Validation;
 pub(crate) use estimates::predicted;
 pub use identification::{
     ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source,

@@ -2,40 +2,28 @@
 
 use socam_identify::Identification;
 
-use super::validation::Validation;
+use super::validation::HeldOut;
 use crate::{output, table};
 
 pub(super) fn print_json(
     result: &Identification,
-    validation: &[Validation],
+    validation: &[HeldOut],
     force_errors: &[(String, f64)],
 ) -> anyhow::Result<()> {
-    let mut document = serde_json::to_value(result)?;
-    if !force_errors.is_empty() {
-        let each = force_errors.iter().map(
-            |(recording, error)| serde_json::json!({ "recording": recording, "force_error_percent": error }),
-        );
-        document["training"] = each.collect();
+    let own: Vec<_> = validation.iter().map(|held_out| held_out.own.clone()).collect();
+    let mut document = result.document(force_errors, &own);
+    for (index, held_out) in validation.iter().enumerate() {
+        if let Some(band) = &held_out.band {
+            document["validation"][index]["band"] = band.json();
+        }
     }
-    document["validation"] = validation
-        .iter()
-        .map(|v| {
-            let mut entry = serde_json::json!({
-                "recording": v.recording, "fit": v.fit, "force_error_percent": v.force_error_percent
-            });
-            if let Some(band) = &v.band {
-                entry["band"] = band.json();
-            }
-            entry
-        })
-        .collect();
     output::print_json(&document)
 }
 
 /// The result as tables.
 pub(super) fn report(
     result: &Identification,
-    validation: &[Validation],
+    validation: &[HeldOut],
     force_errors: &[(String, f64)],
 ) -> String {
     let mut text = format!(
@@ -58,11 +46,14 @@ pub(super) fn report(
         ));
     }
     for held_out in validation {
-        text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
+        text.push_str(&table::fit(
+            &format!("Not fitted: {} (free run)", held_out.own.recording),
+            &held_out.own.fit,
+        ));
         if let Some(band) = &held_out.band {
             text.push_str(&band.table());
         }
-        if let Some(error) = held_out.force_error_percent {
+        if let Some(error) = held_out.own.force_error_percent {
             text.push_str(&format!("  inverse dynamics: force error {error:.3} % of its norm\n"));
         }
     }

@@ -1,18 +1,16 @@
 //! Predictions of recordings that were not fitted.
 
-use socam_identify::{Fit, Identification, IdentifyError, Options, Problem};
+use socam_identify::{Identification, IdentifyError, Options, Problem, Validation};
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
 
 use super::args::{Args, Method};
 use crate::band::BandFits;
 
-/// Fit of a recording that was not fitted.
-pub(super) struct Validation {
-    pub(super) recording: String,
-    pub(super) fit: Fit,
+/// Fit of a recording that was not fitted, and within the band of `--band`.
+pub(super) struct HeldOut {
+    pub(super) own: Validation,
     pub(super) band: Option<BandFits>,
-    pub(super) force_error_percent: Option<f64>,
 }
 
 pub(super) fn bind<'a>(
@@ -20,13 +18,18 @@ pub(super) fn bind<'a>(
     datasets: &'a [Dataset],
     options: &Options,
 ) -> anyhow::Result<Problem<'a>> {
-    Problem::new(model, datasets, options.clone()).map_err(|error| match error {
+    Problem::new(model, datasets, options.clone()).map_err(|error| named(model, error))
+}
+
+/// The error, with the remedy where the model needs a channel that a recording lacks.
+fn named(model: &Model, error: IdentifyError) -> anyhow::Error {
+    match error {
         IdentifyError::Recording(error @ RecordingError::NoSuchChannel { .. }) => anyhow::anyhow!(
             "{error}; the model {} needs it (another model is chosen with --model)",
             model.name
         ),
         error => error.into(),
-    })
+    }
 }
 
 pub(super) fn validate(
@@ -35,25 +38,17 @@ pub(super) fn validate(
     datasets: &[Dataset],
     result: &Identification,
     options: &Options,
-) -> anyhow::Result<Vec<Validation>> {
+) -> anyhow::Result<Vec<HeldOut>> {
     datasets
         .iter()
         .map(|dataset| {
-            let recording = dataset.name().to_owned();
-            let problem = bind(model, std::slice::from_ref(dataset), options)?;
-            let fit = socam_identify::evaluate(&problem, &result.point)?;
-            let within = |band| {
+            let own = result.validate(model, dataset, options).map_err(|error| named(model, error))?;
+            let within = |band| -> anyhow::Result<BandFits> {
+                let problem = bind(model, std::slice::from_ref(dataset), options)?;
                 let channels = socam_identify::evaluate_band(&problem, &result.point, band)?;
-                Ok::<_, IdentifyError>(BandFits { band, channels })
+                Ok(BandFits { band, channels })
             };
-            let band = args.band.map(within).transpose()?;
-            let force_error_percent = match args.method {
-                Method::InverseDynamics => {
-                    Some(socam_identify::force_error_percent(model, &result.point, dataset)?)
-                }
-                _ => None,
-            };
-            Ok(Validation { recording, fit, band, force_error_percent })
+            Ok(HeldOut { own, band: args.band.map(within).transpose()? })
         })
         .collect()
 }
