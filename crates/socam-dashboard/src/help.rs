@@ -26,6 +26,7 @@ const FRAME: [(&str, Help); 2] = [
             ("Ctrl+plus; Ctrl+minus; Ctrl+0", "the size of everything"),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),
             ("Dismiss", "puts a message away"),
+            ("Sort by ...", "a column's head sorts the table by it, and pressed again the other way round"),
         ],
     ),
     (

@@ -26,6 +26,7 @@ pub mod review;
 pub mod samples;
 mod save;
 pub mod spectra;
+pub mod table;
 pub mod theme;
 mod view;
 mod workspace;

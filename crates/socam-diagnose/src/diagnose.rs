@@ -24,6 +24,10 @@ use crate::{
 const BASE_ITERATIONS: usize = 20;
 /// Attempted integration steps per sample beyond which a candidate's prediction is given up. Rattling teeth take a few.
 const MOST_STEPS: usize = 64;
+/// Shares of the time of a diagnosis that precede its parts as a rule, 1; for estimates of the remaining time.
+const PART_NOISE: f64 = 0.10;
+const PART_INTERVALS: f64 = 0.85;
+const PART_PROOF: f64 = 0.95;
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone)]
@@ -121,7 +125,9 @@ pub fn diagnose(
         ..FitOptions::default()
     };
     let near = FitOptions { max_iterations: BASE_ITERATIONS, ..fit.clone() };
+    options.watch.part("fit of the model", 0.0);
     let before = output_error(&Problem::new(model, &training, near)?)?;
+    options.watch.part("outliers, noise and its discrepancy", PART_NOISE);
     let levels = levels(model, &before);
     let clean = |all: &[Dataset]| preprocessed(model, all, &before.point, &levels, &fit);
     let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
@@ -129,9 +135,11 @@ pub fn diagnose(
     let context = Context::new(model, &training, fit, options)?;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let mut path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    options.watch.part("intervals", PART_INTERVALS);
     let after = determined(&context, &mut path, &before)?;
     path.test_last(&context)?;
     // Held-out recordings are predicted only after the last choice.
+    options.watch.part("held-out recordings and pictures", PART_PROOF);
     let proof = Proof::open(&context, &path, &holdout)?;
     let corrected = &path.last.model;
     let model_toml = corrected.text_with(&updates(corrected, &after))?;

@@ -22,6 +22,10 @@ use crate::{
 /// Number of steps beyond the largest number of effects, for further orders of periodic effects: all orders at one place are one effect.
 const MORE_ORDERS: usize = 8;
 
+/// Shares of the time of a diagnosis that precede and follow the selection as a rule, 1; for estimates of the remaining time.
+const PART_BEFORE: f64 = 0.15;
+const PART_AFTER: f64 = 0.15;
+
 /// Runs the selection from a base model, its fitted `values` (SI) and noise levels. `None` where the base model's prediction overflows.
 pub(crate) fn run(
     context: &Context<'_>,
@@ -79,13 +83,16 @@ impl Path {
 
     /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
+        self.begin_part(context, "score test of the candidates", 0.0);
         let scales = self.test(context)?;
         if self.tests.is_empty() {
             return Ok(false);
         }
+        self.begin_part(context, "fits of the candidates", 0.3);
         let tried = self.worth_trying(context.options.false_alarm_rate);
         let mut named = choice::best(context, self, &tried, Some(&scales))?;
         let is_any_significant = !tried.is_empty();
+        self.begin_part(context, "curves without a law", 0.7);
         self.unexplained =
             nonparametric::competing(context, self, &scales, named.as_ref(), is_any_significant)?;
         if let Some(curve) = &self.unexplained {
@@ -112,6 +119,14 @@ impl Path {
         }
         self.add(context, choice)?;
         Ok(true)
+    }
+
+    /// Reports a part of this step; `share` of the step precedes it.
+    fn begin_part(&self, context: &Context<'_>, name: &str, share: f64) {
+        let (added, most) = (self.effects(), context.options.most_effects);
+        let step = (added.min(most) as f64 + share) / (most + 1) as f64;
+        let name = format!("{name}, effect {}", added + 1);
+        context.fit.watch.part(&name, PART_BEFORE + (1.0 - PART_BEFORE - PART_AFTER) * step);
     }
 
     /// The better of two effects at a curve's place that together predict as well as the curve: a curve also follows the sum of two laws,

@@ -1,4 +1,9 @@
-//! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser.
+//! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser;
+//! and recordings as a fit takes them ([`on_regular_grid`]).
+
+mod fit;
+
+pub use fit::{GRID_PARTS, on_regular_grid};
 
 use socam_model::{
     Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,

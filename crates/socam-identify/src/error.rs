@@ -94,4 +94,7 @@ pub enum IdentifyError {
         /// Model name.
         model: String,
     },
+    /// The observer cancelled the work.
+    #[error("cancelled")]
+    Cancelled,
 }

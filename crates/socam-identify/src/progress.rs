@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::IdentifyError;
+
 /// Stage of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
@@ -53,6 +55,15 @@ pub trait Observer: Send + Sync {
 
     /// Whether the search shall end at the best point so far; called before each step. Intervals are computed all the same.
     fn stop(&self) -> bool;
+
+    /// Called where a part of a work begins that consists of several fits: its name, and the share of the whole work that precedes it as
+    /// a rule, 0 to 1.
+    fn part(&self, _name: &str, _done: f64) {}
+
+    /// Whether the work shall end without a result, with [`IdentifyError::Cancelled`]; called before each evaluation of a segment.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
 }
 
 /// An optional [`Observer`].
@@ -92,6 +103,21 @@ impl ProgressMonitor {
     pub(crate) fn tell(&self, stage: Stage, step: usize, misfit: Option<f64>) {
         if let Some(observer) = &self.0 {
             observer.progress(&Progress { stage, step, misfit });
+        }
+    }
+
+    /// Reports that a part of a work of several fits begins; see [`Observer::part`].
+    pub fn part(&self, name: &str, done: f64) {
+        if let Some(observer) = &self.0 {
+            observer.part(name, done);
+        }
+    }
+
+    /// An error once the work was cancelled.
+    pub(crate) fn proceed(&self) -> Result<(), IdentifyError> {
+        match &self.0 {
+            Some(observer) if observer.is_cancelled() => Err(IdentifyError::Cancelled),
+            _ => Ok(()),
         }
     }
 

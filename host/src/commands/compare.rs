@@ -132,7 +132,7 @@ fn check(
     simulation: &Dataset,
     options: &Options,
 ) -> anyhow::Result<ModelCheck> {
-    let data = output::open_for(&args.run, &model, output::GRID_PARTS)?;
+    let data = output::open_for(&args.run, &model, socam_expectation::GRID_PARTS)?;
     let truth = Truth::new(&model, &[], &[])?;
     let replay = Replay { truth, disturbances: Vec::new(), start: Start::Rest };
     let replayed = replay.run(&data)?;

@@ -116,5 +116,5 @@ fn refuse_unused(args: &Args) -> Result<(), WrongArguments> {
 }
 
 fn open_all(runs: &[String], model: &Model) -> anyhow::Result<Vec<Dataset>> {
-    runs.iter().map(|run| output::open_for(run, model, output::GRID_PARTS)).collect()
+    runs.iter().map(|run| output::open_for(run, model, socam_expectation::GRID_PARTS)).collect()
 }

@@ -124,7 +124,7 @@ pub(crate) fn simulate_into(course: &CourseArgs, bench: &BenchArgs, path: &Path)
 fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outcome> {
     let mut truth = args.bench.truth()?;
     model_file::set_between(&mut truth.model, &args.between)?;
-    let data = output::open_for(input, &truth.model, output::GRID_PARTS)?;
+    let data = output::open_for(input, &truth.model, socam_expectation::GRID_PARTS)?;
     let kinds = truth.model.inputs().filter(|input| !input.quantity.is_clock());
     let between = kinds.map(|input| (input.name.clone(), input.intersample().name())).collect();
     let start = if args.from_rest { Start::Rest } else { start(&truth, &data, &args.disturb) };

@@ -43,6 +43,7 @@ pub(crate) fn run_below(
     weights: &Weights,
     most: f64,
 ) -> Result<Evaluated, IdentifyError> {
+    problem.options.watch.proceed()?;
     let Ok((equations, sensitivities)) =
         problem.model.equations_with_derivatives(&point.values, &problem.free)
     else {
@@ -73,6 +74,7 @@ pub(crate) fn run_below(
         }
     }
     let one = |index: usize| -> Result<Option<SegmentEvaluation>, IdentifyError> {
+        problem.options.watch.proceed()?;
         let time_s = problem.segments[index].sample_time_s;
         let prewhitening = prewhitenings.iter().find(|prewhitening| prewhitening.sample_time_s == time_s);
         let mut rows =
