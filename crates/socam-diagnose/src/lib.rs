@@ -57,6 +57,7 @@ mod plausibility;
 mod preprocessing;
 mod prescribed;
 mod proof;
+pub mod ranking;
 mod region;
 pub mod report;
 mod scales;

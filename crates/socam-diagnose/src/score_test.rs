@@ -40,6 +40,8 @@ const INFLATION: f64 = 8.0;
 pub(crate) struct RankedCandidate {
     /// The candidate at [`INITIAL_SHARE`] of the linearly predicted amplitude.
     pub(crate) start: Candidate,
+    /// Names and linearly predicted values of the amplitude parameters, SI; of a wave, its amplitude.
+    pub(crate) predicted: Vec<(&'static str, f64)>,
     pub(crate) score: CandidateScore,
     /// Family-wise p-value: chance that any candidate has as large a statistic where nothing is missing.
     pub(crate) p_value: f64,
@@ -72,7 +74,7 @@ pub(crate) fn run(
     batches.extend(on_sensors.chunks(SENSOR_BATCH).map(<[_]>::to_vec));
     batches.extend(nonnull.into_iter().chain(with_memory).map(|candidate| vec![candidate]));
     batches.extend(by_kind(structural));
-    let whole = Problem::new(model, datasets, options.clone())?;
+    let whole = Problem::of_known(model, datasets, options.clone())?;
     let each = batches.par_iter().map(|batch| {
         let on_all = || scored_batch(model, datasets, options, noise_model, at, batch);
         let spring = model.springs.iter().position(|spring| spring.name == batch[0].place);
@@ -254,19 +256,23 @@ fn amplitude_names(model: &Model, candidate: &Candidate) -> Vec<String> {
 fn linearly_predicted(model: &Model, candidate: &Candidate, score: CandidateScore) -> RankedCandidate {
     let mut start = candidate.clone();
     let mut possible = true;
+    let mut predicted = Vec::new();
     if candidate.is_wave() {
         let (sin, cos) = (score.step[0], score.step.get(1).copied().unwrap_or(0.0));
         let name = candidate.amplitudes[0];
+        predicted.push((name, sin.hypot(cos)));
         start = start.with(name, INITIAL_SHARE * sin.hypot(cos)).with("phase", cos.atan2(sin));
     } else {
         for (name, step) in candidate.amplitudes.iter().zip(&score.step) {
             let before = candidate.values.iter().find(|(known, _)| known == name).map_or(0.0, |(_, v)| *v);
             let (least, most) = candidate.bounds(model, name);
             let stepped = |share: f64| candidate.stepped(name, before, share * step);
+            let is_linear = !candidate.has_nonnull_linearisation();
+            predicted.push((*name, if is_linear { stepped(1.0) } else { candidate.linearised_at }));
             possible &= (least..=most).contains(&stepped(1.0));
             let share = if candidate.has_nonnull_linearisation() { 0.0 } else { INITIAL_SHARE };
             start = start.with(name, stepped(share).clamp(least, most));
         }
     }
-    RankedCandidate { start, score, p_value: 1.0, possible }
+    RankedCandidate { start, predicted, score, p_value: 1.0, possible }
 }

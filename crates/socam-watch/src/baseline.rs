@@ -1,0 +1,186 @@
+//! What a healthy bench does under a model.
+
+use socam_identify::{
+    IdentifyError, NoiseLevels, Problem,
+    comparison::{self, NoiseModel},
+};
+use socam_model::Model;
+use socam_recording::{Channel, Dataset};
+
+use crate::{
+    Settings, Summary, WatchError,
+    columns::{self, columns_of},
+    cutter::{self, Block, Cutter},
+    meter::{self, Measured, Meter},
+    null::Null,
+    sequential::{SequentialTest, threshold},
+};
+
+/// Fewest blocks of a baseline.
+const LEAST: usize = 12;
+/// Largest number of blocks from which the noise model is estimated.
+const NOISE_BLOCKS: usize = 120;
+/// Largest number of blocks that are kept for the statistics.
+const MOST_BLOCKS: usize = 20_000;
+/// Factor by which the root mean square of an input or a prediction may exceed the baseline's.
+const MOTION_MARGIN: f64 = 1.25;
+/// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact.
+const FAR_BEYOND_NOISE: f64 = 100.0;
+
+/// What a healthy bench does under a model: noise levels, whitening filters, and the distribution of the test statistics.
+///
+/// A healthy bench is never exactly its model. Its blocks are evaluated in the same way as those that are watched later, so that the
+/// model's usual errors are part of the null hypothesis.
+#[derive(Debug, Clone)]
+pub struct Baseline {
+    pub(crate) meter: Meter,
+    pub(crate) block_s: f64,
+    nulls: Vec<Option<Null>>,
+    /// Largest root mean square of each input and prediction, SI.
+    motion: Vec<f64>,
+    summary: Summary,
+}
+
+impl Baseline {
+    /// Number of blocks below which a baseline is called short.
+    pub const FEW: usize = 60;
+
+    /// From healthy recordings, which should hold every kind of motion that is watched later.
+    ///
+    /// # Errors
+    /// When a recording lacks a channel of the model, rates differ, or all together are too short.
+    ///
+    /// # Breaks when
+    /// The recordings show less than the bench usually does: another profile, temperature or load. Blocks with more motion than any in
+    /// the baseline are not judged; a slow change of a healthy bench raises an alarm.
+    pub fn of(model: &Model, healthy: &[Dataset], settings: &Settings) -> Result<Self, WatchError> {
+        settings.check()?;
+        columns::check_clocks(model)?;
+        let first = healthy.first().ok_or(IdentifyError::NoRecordings)?;
+        let (channels, _) = columns_of(model, first.channels())?;
+        let step_s = first.sample_time_s();
+        let mut blocks = Vec::new();
+        for dataset in healthy {
+            let (_, indices) = columns_of(model, dataset.channels())?;
+            let mut cutter = Cutter::new(channels.len(), settings.block_s, Some(step_s));
+            columns::each_row(dataset, &indices, |time_s, values| {
+                blocks.extend(cutter.push(time_s, values)?);
+                Ok(())
+            })?;
+        }
+        let step_s = cutter::exact_step_s(step_s);
+        Self::of_blocks(model, channels, step_s, &blocks, settings)
+    }
+
+    /// From healthy blocks.
+    pub(crate) fn of_blocks(
+        model: &Model,
+        channels: Vec<Channel>,
+        step_s: f64,
+        blocks: &[Block],
+        settings: &Settings,
+    ) -> Result<Self, WatchError> {
+        let blocks = &blocks[blocks.len().saturating_sub(MOST_BLOCKS)..];
+        let too_short = |usable| WatchError::TooShort {
+            usable,
+            block_s: settings.block_s,
+            needed: LEAST,
+            needed_s: LEAST as f64 * settings.block_s,
+        };
+        if blocks.len() < LEAST {
+            return Err(too_short(blocks.len()));
+        }
+        let noise = noise_model(model, &channels, step_s, blocks)?;
+        let meter = Meter::new(model, noise, step_s, channels);
+        let mut measured: Vec<Measured> = Vec::new();
+        for block in blocks {
+            measured.extend(meter.measure(block)?);
+        }
+        if measured.len() < LEAST {
+            return Err(too_short(measured.len()));
+        }
+        let count = meter.symptoms().len();
+        let values =
+            |statistic: usize| measured.iter().map(|one| one.values[statistic]).collect::<Vec<f64>>();
+        let nulls: Vec<Option<Null>> = (0..count).map(|k| null(&values(k), count)).collect();
+        let largest = |k: usize| measured.iter().map(|one| one.motion[k]).fold(0.0, f64::max);
+        let motion = (0..measured[0].motion.len()).map(largest).collect();
+        let healthy_s = measured.len() as f64 * settings.block_s;
+        let summary = Summary {
+            healthy_s,
+            blocks: measured.len(),
+            statistics: nulls.iter().flatten().count(),
+            false_alarms_per_hour: settings.false_alarms_per_hour,
+            observed_down_to_per_hour: 3600.0 / healthy_s,
+            is_short: measured.len() < Self::FEW,
+        };
+        Ok(Self { meter, block_s: settings.block_s, nulls, motion, summary })
+    }
+
+    /// What it supports.
+    #[must_use]
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+}
+
+impl Baseline {
+    /// One test per statistic; `None` for those that healthy blocks do not determine.
+    pub(crate) fn tests(&self) -> Vec<Option<SequentialTest>> {
+        self.nulls.iter().map(|null| null.clone().map(SequentialTest::new)).collect()
+    }
+
+    /// Threshold of each test: all tests together raise `false_alarms_per_hour`.
+    pub(crate) fn threshold(&self, false_alarms_per_hour: f64) -> f64 {
+        let blocks = 3600.0 / self.block_s / false_alarms_per_hour;
+        threshold(blocks * self.summary.statistics.max(1) as f64)
+    }
+
+    /// Whether a block's motion lies within that of the healthy blocks.
+    pub(crate) fn covers(&self, block: &Measured) -> bool {
+        block.motion.iter().zip(&self.motion).all(|(own, most)| *own <= MOTION_MARGIN * most)
+    }
+}
+
+/// The distribution of a statistic over healthy blocks, wide enough that these raise no alarm at one alarm in their own length.
+fn null(values: &[f64], statistics: usize) -> Option<Null> {
+    let null = Null::of(values)?;
+    let mut test = SequentialTest::new(null.clone());
+    let peak = values.iter().map(|value| {
+        test.push(*value);
+        test.largest().size
+    });
+    let peak = peak.fold(0.0, f64::max);
+    Some(null.widened(peak / threshold((values.len() * statistics) as f64)))
+}
+
+/// Noise levels, whitening filters and the model's usual error, from blocks that are spread over the baseline.
+fn noise_model(
+    model: &Model,
+    channels: &[Channel],
+    step_s: f64,
+    blocks: &[Block],
+) -> Result<NoiseModel, WatchError> {
+    let every = blocks.len().div_ceil(NOISE_BLOCKS);
+    let each = blocks.iter().step_by(every).map(|block| cutter::dataset([block], channels, step_s));
+    let datasets: Vec<Dataset> = each.collect::<Result<_, _>>()?;
+    let (values, options) = (model.values(), meter::options());
+    let problem = Problem::of_known(model, &datasets, options)?;
+    let fit = socam_identify::evaluate(&problem, &values)?;
+    let outputs = fit.channels.iter().map(|(_, channel)| channel.rms.max(f64::MIN_POSITIVE)).collect();
+    let rough = NoiseLevels { outputs, inputs: vec![0.0; model.inputs().count()] };
+    let rough = NoiseModel::new(&[&problem], &values, rough)?;
+    let diverged = || IdentifyError::Diverged { model: model.name.clone() };
+    let at = comparison::measure(&problem, &rough, &values)?.ok_or_else(diverged)?;
+    // No bound on the inputs' noise is known before.
+    let unknown = NoiseLevels { outputs: Vec::new(), inputs: Vec::new() };
+    let levels = comparison::noise(&problem, &at, &unknown)?;
+    let sensors = NoiseModel::new(&[&problem], &values, levels)?;
+    let at = comparison::measure(&problem, &sensors, &values)?.ok_or_else(diverged)?;
+    let noise = sensors.with_discrepancy(&problem, &at)?.ok_or_else(diverged)?;
+    if noise.excess() < FAR_BEYOND_NOISE {
+        return Ok(noise);
+    }
+    // The inputs' noise is negligible beside such errors, and its filter need not resemble their spectrum.
+    Ok(sensors.with_exact_inputs().with_discrepancy(&problem, &at)?.ok_or_else(diverged)?)
+}
