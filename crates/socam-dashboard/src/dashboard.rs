@@ -248,6 +248,7 @@ impl Dashboard {
                 }
                 Request::Signal(profile) => self.show(Document::Signal(*profile)),
                 Request::Model(model) => self.show(Document::Model(model)),
+                Request::Alarm(text) => self.views.live.mark_alarm(text),
                 Request::Say(text) => self.say(text),
                 Request::Warn(text) => self.warn(text),
             }

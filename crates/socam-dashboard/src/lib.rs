@@ -29,10 +29,12 @@ pub mod spectra;
 pub mod table;
 pub mod theme;
 mod view;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod watch;
 mod workspace;
 
 pub use dashboard::{Dashboard, Simulate};
 pub use headless::{Viewport, picture};
 pub use layout::Layout;
 pub use view::{Help, View, ViewPanel, Views};
-pub use workspace::{Request, Workspace};
+pub use workspace::{Feed, Request, Workspace};

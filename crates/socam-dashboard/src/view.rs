@@ -9,6 +9,8 @@ use crate::live::Live;
 use crate::parameters::Parameters;
 use crate::review::Review;
 use crate::spectra::Spectra;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::watch::WatchView;
 use crate::workspace::Workspace;
 
 /// Names of controls, separated by `; ` and with `...` for variable parts, and their explanation.
@@ -35,22 +37,22 @@ pub trait ViewPanel {
 
 /// Declares [`View`], the names of all views in the order of their tabs, and [`Views`], their states.
 macro_rules! views {
-    ($($name:ident: $field:ident = $state:ty, $what:literal;)+) => {
+    ($($(#[$where:meta])* $name:ident: $field:ident = $state:ty, $what:literal;)+) => {
         /// The name of a view.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
         pub enum View {
-            $(#[doc = $what] $name,)+
+            $($(#[$where])* #[doc = $what] $name,)+
         }
 
         impl View {
             /// All of them, in the order of their tabs.
-            pub const ALL: &[Self] = &[$(Self::$name),+];
+            pub const ALL: &[Self] = &[$($(#[$where])* Self::$name),+];
 
             /// Its name.
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self {
-                    $(Self::$name => stringify!($name),)+
+                    $($(#[$where])* Self::$name => stringify!($name),)+
                 }
             }
 
@@ -58,7 +60,7 @@ macro_rules! views {
             #[must_use]
             pub fn help(self) -> Help {
                 match self {
-                    $(Self::$name => <$state>::help(),)+
+                    $($(#[$where])* Self::$name => <$state>::help(),)+
                 }
             }
         }
@@ -66,18 +68,20 @@ macro_rules! views {
         /// The states of all views.
         #[derive(Debug, Default)]
         pub struct Views {
-            $(#[doc = $what] pub $field: $state,)+
+            $($(#[$where])* #[doc = $what] pub $field: $state,)+
         }
 
         impl Views {
             pub(crate) fn get(&mut self, view: View) -> &mut dyn ViewPanel {
                 match view {
-                    $(View::$name => &mut self.$field,)+
+                    $($(#[$where])* View::$name => &mut self.$field,)+
                 }
             }
 
             pub(crate) fn is_busy(&self) -> bool {
-                $(self.$field.is_busy() ||)+ false
+                let mut is_busy = false;
+                $($(#[$where])* { is_busy |= self.$field.is_busy(); })+
+                is_busy
             }
         }
     };
@@ -90,6 +94,8 @@ views! {
     Check: check = Checks, "Whether recordings can carry a fit.";
     Parameters: parameters = Parameters, "An identification.";
     Diagnosis: diagnosis = DiagnosisView, "What physics the model lacks.";
+    #[cfg(not(target_arch = "wasm32"))]
+    Watch: watch = WatchView, "A bench or recording with the model running beside it.";
 }
 
 impl View {

@@ -1,11 +1,13 @@
 //! What all views work on, and what they ask of the window.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use socam_model::Model;
-use socam_recording::ProfileFile;
+use socam_recording::{Channel, ProfileFile};
 
 use crate::draw::chart::Seen;
+use crate::live::Batch;
 use crate::recording::Recording;
 use crate::review::Entry;
 use crate::view::View;
@@ -23,10 +25,21 @@ pub enum Request {
     Signal(Box<ProfileFile>),
     /// Make a model the one that recordings are compared with.
     Model(Box<Model>),
+    /// Mark an alarm in the recording that is being made, if one is.
+    Alarm(String),
     /// Show a remark.
     Say(String),
     /// Show an error.
     Warn(String),
+}
+
+/// Samples of the running bench that have arrived since the last pass.
+#[derive(Debug, Default)]
+pub struct Feed {
+    /// Channels of the bench; empty while no bench is connected.
+    pub channels: Arc<Vec<Channel>>,
+    /// The samples, the oldest first.
+    pub batches: Vec<Arc<Batch>>,
 }
 
 /// The open recordings, the model, and requests to the window.
@@ -40,11 +53,20 @@ pub struct Workspace {
     /// The charts of the last pass, for exports.
     pub seen: Vec<Seen>,
     pub(crate) requests: Vec<Request>,
+    /// The running bench.
+    pub feed: Feed,
 }
 
 impl Workspace {
     pub(crate) fn new(model: Model) -> Self {
-        Self { entries: Vec::new(), model, revision: 0, seen: Vec::new(), requests: Vec::new() }
+        Self {
+            entries: Vec::new(),
+            model,
+            revision: 0,
+            seen: Vec::new(),
+            requests: Vec::new(),
+            feed: Feed::default(),
+        }
     }
 
     /// The model that recordings are compared with.

@@ -203,6 +203,13 @@ impl Live {
         self.order(Order::Run);
     }
 
+    /// Marks an alarm of the watch in the recording.
+    pub(crate) fn mark_alarm(&self, text: String) {
+        if self.recording.is_some() {
+            self.order(Order::Note(format!("alarm: {text}")));
+        }
+    }
+
     /// Closes the link. A link that is still being opened is abandoned: its thread finds the channel closed and ends.
     fn disconnect(&mut self) {
         if self.link == Link::Opening {
