@@ -256,24 +256,47 @@ fn blend(pixel: &mut Color32, source: [f32; 4]) {
 /// # Errors
 /// When the picture has no pixels.
 pub fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
+    let pixels = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
+    encoded(image.size, png::ColorType::Rgb, &pixels.collect::<Vec<u8>>())
+}
+
+/// A picture as PNG that is transparent where it has no colour.
+pub(super) fn png_with_holes(image: &ColorImage) -> Result<Vec<u8>, String> {
+    let pixels = image.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied());
+    encoded(image.size, png::ColorType::Rgba, &pixels.collect::<Vec<u8>>())
+}
+
+fn encoded(size: [usize; 2], colours: png::ColorType, pixels: &[u8]) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.size[0] as u32, image.size[1] as u32);
-    encoder.set_color(png::ColorType::Rgb);
+    let mut encoder = png::Encoder::new(&mut bytes, size[0] as u32, size[1] as u32);
+    encoder.set_color(colours);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
-    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(&pixels).map_err(|error| error.to_string())?;
+    writer.write_image_data(pixels).map_err(|error| error.to_string())?;
     writer.finish().map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
-/// Draws shapes before they have become a window's output, with the fonts as they are now.
+/// Draws a part of the window before its shapes have become the window's output, with the fonts as they are now.
 #[must_use]
-pub fn of_shapes(ctx: &egui::Context, shapes: Vec<ClippedShape>, part: Rect, ground: Color32) -> ColorImage {
+pub fn of_shapes(
+    ctx: &egui::Context,
+    mut shapes: Vec<ClippedShape>,
+    part: Rect,
+    ground: Color32,
+) -> ColorImage {
     let scale = ctx.pixels_per_point();
     let fonts = ctx.fonts(|fonts| fonts.image());
-    let raster = Raster { textures: [(TextureId::default(), fonts)].into() };
+    let mut raster = Raster { textures: [(TextureId::default(), fonts)].into() };
+    let pictures = super::texture::known(ctx).into_iter();
+    raster.textures.extend(pictures.map(|(id, image)| (id, ColorImage::clone(&image))));
+    if part.min != Pos2::ZERO {
+        for clipped in &mut shapes {
+            clipped.clip_rect = clipped.clip_rect.translate(-part.min.to_vec2());
+            clipped.shape.translate(-part.min.to_vec2());
+        }
+    }
     let size = [part.width(), part.height()].map(|points| (points * scale).round() as usize);
     raster.draw(ctx, shapes, scale, size, ground)
 }
