@@ -5,6 +5,7 @@ pub mod colours;
 mod curve;
 pub mod export;
 pub mod heat;
+pub mod history;
 pub mod raster;
 pub(crate) mod style;
 pub mod svg;
