@@ -4,6 +4,7 @@ pub mod check;
 mod legend;
 mod model_response;
 mod poles;
+pub mod spectrogram;
 mod welch;
 
 use std::sync::Arc;
