@@ -1,10 +1,15 @@
 //! A picture of the window without a display: egui's triangles, filled in software. The same input gives the same bytes on every
 //! machine.
 
+mod file;
+
 use egui::epaint::ClippedShape;
 use egui::epaint::{Primitive, Vertex};
 use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 use std::collections::HashMap;
+
+pub use file::png;
+pub(super) use file::png_with_holes;
 
 /// Textures of the window, collected from its output.
 #[derive(Debug, Default)]
@@ -249,33 +254,6 @@ fn blend(pixel: &mut Color32, source: [f32; 4]) {
     // The conversion to a byte saturates.
     let over: [u8; 4] = std::array::from_fn(|k| (source[k] + f32::from(under[k]) * rest + 0.5) as u8);
     *pixel = Color32::from_rgba_premultiplied(over[0], over[1], over[2], over[3]);
-}
-
-/// A picture as PNG.
-///
-/// # Errors
-/// When the picture has no pixels.
-pub fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
-    let pixels = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
-    encoded(image.size, png::ColorType::Rgb, &pixels.collect::<Vec<u8>>())
-}
-
-/// A picture as PNG that is transparent where it has no colour.
-pub(super) fn png_with_holes(image: &ColorImage) -> Result<Vec<u8>, String> {
-    let pixels = image.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied());
-    encoded(image.size, png::ColorType::Rgba, &pixels.collect::<Vec<u8>>())
-}
-
-fn encoded(size: [usize; 2], colours: png::ColorType, pixels: &[u8]) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size[0] as u32, size[1] as u32);
-    encoder.set_color(colours);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(pixels).map_err(|error| error.to_string())?;
-    writer.finish().map_err(|error| error.to_string())?;
-    Ok(bytes)
 }
 
 /// Draws a part of the window before its shapes have become the window's output, with the fonts as they are now.
