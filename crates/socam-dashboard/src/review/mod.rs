@@ -47,7 +47,7 @@ impl ViewPanel for Review {
         &[
             (
                 "drag; wheel; Shift+wheel",
-                "pan, zoom, scroll; the right button zooms to a box; the axes can be dragged",
+                "pan, zoom, scroll; dragging with the right button zooms to a box (Esc cancels), a click of it copies the picture; the axes can be dragged",
             ),
             ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
             (
