@@ -93,6 +93,7 @@ impl View<'_> {
         let frame = Frame {
             x: self.plot.x.open(self.ranges[0], (left, right)),
             y: self.plot.y.open(self.ranges[1], (HEIGHT - BOTTOM, TOP)),
+            height: HEIGHT,
         };
         let clip = format!("frame{number}");
         let (width, height) = (format!("{:.1}", right - left), HEIGHT - BOTTOM - TOP);
