@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::Checks;
 use crate::diagnosis::DiagnosisView;
+use crate::identify::Identify;
 use crate::live::Live;
-use crate::parameters::Parameters;
 use crate::review::Review;
 use crate::spectra::Spectra;
 use crate::workspace::Workspace;
@@ -35,11 +35,11 @@ pub trait ViewPanel {
 
 /// Declares [`View`], the names of all views in the order of their tabs, and [`Views`], their states.
 macro_rules! views {
-    ($($name:ident: $field:ident = $state:ty, $what:literal;)+) => {
+    ($($(#[$meta:meta])* $name:ident: $field:ident = $state:ty, $what:literal;)+) => {
         /// The name of a view.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
         pub enum View {
-            $(#[doc = $what] $name,)+
+            $(#[doc = $what] $(#[$meta])* $name,)+
         }
 
         impl View {
@@ -88,7 +88,9 @@ views! {
     Time: time = Review, "Recordings over time.";
     Frequency: frequency = Spectra, "Spectra, responses, poles and zeros.";
     Check: check = Checks, "Whether recordings can carry a fit.";
-    Parameters: parameters = Parameters, "An identification.";
+    // Layouts of earlier versions call it by its result.
+    #[serde(alias = "Parameters")]
+    Identify: identify = Identify, "Parameters of the model, from recordings.";
     Diagnosis: diagnosis = DiagnosisView, "What physics the model lacks.";
 }
 

@@ -15,8 +15,10 @@ use socam_model::Model;
 
 use crate::draw::chart::{self, Seen};
 #[cfg(not(target_arch = "wasm32"))]
-use crate::recording::Recording;
+use crate::files::Purpose;
 use crate::view::{Help, ViewPanel};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::workspace::Content;
 use crate::workspace::{Request, Workspace};
 use crate::{layout, theme};
 pub use choice::{Over, Sides};
@@ -43,6 +45,71 @@ struct Shown {
     diagnosis: Diagnosis,
     evidence: Option<Evidence>,
     model: Model,
+    /// Text of the corrected model's file, of a diagnosis that was made here.
+    #[cfg(not(target_arch = "wasm32"))]
+    model_toml: Option<String>,
+}
+
+/// What a report is written from.
+#[cfg(not(target_arch = "wasm32"))]
+#[derive(Debug)]
+pub struct Report {
+    diagnosis: Diagnosis,
+    evidence: Evidence,
+    model: Model,
+    model_toml: String,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Report {
+    /// Writes the folder of `diagnose --report`.
+    ///
+    /// # Errors
+    /// When there is such a folder already, or it cannot be written; one sentence.
+    pub(crate) fn write(&self, folder: &std::path::Path) -> Result<(), String> {
+        if folder.exists() {
+            return Err(format!("{} exists already; choose another name", folder.display()));
+        }
+        socam_diagnose::report::write(
+            folder,
+            &self.diagnosis,
+            &self.evidence,
+            &self.model,
+            Some(&self.model_toml),
+        )
+        .map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Shown {
+    /// Draws what can be done with a diagnosis that was made here.
+    fn offers(&self, ui: &mut Ui, workspace: &mut Workspace) {
+        let Some((evidence, text)) = self.evidence.as_ref().zip(self.model_toml.as_ref()) else { return };
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Save report...").clicked() {
+                let report = Report {
+                    diagnosis: self.diagnosis.clone(),
+                    evidence: evidence.clone(),
+                    model: self.model.clone(),
+                    model_toml: text.clone(),
+                };
+                let content = Content::Report(Box::new(report));
+                workspace.request(Request::SaveAs(Purpose::SaveReport, "diagnosis".into(), content));
+            }
+            if ui.button("Use as model").clicked() {
+                match Model::parse(text) {
+                    Ok(model) => workspace.request(Request::Model(Box::new(model))),
+                    Err(error) => workspace.request(Request::Warn(error.to_string())),
+                }
+            }
+            if ui.button("Save model file...").clicked() {
+                let content = Content::Bytes(text.clone().into_bytes());
+                workspace.request(Request::SaveAs(Purpose::SaveModel, "corrected.toml".into(), content));
+            }
+        });
+        ui.add_space(4.0);
+    }
 }
 
 impl ViewPanel for DiagnosisView {
@@ -53,11 +120,10 @@ impl ViewPanel for DiagnosisView {
         let panel = panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 #[cfg(not(target_arch = "wasm32"))]
-                {
-                    let recordings: Vec<&Recording> = workspace.shown().map(|(_, shown)| shown).collect();
-                    self.maker.ui(ui, &recordings, workspace.model(), self.shown.is_none());
-                }
+                self.maker.ui(ui, workspace);
                 if let Some(shown) = &self.shown {
+                    #[cfg(not(target_arch = "wasm32"))]
+                    shown.offers(ui, workspace);
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
                 }
             });
@@ -73,6 +139,9 @@ impl ViewPanel for DiagnosisView {
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
         if let Some(answer) = self.maker.poll() {
             self.show(answer.diagnosis, Some(answer.evidence), answer.model);
+            if let Some(shown) = &mut self.shown {
+                shown.model_toml = Some(answer.model_toml);
+            }
         }
     }
 
@@ -84,9 +153,18 @@ impl ViewPanel for DiagnosisView {
     fn help() -> Help {
         &[
             (
-                "Diagnose; hold out ...",
-                "asks whether the shown recordings need physics that the model lacks, which, and where; those that are held out are the proof",
+                "Diagnose; Set-up",
+                "asks whether the recordings that are fitted need physics that the model lacks, which, and where; those that are held out are the proof",
             ),
+            (
+                "False alarms; Most effects",
+                "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
+            ),
+            (
+                "Save report...",
+                "writes a page with all pictures, the result for scripts and the corrected model into a new folder",
+            ),
+            ("Use as model; Save model file...", "the corrected model"),
             (
                 "drawing",
                 "the place of each finding is framed and numbered; rivals are dashed; click an element to see what was found there",
@@ -104,16 +182,10 @@ impl ViewPanel for DiagnosisView {
 }
 
 impl DiagnosisView {
-    /// Begins a diagnosis of recordings; held-out ones are used for validation only.
+    /// Begins a diagnosis as it is set up.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn start(
-        &mut self,
-        ctx: &egui::Context,
-        model: Model,
-        names: Vec<String>,
-        held_out: Vec<String>,
-    ) {
-        self.maker.start(ctx, model, names, held_out);
+    pub(crate) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
+        self.maker.start(ctx, workspace);
     }
 
     /// Shows a diagnosis of a model.
@@ -133,7 +205,13 @@ impl DiagnosisView {
                 () => Over::Speed,
             };
         }
-        self.shown = Some(Shown { diagnosis, evidence, model });
+        self.shown = Some(Shown {
+            diagnosis,
+            evidence,
+            model,
+            #[cfg(not(target_arch = "wasm32"))]
+            model_toml: None,
+        });
     }
 
     /// Adds residuals to the diagnosis that is shown.
@@ -145,11 +223,7 @@ impl DiagnosisView {
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {
         let Some(shown) = &self.shown else {
-            chart::empty_state(
-                ui,
-                "No diagnosis yet",
-                "Open recordings of the bench and press Diagnose at the left, or open the folder that `socam-host diagnose RUN... --report DIR` wrote. The drawing then shows where model and recordings part.",
-            );
+            chart::empty_state(ui, "No diagnosis yet", EMPTY);
             return;
         };
         verdict(ui, &shown.diagnosis);
@@ -175,6 +249,12 @@ impl DiagnosisView {
         evidence::ui(ui, &shown.diagnosis, shown.evidence.as_ref(), view, seen);
     }
 }
+
+#[cfg(not(target_arch = "wasm32"))]
+const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";
+#[cfg(target_arch = "wasm32")]
+const EMPTY: &str =
+    "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";
 
 fn is_contradicted(diagnosis: &Diagnosis) -> bool {
     diagnosis.held_out.as_ref().is_some_and(|held_out| held_out.outcome == ProofOutcome::Failed)
