@@ -4,10 +4,12 @@
 
 mod finding;
 mod in_order;
+mod overlay;
 
 use serde::{Deserialize, Serialize};
 
 pub use finding::{Component, Curve, EffectParameter, Finding, FindingEvidence, Over, Region, Rival};
+pub use overlay::Overlay;
 
 /// Version of [`Diagnosis`]' JSON form.
 pub const SCHEMA: &str = "socam.diagnosis/1";
@@ -58,6 +60,9 @@ pub struct Diagnosis {
     /// Version of the program.
     #[serde(default)]
     pub version: String,
+    /// The first picture; `None` where there are no recordings over time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlay: Option<Overlay>,
 }
 
 /// The verdict.

@@ -62,6 +62,7 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         model: path.base.model.name.clone(),
         recordings: recordings::recordings(inputs),
         version: env!("CARGO_PKG_VERSION").into(),
+        overlay: None,
     })
 }
 

@@ -158,6 +158,7 @@ pub fn diagnose(
         floor: &floor,
     };
     let mut diagnosis = answer::document(&inputs, cpu_s)?;
+    diagnosis.overlay = pictures::overlay(model, &pairs, &floor);
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);

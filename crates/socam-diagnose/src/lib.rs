@@ -26,7 +26,8 @@
 //!         println!("{} at {}: {}", finding.effect, finding.location, finding.sentence);
 //!     }
 //!     let directory = std::path::Path::new("report");
-//!     report::write(directory, &answer.diagnosis, &answer.evidence, &model, Some(&answer.model_toml))?;
+//!     let made = report::Provenance { command: "my program".into(), ..report::Provenance::default() };
+//!     report::write(directory, &answer.diagnosis, &answer.evidence, (&model, Some(&answer.model_toml)), &made)?;
 //!     Ok(())
 //! }
 //! ```

@@ -1,5 +1,7 @@
 //! Data of the pictures: residuals before and after the correction, over time, frequency, speed, angle and torque.
 
+mod overlay;
+
 use socam_identify::{
     IdentifyError, Problem,
     comparison::{self, Evaluation, Traces},
@@ -13,6 +15,8 @@ use crate::{
     selection::Path,
     spectrum::{self, residual, step_s},
 };
+
+pub(crate) use overlay::overlay;
 
 /// Number of bins over speed, angle or torque.
 const BINS: usize = 40;

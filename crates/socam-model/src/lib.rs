@@ -4,8 +4,8 @@
 //! the nodes; bearings hold them; a prescribed speed, a torque or a servo drives them; sensors observe them.
 //! [`Model::equations`] returns the [`Equations`]: a linear state-space form with a [`Port`] for each input of each nonlinear force
 //! law. [`Model::equations_with_derivatives`] also returns the exact derivative of each matrix with respect to chosen parameters.
-//! [`effects`] is the catalogue of force laws and sensor faults that can be added to a model, and [`layout`] places a model's
-//! elements on a grid for a drawing.
+//! [`effects`] is the catalogue of force laws and sensor faults that can be added to a model, [`layout`] places a model's
+//! elements on a grid, and [`drawing`] draws them there.
 //!
 //! ```
 //! use socam_model::{Model, effects};
@@ -36,6 +36,7 @@
 
 mod apart;
 mod builtin;
+pub mod drawing;
 mod edit;
 pub mod effects;
 mod equations;

@@ -81,7 +81,7 @@ impl Heat<'_> {
         let y = self.y.0.exact([0.0, self.y.1], (HEIGHT - BOTTOM, TOP));
         let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
         let right = WIDTH - RIGHT;
-        let frame = Frame { x: self.x.0.exact([0.0, self.x.1], (left, right)), y };
+        let frame = Frame { x: self.x.0.exact([0.0, self.x.1], (left, right)), y, height: HEIGHT };
         let bar = bar(self.colours);
         let [columns, rows] = self.size.map(|count| count as f64);
         let (width, height) = ((right - left) / columns, (HEIGHT - BOTTOM - TOP) / rows);

@@ -74,6 +74,8 @@ pub struct Plot<'a> {
 /// Size of the whole plot in the units of its view box, which a screen shows at about a pixel each.
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 230.0;
+/// Width of a plot that has a page's width to itself.
+const WIDE: f64 = 900.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 40.0;
 const RIGHT: f64 = 12.0;
@@ -130,6 +132,8 @@ impl Series<'_> {
 struct Frame {
     x: Scale,
     y: Scale,
+    /// Height of the view box.
+    height: f64,
 }
 
 impl Frame {
@@ -140,34 +144,46 @@ impl Frame {
 
     /// The lower edge of the axes at `x`, where a logarithmic axis shows values that are not positive.
     fn bottom(&self, x: f64) -> Option<(f64, f64)> {
-        Some((self.x.place(x)?, HEIGHT - BOTTOM))
+        Some((self.x.place(x)?, self.height - BOTTOM))
     }
 }
 
 impl Render for Plot<'_> {
     fn render(&self) -> Markup {
+        self.svg("plot", [WIDTH, HEIGHT])
+    }
+}
+
+impl Plot<'_> {
+    /// The plot as wide as a page and of this height for wide screens, and once more for narrow ones: the style sheet shows the one that
+    /// fits.
+    #[must_use]
+    pub fn large(&self, height: f64) -> Markup {
+        html! { (self.svg("plot wide", [WIDE, height])) (self.svg("plot narrow", [WIDTH, HEIGHT])) }
+    }
+
+    fn svg(&self, class: &str, size: [f64; 2]) -> Markup {
+        let [width, height] = size;
         html! {
-            @if let Some(drawn) = self.drawn() {
-                svg class="plot" viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(self.title) { (drawn) }
+            @if let Some(drawn) = self.drawn(size) {
+                svg class=(class) viewBox=(format!("0 0 {width} {height}")) role="img" aria-label=(self.title) { (drawn) }
             } @else {
                 p class="none" { (self.title) ": no data." }
             }
         }
     }
-}
 
-impl Plot<'_> {
     /// Contents of the view box; `None` without data.
-    fn drawn(&self) -> Option<Markup> {
+    fn drawn(&self, [width, height]: [f64; 2]) -> Option<Markup> {
         let points = || self.series.iter().flat_map(Series::extent).filter(|(x, y)| usable(*x) && usable(*y));
         points().next()?;
-        let y = self.y.scale(points().map(|(_, y)| y), (HEIGHT - BOTTOM, TOP));
+        let y = self.y.scale(points().map(|(_, y)| y), (height - BOTTOM, TOP));
         // Plots below each other share their left edge unless a label needs more room.
         let left = 26.0 + y.ticks().map(|tick| tick.width()).fold(38.0, f64::max);
-        let x = self.x.scale(points().map(|(x, _)| x), (left, WIDTH - RIGHT));
-        let frame = Frame { x, y };
+        let x = self.x.scale(points().map(|(x, _)| x), (left, width - RIGHT));
+        let frame = Frame { x, y, height };
         Some(html! {
-            (axes([&self.x, &self.y], &frame, [left, WIDTH - RIGHT]))
+            (axes([&self.x, &self.y], &frame, [left, width - RIGHT]))
             @for series in &self.series { (self.draw(series, &frame)) }
             (self.legend(left))
         })
@@ -219,7 +235,7 @@ impl Plot<'_> {
 
 /// Grid, ticks and titles of both axes.
 fn axes([x, y]: [&Axis; 2], frame: &Frame, [left, right]: [f64; 2]) -> Markup {
-    let bottom = HEIGHT - BOTTOM;
+    let bottom = frame.height - BOTTOM;
     let middle = f64::midpoint(TOP, bottom);
     html! {
         @for tick in frame.y.ticks() {
@@ -231,7 +247,7 @@ fn axes([x, y]: [&Axis; 2], frame: &Frame, [left, right]: [f64; 2]) -> Markup {
             text class="tick" x=(format!("{:.1}", tick.place)) y=(bottom + 14.0) text-anchor="middle" { (tick.label) }
         }
         path class="axis" d=(format!("M{left:.1} {TOP}V{bottom}H{right}")) {}
-        text class="title" x=(format!("{:.1}", f64::midpoint(left, right))) y=(HEIGHT - 8.0) text-anchor="middle" {
+        text class="title" x=(format!("{:.1}", f64::midpoint(left, right))) y=(frame.height - 8.0) text-anchor="middle" {
             (x.title(&frame.x))
         }
         text class="title" transform=(format!("translate(11 {middle:.1}) rotate(-90)")) text-anchor="middle" {

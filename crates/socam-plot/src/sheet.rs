@@ -16,7 +16,7 @@ pub enum Panel<'a> {
 impl Panel<'_> {
     fn parts(&self) -> (&str, Option<Markup>) {
         match self {
-            Self::Plot(plot) => (&plot.title, plot.drawn()),
+            Self::Plot(plot) => (&plot.title, plot.drawn([WIDTH, HEIGHT])),
             Self::Heat(heat) => (&heat.title, heat.drawn()),
         }
     }
@@ -34,7 +34,7 @@ pub struct Row<'a> {
 /// A plot as a file of its own, in light colours.
 #[must_use]
 pub fn standalone(plot: &Plot<'_>) -> String {
-    file([WIDTH, HEIGHT], &plot.title, &placed((&plot.title, plot.drawn()), [0.0, 0.0]))
+    file([WIDTH, HEIGHT], &plot.title, &placed((&plot.title, plot.drawn([WIDTH, HEIGHT])), [0.0, 0.0]))
 }
 
 /// Rows of plots as one file, like [`standalone`].

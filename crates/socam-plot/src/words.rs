@@ -1,4 +1,8 @@
-//! Typography of units, powers and minus signs.
+//! Typography of units, powers and minus signs, and digits of numbers.
+
+mod numbers;
+
+pub use numbers::{chance, estimate, interval, level, number, percent, quantity, rough};
 
 /// A unit with its powers raised; nothing for a pure number.
 #[must_use]

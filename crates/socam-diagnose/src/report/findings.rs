@@ -85,7 +85,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
         return html! {};
     }
     html! {
-        h4 { "Where it lives" }
+        h4 { "Where it acts" }
         @if !region.text.is_empty() { p { (words::prose(&region.text)) } }
         dl {
             @for (name, [low, high], unit) in ranges() {

@@ -2,10 +2,13 @@
 
 mod drawing;
 mod findings;
+mod method;
 mod page;
+mod picture;
+mod provenance;
 mod residuals;
 mod tables;
-pub(crate) mod words;
+mod words;
 
 #[cfg(test)]
 mod tests;
@@ -20,6 +23,7 @@ use socam_recording::{OutputFile, RecordingError};
 use thiserror::Error;
 
 use crate::{Diagnosis, Evidence, experiment};
+pub use provenance::{FileHash, Provenance};
 
 /// A report that could not be written.
 #[derive(Debug, Error)]
@@ -50,7 +54,7 @@ pub fn drawing_of(model: &Model) -> String {
 
 /// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment
 /// is suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each
-/// file is written completely or not at all, and the page last.
+/// file is written completely or not at all, and the page last; the page holds the hashes of the others and says what `provenance` does.
 ///
 /// # Errors
 /// [`ReportError`] with the path.
@@ -62,25 +66,30 @@ pub fn drawing_of(model: &Model) -> String {
 /// let answer = diagnose(&model, &recordings[..1], &[], &Options { most_effects: 1, ..Options::default() })?;
 /// # let folder = tempfile::tempdir()?;
 /// # let folder = folder.path();
-/// report::write(folder, &answer.diagnosis, &answer.evidence, &model, Some(&answer.model_toml))?;
+/// let made = report::Provenance::default();
+/// report::write(folder, &answer.diagnosis, &answer.evidence, (&model, Some(&answer.model_toml)), &made)?;
 /// assert!(folder.join("index.html").exists() && folder.join("model.toml").exists());
-/// assert!(report::page(&answer.diagnosis, &answer.evidence, &model).contains("guide"));
+/// assert!(report::page(&answer.diagnosis, &answer.evidence, &model, &made).contains("guide"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(
     dir: &Path,
     diagnosis: &Diagnosis,
     evidence: &Evidence,
-    model: &Model,
-    corrected_model_toml: Option<&str>,
+    (model, corrected_model_toml): (&Model, Option<&str>),
+    provenance: &Provenance,
 ) -> Result<(), ReportError> {
     std::fs::create_dir_all(dir).map_err(|source| ReportError::Directory { path: dir.to_owned(), source })?;
-    write_file(&dir.join("model.toml"), |file| {
-        file.write_all(corrected_model_toml.unwrap_or(&model.text).as_bytes())
-    })?;
+    let mut written = Vec::new();
+    let mut keep = |name: &str, content: &[u8]| -> Result<(), ReportError> {
+        write_file(&dir.join(name), content)?;
+        written.push(FileHash::of_content(name, content));
+        Ok(())
+    };
+    keep("model.toml", corrected_model_toml.unwrap_or(&model.text).as_bytes())?;
     let next = dir.join("next.toml");
     match diagnosis.suggested_experiment.as_ref().and_then(experiment::profile_text) {
-        Some(profile) => write_file(&next, |file| file.write_all(profile.as_bytes()))?,
+        Some(profile) => keep("next.toml", profile.as_bytes())?,
         // A file of an earlier diagnosis does not belong to this one.
         None if next.exists() => std::fs::remove_file(&next).map_err(|source| RecordingError::Io {
             path: next,
@@ -89,24 +98,25 @@ pub fn write(
         })?,
         None => {}
     }
-    write_file(&dir.join("diagnosis.json"), |file| {
-        serde_json::to_writer_pretty(&mut *file, diagnosis)?;
-        file.write_all(b"\n")
+    let mut json = serde_json::to_vec_pretty(diagnosis).map_err(|source| RecordingError::Io {
+        path: dir.join("diagnosis.json"),
+        action: "write to",
+        source: source.into(),
     })?;
-    write_file(&dir.join("index.html"), |file| file.write_all(page(diagnosis, evidence, model).as_bytes()))
+    json.push(b'\n');
+    keep("diagnosis.json", &json)?;
+    let page = page::page(diagnosis, evidence, model, (provenance, &written)).into_string();
+    write_file(&dir.join("index.html"), page.as_bytes())
 }
 
-/// The page's HTML.
-pub fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> String {
-    page::page(diagnosis, evidence, model).into_string()
+/// The page's HTML, without hashes of files beside it.
+pub fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model, provenance: &Provenance) -> String {
+    page::page(diagnosis, evidence, model, (provenance, &[])).into_string()
 }
 
-fn write_file(
-    path: &Path,
-    content: impl FnOnce(&mut OutputFile) -> io::Result<()>,
-) -> Result<(), ReportError> {
+fn write_file(path: &Path, content: &[u8]) -> Result<(), ReportError> {
     let mut file = OutputFile::create(path)?;
-    content(&mut file).map_err(|source| RecordingError::Io {
+    file.write_all(content).map_err(|source| RecordingError::Io {
         path: path.into(),
         action: "write to",
         source,

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 use socam_model::{Model, Motion};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
-use super::words;
+use super::{tables, words};
 use crate::{
-    Evidence,
+    Diagnosis, Evidence,
     evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
 };
 
@@ -26,12 +26,19 @@ fn before_label(after: &[f64]) -> &'static str {
     if after.is_empty() { "base model" } else { "before" }
 }
 
-/// All pictures of all channels.
-pub(super) fn residuals(evidence: &Evidence, model: &Model) -> Markup {
+/// All pictures of all channels, the channel that the base model misses most first.
+pub(super) fn residuals(evidence: &Evidence, diagnosis: &Diagnosis, model: &Model) -> Markup {
+    let missed = |channel: &ChannelEvidence| {
+        let fit = diagnosis.fit.channels.iter().find(|(name, _)| *name == channel.name).map(|(_, fit)| fit);
+        let rms = fit.and_then(|fit| fit.holdout_rms_before.or(fit.rms_before));
+        fit.and_then(|fit| tables::in_noise_floors(rms, fit.noise_std)).unwrap_or(0.0)
+    };
+    let mut channels: Vec<&ChannelEvidence> = evidence.channels.iter().collect();
+    channels.sort_by(|a, b| missed(b).total_cmp(&missed(a)));
     let traces: usize = evidence.recordings.iter().map(|recording| 2 * recording.channels.len()).sum();
     let columns = (TRACE_BYTES / BYTES_PER_COLUMN / traces.max(1)).clamp(LEAST_COLUMNS, COLUMNS);
     html! {
-        @for channel in &evidence.channels {
+        @for channel in channels {
             section class="channel" {
                 h3 { code { (channel.name) } }
                 (shapes(channel, model.motion))

@@ -94,7 +94,10 @@ pub(super) fn in_noise_floors(rms: Option<f64>, noise: Option<f64>) -> Option<f6
 
 /// The base model's parameters before and after.
 pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
-    let (fixed, free): (Vec<_>, Vec<_>) = diagnosis.parameters.iter().partition(|parameter| parameter.fixed);
+    let (fixed, mut free): (Vec<_>, Vec<_>) =
+        diagnosis.parameters.iter().partition(|parameter| parameter.fixed);
+    // What has a number comes first.
+    free.sort_by_key(|parameter| !parameter.identifiable);
     let corrected = is_corrected(diagnosis);
     html! {
         @if free.is_empty() { p { "Every parameter of the model is fixed." } } @else {
@@ -187,7 +190,7 @@ pub(super) fn not_found(entries: &[NotFound]) -> Markup {
     html! {
         div class="scroll" {
             table class="not-found" {
-                thead { tr { th { "Effect" } th { "Parameter" } th { "Would have been seen from" } th { "Unit" } } }
+                thead { tr { th { "Effect" } th { "Parameter" } th { "Would have been seen" } th { "Unit" } } }
                 tbody {
                     @for (first, places) in rows {
                         tr {
@@ -205,9 +208,15 @@ pub(super) fn not_found(entries: &[NotFound]) -> Markup {
 
 fn smallest(entry: &NotFound) -> String {
     match entry.smallest_detectable.filter(|size| size.is_finite()) {
-        Some(size) => words::rough(size),
-        None => "at no size".to_owned(),
+        Some(size) if is_limit(&entry.effect) => format!("up to {}", words::rough(size)),
+        Some(size) => format!("from {}", words::rough(size)),
+        None => "not by these recordings".to_owned(),
     }
+}
+
+/// Whether an effect is the stronger the smaller its amplitude: a stiffness or a limit, which is infinite where the effect is absent.
+fn is_limit(effect: &str) -> bool {
+    socam_model::effects::find(effect).is_some_and(|effect| effect.amplitude.null.is_infinite())
 }
 
 /// The recordings and what each was used for.

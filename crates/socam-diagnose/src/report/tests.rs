@@ -1,5 +1,7 @@
 mod drawing;
+mod reader;
 mod sample;
+mod signals;
 
 use std::{fs, path::Path};
 
@@ -10,6 +12,7 @@ use crate::{
     document::{Component, EffectParameter, RecordingUse, Rival, Validation, Verdict},
     evidence::{ChannelEvidence, RecordingTraces, Trace},
 };
+use reader::{made, report};
 
 const AALTO: &str = include_str!("../../../../tests/models/aalto.toml");
 /// A page must open at once and fit in a mail.
@@ -23,81 +26,10 @@ fn speed_o_cam() -> Model {
     Model::builtin("speed-o-cam").unwrap()
 }
 
-/// Writes a report, checks what must hold of every page, and returns its text as a reader sees it, a line per element.
-fn report(name: &str, diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> String {
-    let dir = tempfile::tempdir().unwrap();
-    write(dir.path(), diagnosis, evidence, model, None).unwrap();
-    let page = fs::read_to_string(dir.path().join("index.html")).unwrap();
-    if let Some(keep) = std::env::var_os(KEEP) {
-        fs::create_dir_all(&keep).unwrap();
-        fs::write(Path::new(&keep).join(format!("{name}.html")), &page).unwrap();
-    }
-    assert!(page.len() < MOST_BYTES, "{name}: {} bytes", page.len());
-    assert!(!page.contains("<script") && !page.contains("http"), "{name} is self-contained");
-
-    // The few tags that HTML leaves open, closed for an XML parser.
-    let (head, body) = page.split_once("</head>").unwrap();
-    let xml = format!(
-        "{}</head>{body}",
-        head.replace("<!DOCTYPE html>", "").replace(";\">", ";\"/>").replace("<meta ", "<meta_ ")
-    );
-    let xml = close_metas(&xml);
-    let document = roxmltree::Document::parse(&xml).unwrap_or_else(|e| panic!("{name}: {e}"));
-    for node in document.descendants().filter(|node| node.is_element()) {
-        for attribute in node.attributes().filter(|attribute| attribute.name() != "aria-label") {
-            assert_numbers(name, attribute.value());
-        }
-    }
-    let body = document.descendants().find(|node| node.has_tag_name("body")).unwrap();
-    let text: String = body.descendants().filter_map(|node| text_of(&node)).collect();
-    assert!(!text.contains("NaN") && !text.contains("inf "), "{name}: {text}");
-    text
-}
-
-fn close_metas(html: &str) -> String {
-    html.split("<meta_ ")
-        .enumerate()
-        .map(|(index, part)| match (index, part.split_once('>')) {
-            (1.., Some((meta, rest))) => format!("<meta {}/>{rest}", meta.trim_end_matches('/')),
-            _ => part.to_owned(),
-        })
-        .collect()
-}
-
-fn assert_numbers(name: &str, attribute: &str) {
-    for word in ["NaN", "inf", "-0.0 "] {
-        assert!(!attribute.contains(word), "{name}: {attribute}");
-    }
-}
-
-/// The text of a paragraph, a cell, a label: the outermost element that holds text of its own.
-fn text_of(node: &roxmltree::Node<'_, '_>) -> Option<String> {
-    const LINES: [&str; 13] =
-        ["p", "h1", "h2", "h3", "h4", "tr", "dt", "dd", "li", "figcaption", "text", "title", "b"];
-    let outermost = LINES.contains(&node.tag_name().name())
-        && !node.ancestors().skip(1).any(|above| LINES.contains(&above.tag_name().name()));
-    // Ticks and legends are what `plot` is tested for.
-    if !outermost || node.attribute("class") == Some("tick") {
-        return None;
-    }
-    let of_cells = node.has_tag_name("tr");
-    let separate = if of_cells { " | " } else { "" };
-    let parts: Vec<String> = if of_cells {
-        node.children().map(|cell| inner_text(&cell)).collect()
-    } else {
-        vec![inner_text(node)]
-    };
-    Some(format!("{}\n", parts.join(separate).trim_end()))
-}
-
-fn inner_text(node: &roxmltree::Node<'_, '_>) -> String {
-    node.descendants().filter(|part| part.is_text()).filter_map(|part| part.text()).collect()
-}
-
 #[test]
 fn the_sample_reads_as_expected() {
     let diagnosis = sample::diagnosis();
-    let evidence = sample::evidence(&diagnosis.recordings, 10_000);
+    let evidence = signals::evidence(&diagnosis.recordings, 10_000);
     let text = report("sample", &diagnosis, &evidence, &speed_o_cam());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report/tests/sample.txt");
     if std::env::var_os(UPDATE).is_some() {
@@ -115,13 +47,23 @@ fn files_are_whole() {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("new/report");
     let diagnosis = sample::diagnosis();
-    write(&target, &diagnosis, &Evidence::default(), &speed_o_cam(), Some("corrected")).unwrap();
+    let model = speed_o_cam();
+    write(&target, &diagnosis, &Evidence::default(), (&model, Some("corrected")), &made()).unwrap();
     let mut names: Vec<_> = fs::read_dir(&target).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["diagnosis.json", "index.html", "model.toml", "next.toml"]);
     assert_eq!(fs::read_to_string(target.join("model.toml")).unwrap(), "corrected");
     let json = fs::read_to_string(target.join("diagnosis.json")).unwrap();
     assert_eq!(json, serde_json::to_string_pretty(&diagnosis).unwrap() + "\n");
+    // The page holds the hashes of the files beside it, the command and the date.
+    let page = fs::read_to_string(target.join("index.html")).unwrap();
+    for name in ["diagnosis.json", "model.toml", "next.toml"] {
+        let hash = FileHash::of_file(name, &target.join(name)).unwrap();
+        assert!(page.contains(&hash.sha256), "{name}");
+    }
+    let made = made();
+    assert!(page.contains(&made.files[0].sha256) && page.contains(&made.date), "{page}");
+    assert!(page.contains("socam-host diagnose 'my runs/steps-1.mcap' --report report"), "{page}");
 }
 
 #[test]
@@ -130,7 +72,8 @@ fn a_place_that_cannot_be_written_is_named() {
     let file = dir.path().join("file");
     fs::write(&file, "").unwrap();
     let target = file.join("report");
-    let error = write(&target, &sample::diagnosis(), &Evidence::default(), &speed_o_cam(), None).unwrap_err();
+    let (diagnosis, model) = (sample::diagnosis(), speed_o_cam());
+    let error = write(&target, &diagnosis, &Evidence::default(), (&model, None), &made()).unwrap_err();
     let sentence = error.to_string();
     assert!(sentence.contains(&target.display().to_string()) && !sentence.contains('\n'), "{sentence}");
 }
@@ -141,14 +84,18 @@ fn nothing_missing() {
     for (_, fit) in &mut sample.fit.channels {
         (fit.rms_after, fit.holdout_rms_after) = (fit.rms_before, fit.holdout_rms_before);
     }
+    let mut overlay = signals::overlay();
+    overlay.before = std::mem::take(&mut overlay.after);
+    overlay.residual_before = std::mem::take(&mut overlay.residual_after);
     let diagnosis = Diagnosis {
         verdict: Verdict::Adequate,
+        overlay: Some(overlay),
         findings: Vec::new(),
         suggested_experiment: None,
         warnings: Vec::new(),
         ..sample
     };
-    let mut evidence = sample::evidence(&diagnosis.recordings, 2000);
+    let mut evidence = signals::evidence(&diagnosis.recordings, 2000);
     for trace in evidence.recordings.iter_mut().flat_map(|recording| &mut recording.channels) {
         trace.before = std::mem::take(&mut trace.after);
     }
@@ -162,7 +109,19 @@ fn nothing_missing() {
     let text = report("adequate", &diagnosis, &evidence, &speed_o_cam());
     assert!(text.contains("Nothing is missing"), "{text}");
     assert!(!text.contains("What is missing") && !text.contains("Before and after"), "{text}");
+    assert!(!text.contains("predicted before"), "{text}");
     assert!(text.contains("How well the model fits"), "{text}");
+}
+
+#[test]
+fn rivals_that_tie_stand_in_the_headline() {
+    let mut diagnosis = sample::diagnosis();
+    diagnosis.findings.truncate(1);
+    diagnosis.findings[0].rivals = vec![sample::rival("coulomb_friction", "load_bearing", 0.48)];
+    let evidence = signals::evidence(&diagnosis.recordings, 500);
+    let text = report("tied", &diagnosis, &evidence, &speed_o_cam());
+    let title = "Physics is missing: Coulomb friction, at either bearing (cam_bearing or load_bearing)";
+    assert!(text.contains(title) && text.contains("place of a rival"), "{text}");
 }
 
 #[test]
@@ -173,8 +132,9 @@ fn something_without_a_name() {
         validation: Validation::LeaveOneOut,
         ..sample::diagnosis()
     };
-    let evidence = sample::evidence(&diagnosis.recordings, 500);
+    let evidence = signals::evidence(&diagnosis.recordings, 500);
     let text = report("unexplained", &diagnosis, &evidence, &speed_o_cam());
+    assert!(text.contains("Something is missing at load_bearing that no effect"), "{text}");
     assert!(text.contains("Missing torque (N m)") && text.contains("Speed (rad/s)"), "{text}");
     // What its curve does to the residuals is shown.
     assert!(text.contains("Before and after"), "{text}");
@@ -183,10 +143,10 @@ fn something_without_a_name() {
 #[test]
 fn a_name_beside_something_without_one() {
     let nameless = sample::unexplained();
-    let expected = format!("and at {} something that has no name.", nameless.location);
+    let expected = format!(", and something without a name at {}", nameless.location);
     let mut diagnosis = sample::diagnosis();
     diagnosis.findings.push(nameless);
-    let evidence = sample::evidence(&diagnosis.recordings, 500);
+    let evidence = signals::evidence(&diagnosis.recordings, 500);
     let text = report("beside", &diagnosis, &evidence, &speed_o_cam());
     assert!(text.contains(&expected), "{text}");
 }
@@ -212,7 +172,7 @@ fn many_recordings_and_long_names() {
         EffectParameter { name: long.into(), value: Some(1.0), unit: "N m".into(), ci95: [None; 2] };
     diagnosis.findings[1].components.push(Component { parameters: vec![parameter] });
     diagnosis.warnings = vec![long.into(), "<b>&\"quoted\"</b>".into()];
-    let evidence = sample::evidence(&diagnosis.recordings, 10_000);
+    let evidence = signals::evidence(&diagnosis.recordings, 10_000);
     let model = AALTO.replace("\"sensor_upper_out\"", &format!("\"{long}\""));
     report("aalto", &diagnosis, &evidence, &Model::parse(&model).unwrap());
 }
@@ -234,7 +194,7 @@ fn odd_numbers_leave_no_trace() {
     finding.rivals[0].weight = f64::NAN;
     finding.parameters[0].value = Some(f64::NAN);
     diagnosis.parameters[2].before = Some(0.0);
-    let evidence = sample::evidence(&diagnosis.recordings[..1], 1);
+    let evidence = signals::evidence(&diagnosis.recordings[..1], 1);
     report("odd-numbers", &diagnosis, &evidence, &speed_o_cam());
 }
 

@@ -135,6 +135,7 @@ pub fn diagnose_steady(
         model: model.name.clone(),
         recordings: tables.iter().map(used).collect(),
         version: env!("CARGO_PKG_VERSION").into(),
+        overlay: None,
     };
     Ok((diagnosis, model_toml))
 }

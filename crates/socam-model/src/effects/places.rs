@@ -19,8 +19,12 @@ pub enum ActsAt {
 
 impl ActsAt {
     /// Its name in a sentence, with the article.
+    ///
+    /// ```
+    /// assert_eq!(socam_model::effects::ActsAt::Bearing.noun(), "a bearing");
+    /// ```
     #[must_use]
-    pub(crate) fn noun(self) -> &'static str {
+    pub fn noun(self) -> &'static str {
         match self {
             Self::Bearing => "a bearing",
             Self::Node => "a node",

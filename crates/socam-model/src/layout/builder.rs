@@ -4,7 +4,7 @@ use super::{
     element::{Element, ElementKind, Joint, Layout},
     tree::Tree,
 };
-use crate::Model;
+use crate::{Model, effects};
 
 /// Vertical position of an element in its lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +69,7 @@ impl Builder {
     /// Adds the nodes, the links between them, windings and the servo.
     pub(super) fn chain(&mut self, model: &Model) {
         let links = links(model);
-        let start = first_node(model);
+        let start = drawn_as(model, first_node(model));
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
         let tree = Tree::grow(model.nodes.len(), &ends, start);
         let winds_start = model.motors.iter().any(|motor| motor.node == start);
@@ -77,9 +77,16 @@ impl Builder {
         let column = |node: usize| 2 * tree.depth[node] + margin;
 
         for (index, node) in model.nodes.iter().enumerate() {
+            if drawn_as(model, index) != index {
+                self.node.push(usize::MAX);
+                continue;
+            }
             let kind = node_kind(model, &tree, index, start);
             let element = self.add(kind, &node.name, column(index), tree.lane[index], Level::Chain);
             self.node.push(element);
+        }
+        for index in 0..model.nodes.len() {
+            self.node[index] = self.node[drawn_as(model, index)];
         }
         for (index, link) in links.iter().enumerate() {
             let (a, b) = link.ends;
@@ -190,15 +197,23 @@ impl Builder {
     }
 }
 
+/// The node at which a node is drawn: itself, or the node behind the contact that a law put into a gear. The contact is no part of the
+/// machine, and a gear with play is drawn as one gear.
+fn drawn_as(model: &Model, node: usize) -> usize {
+    let contact = model.springs.iter().find(|spring| spring.from == node && !effects::is_part(&spring.name));
+    contact.and_then(|contact| contact.to).unwrap_or(node)
+}
+
 fn links(model: &Model) -> Vec<Link<'_>> {
-    let springs = model.springs.iter().filter_map(|spring| {
+    let parts = model.springs.iter().filter(|spring| effects::is_part(&spring.name));
+    let springs = parts.filter_map(|spring| {
         let kind = ElementKind::Spring { damped: spring.damping.is_some() };
         Some(Link { kind, name: &spring.name, ends: (spring.from, spring.to?) })
     });
     let gears = model.gears.iter().map(|gear| Link {
         kind: ElementKind::Gear { ratio: model.parameters[gear.ratio].value },
         name: &gear.name,
-        ends: (gear.from, gear.to),
+        ends: (gear.from, drawn_as(model, gear.to)),
     });
     let differentials = model.differentials.iter().flat_map(|differential| {
         let ways = differential.from.into_iter().zip(differential.factors);

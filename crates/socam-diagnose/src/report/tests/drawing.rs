@@ -1,9 +1,14 @@
-//! Tests of the drawing of the bench.
+//! Tests of the drawings on a page: the bench with its marks, and the text of every picture.
 
 use socam_model::Model;
 
-use super::{AALTO, report, sample, speed_o_cam};
-use crate::{Evidence, report::drawing};
+use super::{reader::report, sample};
+use crate::Evidence;
+
+/// Two windings and two differentials.
+const WRIST: &str = include_str!("../../../../socam-model/tests/wrist.toml");
+/// A branch at the hub, two shafts side by side, and a spring to the ground.
+const BRANCHES: &str = include_str!("../../../../socam-model/tests/branches.toml");
 
 #[test]
 fn every_builtin_model_is_drawn() {
@@ -20,76 +25,39 @@ fn every_builtin_model_is_drawn() {
     }
 }
 
-#[test]
-fn labels_of_the_drawing_never_overlap() {
-    let long =
-        "a_very_long_name_of_a_place_that_nobody_would_type_twice_and_averyveryverylongwordwithoutbreaks";
-    let models = socam_model::BUILTIN.iter().map(|(_, text)| (*text).to_owned()).chain([
-        AALTO.to_owned(),
-        AALTO
-            .replace("\"sensor_upper_out\"", &format!("\"{long}\""))
-            .replace("\"load_bearing\"", "\"load_bearing_of_the_brake\""),
-        BRANCHES.to_owned(),
-        WRIST.to_owned(),
-    ]);
-    for text in models {
-        let model = Model::parse(&text).unwrap();
-        let drawing = drawing::bench(&model, &[]).into_string();
-        let document = roxmltree::Document::parse(&drawing).unwrap();
-        let boxes: Vec<_> = document.descendants().filter_map(|node| text_box(&node)).collect();
-        assert!(boxes.len() > model.nodes.len());
-        for (index, (a, [left, top, right, bottom])) in boxes.iter().enumerate() {
-            for (b, [other_left, other_top, other_right, other_bottom]) in &boxes[index + 1..] {
-                let apart =
-                    right <= other_left || other_right <= left || bottom <= other_top || other_bottom <= top;
-                assert!(apart, "{}: {a} and {b}", model.name);
-            }
+/// Mean width of a letter of 11 points in common fonts: less than the widest letter, so that only real overlaps count.
+const LETTER_WIDTH: f64 = 5.6;
+
+/// Asserts that no text of a picture lies on another.
+pub(super) fn assert_texts_apart(page: &str, svg: &roxmltree::Node<'_, '_>) {
+    let boxes: Vec<_> = svg.descendants().filter_map(|node| text_box(&node)).collect();
+    for (index, (text, [left, top, right, bottom])) in boxes.iter().enumerate() {
+        for (other, [other_left, other_top, other_right, other_bottom]) in &boxes[index + 1..] {
+            let apart =
+                right <= other_left || other_right <= left || bottom <= other_top || other_bottom <= top;
+            assert!(apart, "{page}, {:?}: `{text}` and `{other}`", svg.attribute("aria-label"));
         }
     }
 }
 
-/// A label and the room that it takes, with characters as wide as common fonts have them.
+/// A text and the room that it takes.
 fn text_box(node: &roxmltree::Node<'_, '_>) -> Option<(String, [f64; 4])> {
-    let label = node.has_tag_name("text") && node.attribute("x").is_some();
-    let text = node.text().filter(|_| label)?;
+    let text = node.text().filter(|_| node.has_tag_name("text"))?;
     let number = |name| node.attribute(name).and_then(|value| value.parse::<f64>().ok());
-    let (x, y, half) = (number("x")?, number("y")?, 0.5 * 6.8 * text.chars().count() as f64);
-    Some((text.to_owned(), [x - half, y - 9.0, x + half, y + 2.5]))
-}
-
-/// Two windings and two differentials.
-const WRIST: &str = include_str!("../../../../socam-model/tests/wrist.toml");
-
-/// A branch at the hub, two shafts side by side, and a spring to the ground.
-const BRANCHES: &str = include_str!("../../../../socam-model/tests/branches.toml");
-
-#[test]
-fn every_place_can_be_marked() {
-    let places = [
-        "motor",
-        "coupling_1",
-        "torque_sensor_in",
-        "coupling_2",
-        "cam_shaft",
-        "cam_bearing",
-        "mesh",
-        "disk",
-        "torque_sensor_out",
-        "coupling_3",
-        "load_shaft",
-        "load_bearing",
-        "load",
-        "motor_speed",
-        "output_speed",
-        "torque_in",
-        "torque_out",
-    ];
-    let marks =
-        |name| drawing::bench(&speed_o_cam(), &[(name, drawing::PlaceMark::Finding(1))]).into_string();
-    for place in places {
-        let drawing = marks(place);
-        assert_eq!(drawing.matches("class=\"mark\"").count(), 1, "{place}");
-        assert_eq!(drawing.matches("class=\"diamond\"").count(), 1, "{place}");
-    }
-    assert_eq!(marks("nowhere").matches("class=\"mark").count(), 0);
+    let size = if node.attribute("class") == Some("letter") { 17.0 } else { 11.0 };
+    let width = LETTER_WIDTH / 11.0 * size * text.chars().count() as f64;
+    let before = match node.attribute("text-anchor") {
+        Some("middle") => 0.5 * width,
+        Some("end") => width,
+        _ => 0.0,
+    };
+    let Some(turned) = node.attribute("transform") else {
+        let (x, y) = (number("x")?, number("y")?);
+        return Some((text.to_owned(), [x - before, y - 0.75 * size, x - before + width, y + 0.2 * size]));
+    };
+    // The title of a vertical axis, which is turned by a quarter.
+    let place = turned.strip_prefix("translate(")?.split(')').next()?;
+    let (x, y) = place.split_once(' ')?;
+    let (x, y): (f64, f64) = (x.parse().ok()?, y.parse().ok()?);
+    Some((text.to_owned(), [x - 0.75 * size, y - before, x + 0.2 * size, y - before + width]))
 }

@@ -1,24 +1,7 @@
 //! A made-up but plausible diagnosis of the default bench.
 
-use std::f64::consts::TAU;
-
-use crate::{document::*, evidence::*};
-
-/// Numbers that look like noise, the same on every machine.
-struct Noise(u64);
-
-impl Noise {
-    /// Between -1 and 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    /// About normal with this standard deviation.
-    fn normal(&mut self, std: f64) -> f64 {
-        std * (self.next() + self.next() + self.next())
-    }
-}
+use super::signals::overlay;
+use crate::document::*;
 
 pub(super) const CHANNELS: [(&str, &str, f64); 3] =
     [("output_speed", "rad/s", 0.01), ("torque_in", "N m", 0.004), ("torque_out", "N m", 0.02)];
@@ -28,7 +11,7 @@ fn value(name: &str, value: f64, half_width: f64, unit: &str) -> EffectParameter
     EffectParameter { name: name.into(), value: Some(value), unit: unit.into(), ci95 }
 }
 
-fn rival(effect: &str, location: &str, weight: f64) -> Rival {
+pub(super) fn rival(effect: &str, location: &str, weight: f64) -> Rival {
     Rival { effect: effect.into(), location: location.into(), weight }
 }
 
@@ -216,6 +199,7 @@ pub(super) fn diagnosis() -> Diagnosis {
         model: "speed-o-cam".into(),
         recordings: recordings(6),
         version: "0.1.0".into(),
+        overlay: Some(overlay()),
     }
 }
 
@@ -229,65 +213,4 @@ pub(super) fn recordings(count: usize) -> Vec<RecordingUse> {
         duration_s: 9.999,
     };
     (0..count).map(one).collect()
-}
-
-/// Residuals of so many samples per recording.
-pub(super) fn evidence(recordings: &[RecordingUse], samples: usize) -> Evidence {
-    let mut noise = Noise(1);
-    let traces = recordings.iter().enumerate().map(|(index, recording)| RecordingTraces {
-        name: recording.name.clone(),
-        held_out: recording.held_out,
-        channels: CHANNELS.iter().map(|channel| trace(&mut noise, *channel, index, samples)).collect(),
-    });
-    Evidence {
-        recordings: traces.collect(),
-        channels: CHANNELS.iter().map(|channel| shapes(&mut noise, *channel)).collect(),
-    }
-}
-
-fn trace(noise: &mut Noise, (channel, _, std): (&str, &str, f64), recording: usize, samples: usize) -> Trace {
-    let period = 2.0 + 0.3 * recording as f64;
-    let time_s: Vec<f64> = (0..samples).map(|n| 10.0 * n as f64 / samples as f64).collect();
-    let mut after: Vec<f64> = time_s.iter().map(|_| noise.normal(std)).collect();
-    let missing = |t: f64| 3.0 * std * (TAU * t / period).sin().signum() + 1.5 * std * (TAU * 7.0 * t).sin();
-    let mut before: Vec<f64> = time_s.iter().zip(&after).map(|(t, noise)| missing(*t) + noise).collect();
-    // A gap, and a spike of one sample.
-    for values in [&mut before, &mut after] {
-        values[samples / 3..(samples / 3).max(samples * 35 / 100)].fill(f64::NAN);
-        if let Some(value) = values.get_mut(samples * 3 / 4) {
-            *value = 14.0 * std;
-        }
-    }
-    Trace { channel: channel.into(), time_s, before, after }
-}
-
-fn shapes(noise: &mut Noise, (name, unit, std): (&str, &str, f64)) -> ChannelEvidence {
-    let mut binned = |low: f64, high: f64, shape: fn(f64) -> f64| {
-        let x: Vec<f64> = (0..24).map(|n| low + (high - low) * (f64::from(n) + 0.5) / 24.0).collect();
-        let before: Vec<f64> = x.iter().map(|x| 3.0 * std * shape(*x) + noise.normal(0.08 * std)).collect();
-        let after: Vec<f64> = x.iter().map(|_| noise.normal(0.08 * std)).collect();
-        Some(Binned { before_std: vec![0.1 * std; 24], after_std: vec![0.08 * std; 24], x, before, after })
-    };
-    let over_speed = binned(-90.0, 90.0, |x| (x / 4.0).tanh());
-    let over_angle = binned(0.0, TAU, |x| 0.3 * (x + 0.4).sin());
-    let over_torque = binned(-0.4, 0.4, |x| 1.6 * x);
-    let frequency_hz: Vec<f64> = (0..2500).map(|n| 0.2 * f64::from(n)).collect();
-    let floor = |f: f64| std / 500_f64.sqrt() * (1.0 + 2.0 / (1.0 + (f / 20.0).powi(2))).sqrt();
-    let peak = |f: f64| 40.0 * std / (1.0 + (f / 0.6).powi(2)) + std / (1.0 + (f - 7.0).powi(2) * 8.0);
-    let mut ragged = |value: f64| value * (1.0 + 0.25 * noise.next());
-    let spectrum = Spectrum {
-        before: frequency_hz.iter().map(|f| ragged(floor(*f).hypot(peak(*f)))).collect(),
-        after: frequency_hz.iter().map(|f| ragged(floor(*f))).collect(),
-        noise: frequency_hz.iter().map(|f| floor(*f)).collect(),
-        frequency_hz,
-    };
-    ChannelEvidence {
-        name: name.into(),
-        unit: unit.into(),
-        noise_std: std,
-        over_speed,
-        over_angle,
-        over_torque,
-        spectrum: Some(spectrum),
-    }
 }
