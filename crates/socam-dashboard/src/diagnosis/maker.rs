@@ -6,6 +6,7 @@ use socam_diagnose::{DiagnoseError, Options, diagnose};
 use socam_identify::IdentifyError;
 use socam_model::Model;
 
+use super::report::{Made, provenance};
 use crate::fitting::{Chosen, datasets, watch};
 use crate::job::{CANCELLED, Handle, Job};
 use crate::theme;
@@ -17,8 +18,7 @@ pub(super) struct Answer {
     pub(super) diagnosis: Diagnosis,
     pub(super) evidence: Evidence,
     pub(super) model: Model,
-    /// Text of the corrected model's file.
-    pub(super) model_toml: String,
+    pub(super) made: Made,
 }
 
 type Outcome = Result<Answer, String>;
@@ -136,6 +136,10 @@ fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Outcome {
     // Outputs that are missing at most points of a finer grid would have no spectra.
     let training = datasets(&chosen.training, &chosen.model, 1, handle)?;
     let held_out = datasets(&chosen.held_out, &chosen.model, 1, handle)?;
+    handle.doing("hashing the recordings".into());
+    let used = chosen.training.iter().chain(&chosen.held_out);
+    let provenance =
+        provenance(used.filter_map(|own| Some((own.about.name.as_str(), own.path.as_deref()?))))?;
     let options = Options { watch: watch(handle), ..options };
     let answer = diagnose(&chosen.model, &training, &held_out, &options).map_err(|error| match error {
         DiagnoseError::Identify(IdentifyError::Cancelled) => CANCELLED.into(),
@@ -148,6 +152,6 @@ fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Outcome {
         diagnosis: answer.diagnosis,
         evidence: answer.evidence,
         model: chosen.model.clone(),
-        model_toml: answer.model_toml,
+        made: Made { model_toml: answer.model_toml, provenance },
     })
 }

@@ -1,5 +1,6 @@
 //! The diagnosis view: the bench with the places of findings, residuals, rivals and the suggested experiment.
 
+mod banner;
 mod choice;
 mod drawing;
 mod evidence;
@@ -7,21 +8,20 @@ mod findings;
 // A browser shows diagnoses but cannot make them.
 #[cfg(not(target_arch = "wasm32"))]
 mod maker;
+#[cfg(not(target_arch = "wasm32"))]
+mod report;
 
-use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
-use socam_answer::document::{ProofOutcome, Validation, Verdict};
+use egui::{ScrollArea, Ui};
 use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 
 use crate::draw::chart::{self, Seen};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::files::Purpose;
+use crate::layout;
 use crate::view::{Help, ViewPanel};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::workspace::Content;
 use crate::workspace::{Request, Workspace};
-use crate::{layout, theme};
 pub use choice::{Over, Sides};
+#[cfg(not(target_arch = "wasm32"))]
+pub use report::Report;
 
 /// State of the view.
 #[derive(Debug, Default)]
@@ -45,71 +45,9 @@ struct Shown {
     diagnosis: Diagnosis,
     evidence: Option<Evidence>,
     model: Model,
-    /// Text of the corrected model's file, of a diagnosis that was made here.
+    /// What only a diagnosis that was made here has.
     #[cfg(not(target_arch = "wasm32"))]
-    model_toml: Option<String>,
-}
-
-/// What a report is written from.
-#[cfg(not(target_arch = "wasm32"))]
-#[derive(Debug)]
-pub struct Report {
-    diagnosis: Diagnosis,
-    evidence: Evidence,
-    model: Model,
-    model_toml: String,
-}
-
-#[cfg(not(target_arch = "wasm32"))]
-impl Report {
-    /// Writes the folder of `diagnose --report`.
-    ///
-    /// # Errors
-    /// When there is such a folder already, or it cannot be written; one sentence.
-    pub(crate) fn write(&self, folder: &std::path::Path) -> Result<(), String> {
-        if folder.exists() {
-            return Err(format!("{} exists already; choose another name", folder.display()));
-        }
-        socam_diagnose::report::write(
-            folder,
-            &self.diagnosis,
-            &self.evidence,
-            &self.model,
-            Some(&self.model_toml),
-        )
-        .map_err(|error| error.to_string())
-    }
-}
-
-#[cfg(not(target_arch = "wasm32"))]
-impl Shown {
-    /// Draws what can be done with a diagnosis that was made here.
-    fn offers(&self, ui: &mut Ui, workspace: &mut Workspace) {
-        let Some((evidence, text)) = self.evidence.as_ref().zip(self.model_toml.as_ref()) else { return };
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Save report...").clicked() {
-                let report = Report {
-                    diagnosis: self.diagnosis.clone(),
-                    evidence: evidence.clone(),
-                    model: self.model.clone(),
-                    model_toml: text.clone(),
-                };
-                let content = Content::Report(Box::new(report));
-                workspace.request(Request::SaveAs(Purpose::SaveReport, "diagnosis".into(), content));
-            }
-            if ui.button("Use as model").clicked() {
-                match Model::parse(text) {
-                    Ok(model) => workspace.request(Request::Model(Box::new(model))),
-                    Err(error) => workspace.request(Request::Warn(error.to_string())),
-                }
-            }
-            if ui.button("Save model file...").clicked() {
-                let content = Content::Bytes(text.clone().into_bytes());
-                workspace.request(Request::SaveAs(Purpose::SaveModel, "corrected.toml".into(), content));
-            }
-        });
-        ui.add_space(4.0);
-    }
+    made: Option<report::Made>,
 }
 
 impl ViewPanel for DiagnosisView {
@@ -140,7 +78,7 @@ impl ViewPanel for DiagnosisView {
         if let Some(answer) = self.maker.poll() {
             self.show(answer.diagnosis, Some(answer.evidence), answer.model);
             if let Some(shown) = &mut self.shown {
-                shown.model_toml = Some(answer.model_toml);
+                shown.made = Some(answer.made);
             }
         }
     }
@@ -173,6 +111,10 @@ impl ViewPanel for DiagnosisView {
                 "over speed; over angle; over torque; over frequency; over time; recording; channel",
                 "where the model and the recordings part: residuals of every channel, or over time of one of them",
             ),
+            (
+                "measured and predicted",
+                "the channel that the findings improve most, before and after, where the model misses it most",
+            ),
             ("measured shape", "the torque that is missing, as the recordings have it, with no law assumed"),
             ("fit", "what remains of each channel beside its noise"),
             ("before; after; both", "residuals of the model as it was and with the findings added"),
@@ -192,8 +134,10 @@ impl DiagnosisView {
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
         self.selected = None;
         (self.channel, self.recording) = (0, 0);
-        // The axis is the one that shows the strongest finding best.
-        if let Some(finding) = diagnosis.findings.first() {
+        // The first picture is the one of the report; without it, the axis is the one that shows the strongest finding best.
+        if diagnosis.overlay.is_some() {
+            self.over = Over::Signals;
+        } else if let Some(finding) = diagnosis.findings.first() {
             let region = &finding.region;
             self.over = match () {
                 // A file has no residuals, but may have a measured shape.
@@ -210,7 +154,7 @@ impl DiagnosisView {
             evidence,
             model,
             #[cfg(not(target_arch = "wasm32"))]
-            model_toml: None,
+            made: None,
         });
     }
 
@@ -226,9 +170,11 @@ impl DiagnosisView {
             chart::empty_state(ui, "No diagnosis yet", EMPTY);
             return;
         };
-        verdict(ui, &shown.diagnosis);
-        drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
-        ui.add_space(2.0);
+        banner::banner(ui, &shown.diagnosis);
+        egui::Panel::bottom("bench").frame(egui::Frame::NONE).show_separator_line(false).show(ui, |ui| {
+            ui.add_space(4.0);
+            drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
+        });
         ui.horizontal_wrapped(|ui| {
             for over in Over::ALL {
                 if ui.selectable_label(self.over == over, over.name()).clicked() {
@@ -255,36 +201,3 @@ const EMPTY: &str = "Choose recordings and a model at the left and press Diagnos
 #[cfg(target_arch = "wasm32")]
 const EMPTY: &str =
     "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";
-
-fn is_contradicted(diagnosis: &Diagnosis) -> bool {
-    diagnosis.held_out.as_ref().is_some_and(|held_out| held_out.outcome == ProofOutcome::Failed)
-}
-
-fn verdict(ui: &mut Ui, diagnosis: &Diagnosis) {
-    let (text, colour) = match diagnosis.verdict {
-        Verdict::Adequate => {
-            ("The model explains these recordings: nothing is missing that they could show", theme::good(ui))
-        }
-        Verdict::MissingPhysics => ("The model leaves physics out", theme::alarm(ui)),
-        Verdict::Unexplained => {
-            ("The model leaves something out that has no name in the catalogue", theme::alarm(ui))
-        }
-    };
-    let proof = match diagnosis.validation {
-        Validation::Holdout if is_contradicted(diagnosis) => "the proof on held-out recordings failed",
-        Validation::Holdout => "proven on recordings that were held out",
-        Validation::LeaveOneOut => "not proven: compared on each recording in turn, fitted to the others",
-        Validation::Blocks => "not proven: compared on each part of the recordings in turn",
-    };
-    let ground =
-        if diagnosis.verdict == Verdict::Adequate { theme::card(ui) } else { theme::alarm_ground(ui) };
-    Frame::new().fill(ground).corner_radius(6).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new(text).strong().size(15.0).color(colour));
-            let rest = format!("{proof}; false alarms: {} %", 100.0 * diagnosis.false_alarm_rate);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.label(RichText::new(rest).small().color(theme::weak(ui)));
-            });
-        });
-    });
-}
