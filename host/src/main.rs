@@ -12,6 +12,7 @@ mod device;
 mod interrupt;
 mod model_file;
 mod output;
+mod provenance;
 mod table;
 mod uf2;
 mod watch;

@@ -194,7 +194,7 @@ impl Plot<'_> {
         let mut at = left;
         let entries = self.series.iter().filter(|series| !series.label.is_empty()).map(|series| {
             let from = at;
-            at += 30.0 + CHARACTER_WIDTH * series.label.chars().count() as f64;
+            at += 34.0 + CHARACTER_WIDTH * series.label.chars().count() as f64;
             (from, series)
         });
         html! {

@@ -1,20 +1,19 @@
 //! `diagnose`: missing physics of a model, with validation on held-out recordings.
 
 mod steady;
+mod text;
 
 use std::io::Write;
 use std::path::PathBuf;
 
-use socam_diagnose::{
-    Answer, Diagnosis,
-    document::{Finding, Validation, Verdict},
-};
+use socam_diagnose::Answer;
 use socam_recording::{Dataset, OutputFile, Selection};
 
 use super::{Outcome, identify::Start};
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
-use crate::{model_file, table, watch};
+use crate::{model_file, provenance, watch};
+pub(crate) use text::text;
 
 /// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
 ///
@@ -129,7 +128,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     let Answer { diagnosis, evidence, model_toml } = &answer;
     if let Some(dir) = &args.report {
-        socam_diagnose::report::write(dir, diagnosis, evidence, &model, Some(model_toml))?;
+        let made = provenance::of(&args.model, &model, args.runs.iter().chain(&args.holdout))?;
+        socam_diagnose::report::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;
@@ -162,125 +162,4 @@ fn apart(args: &Args) -> anyhow::Result<()> {
         known.push((run, own));
     }
     Ok(())
-}
-
-/// The answer as text.
-pub(crate) fn text(diagnosis: &Diagnosis) -> String {
-    let compared = match diagnosis.selection.unwrap_or(diagnosis.validation) {
-        Validation::Blocks => "blocks of the recordings left out in turn",
-        _ => "each recording left out in turn",
-    };
-    let verdict = match diagnosis.verdict {
-        Verdict::Adequate if diagnosis.findings.is_empty() => format!(
-            "{} explains these recordings: nothing is missing that they could show (false alarms: {} %)",
-            diagnosis.model,
-            table::number(100.0 * diagnosis.false_alarm_rate)
-        ),
-        Verdict::Adequate => format!(
-            "{} explains these recordings: what it leaves out can be measured and moves no channel by more than the tolerance",
-            diagnosis.model
-        ),
-        Verdict::MissingPhysics => {
-            format!("{} leaves physics out, by cross-validation ({compared})", diagnosis.model)
-        }
-        Verdict::Unexplained => {
-            format!("{} leaves something out that has no name in the catalogue", diagnosis.model)
-        }
-    };
-    let mut text = format!("{verdict}. {:.1} CPU s\n", diagnosis.cpu_s);
-    if let Some(held_out) = &diagnosis.held_out {
-        text.push_str(&format!("{}\n", held_out.sentence));
-    }
-    for (index, finding) in diagnosis.findings.iter().enumerate() {
-        text.push_str(&one(index + 1, finding));
-    }
-    text.push_str(&fit(diagnosis));
-    text.push_str(&changed(diagnosis));
-    if let Some(next) = &diagnosis.suggested_experiment {
-        text.push_str(&format!(
-            "\nWhat to record next, {}\n  {}\n",
-            match next.tells_apart.as_slice() {
-                [one] => format!("to see more of {one}"),
-                several => format!("to tell {} apart", several.join(" and ")),
-            },
-            next.sentence
-        ));
-    }
-    text
-}
-
-fn one(number: usize, finding: &Finding) -> String {
-    let law = if finding.equation.is_empty() { String::new() } else { format!(": {}", finding.equation) };
-    let mut text = format!("\n{number}. {} at {}{law}\n", finding.effect, finding.location);
-    text.push_str(&format!("   {}\n", finding.sentence));
-    for parameter in &finding.parameters {
-        let ends = parameter.ci95.map(|end| end.map_or("?".into(), table::number));
-        let value = parameter.value.map_or("not determined".into(), table::number);
-        let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
-        text.push_str(&format!("   {} = {value}{unit} [{}, {}]\n", parameter.name, ends[0], ends[1]));
-    }
-    let proof = &finding.evidence;
-    if !finding.region.text.is_empty() {
-        text.push_str(&format!("   where: {}\n", finding.region.text));
-    }
-    if let Some([gain, std]) = proof.log_score_gain {
-        let (gain, std) = (table::number(gain), table::number(std));
-        text.push_str(&format!("   cross-validation: log score {gain} higher, standard error {std}\n"));
-    }
-    if let Some(gain) = proof.holdout_gain_percent {
-        text.push_str(&format!(
-            "   held-out recordings: {} % of what the model missed there\n",
-            table::number(gain)
-        ));
-    }
-    if let (Some(share), Some(channel)) = (proof.moves_percent, &proof.moves_channel) {
-        let note =
-            if proof.material == Some(false) { ": less than the tolerance, so not material" } else { "" };
-        text.push_str(&format!(
-            "   it moves {channel} by {} % of its standard deviation{note}\n",
-            table::number(share)
-        ));
-    }
-    for rival in &finding.rivals {
-        text.push_str(&format!(
-            "   or {} at {} ({:.0} %)\n",
-            rival.effect,
-            rival.location,
-            100.0 * rival.weight
-        ));
-    }
-    text
-}
-
-fn fit(diagnosis: &Diagnosis) -> String {
-    let head = ["channel", "unit", "noise floor", "before", "after", "held out: before", "after"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for (name, fit) in &diagnosis.fit.channels {
-        let numbers =
-            [fit.noise_std, fit.rms_before, fit.rms_after, fit.holdout_rms_before, fit.holdout_rms_after];
-        let numbers = numbers.map(|value| value.map_or("-".into(), table::number));
-        rows.push([vec![name.clone(), fit.unit.clone()], numbers.to_vec()].concat());
-    }
-    format!(
-        "\nResidual rms, running free\n{}",
-        table::align(&rows, &[false, false, true, true, true, true, true])
-    )
-}
-
-/// Parameters that the correction changed.
-fn changed(diagnosis: &Diagnosis) -> String {
-    let mut rows =
-        vec![["parameter", "unit", "before", "after", "95 % interval"].map(str::to_owned).to_vec()];
-    let number = |value: Option<f64>| value.map_or("-".into(), table::number);
-    let interval = |ends: [Option<f64>; 2]| match ends {
-        [Some(low), Some(high)] => format!("[{}, {}]", table::number(low), table::number(high)),
-        _ => String::new(),
-    };
-    let row = |name: &str, unit: &str, before: Option<f64>, after: Option<f64>, ci95: [Option<f64>; 2]| {
-        vec![name.to_owned(), unit.to_owned(), number(before), number(after), interval(ci95)]
-    };
-    let determined = diagnosis.parameters.iter().filter(|change| !change.fixed && change.identifiable);
-    rows.extend(determined.map(|c| row(&c.name, &c.unit, c.before, c.after, c.ci95)));
-    rows.extend(diagnosis.combinations.iter().map(|c| row(&c.name, &c.unit, c.before, c.after, c.ci95)));
-    format!("\nParameters\n{}", table::align(&rows, &[false, false, true, true, false]))
 }

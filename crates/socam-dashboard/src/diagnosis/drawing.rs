@@ -1,194 +1,246 @@
-//! The bench of the model; places of findings are framed and numbered, places of rivals are dashed.
-
-mod grid;
-mod symbols;
+//! The bench of the model, drawn by [`socam_model::drawing`] as pages have it: findings are framed and numbered, places of competing
+//! explanations are dashed.
 
 use egui::{
-    Align2, Color32, FontId, Rect, Role as Widget, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, Color32, FontId, Rect, Role as Widget, ScrollArea, Sense, Shape as Painted, Stroke, StrokeKind,
+    Ui, Vec2, WidgetInfo, pos2, vec2,
 };
-use socam_answer::Diagnosis;
-use socam_model::layout::{Element, ElementKind, Layout};
-use socam_model::{Model, Role};
+use socam_answer::{Diagnosis, headline, words};
+use socam_model::Model;
+use socam_model::drawing::{Drawing, Item, Paint, Place, PlaceMark, Point, Shape, Style};
+use socam_model::layout::Layout;
 
 use crate::theme;
-use grid::{Grid, LINE, Place, Row, lines, row};
 
-/// Greatest number of columns: the default bench fits in one line.
-const COLUMNS: usize = 13;
-const WIDEST: f32 = 104.0;
-/// Least width of a cell, points; a chain that needs more room is wrapped.
-const NARROWEST: f32 = 64.0;
-
-/// The mark of a place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mark {
-    Finding(usize),
-    Rival,
-}
+/// Greatest width of a column, points.
+const WIDEST: f64 = 104.0;
+/// Least width of a column, points; a drawing that needs more room than there is can be scrolled.
+const NARROWEST: f64 = 64.0;
 
 /// Draws the bench; a click on an element selects its place.
 pub(super) fn bench(ui: &mut Ui, model: &Model, diagnosis: &Diagnosis, selected: &mut Option<String>) {
-    let marks = marks(diagnosis);
-    let columns = ((ui.available_width() / NARROWEST) as usize).clamp(3, COLUMNS);
-    let layout = Layout::wrapped(model, columns);
-    let cell = (ui.available_width() / layout.columns.max(1) as f32).min(WIDEST);
-    let grid = Grid::new(&layout, cell);
-    let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), grid.height()), Sense::hover());
-    let corner = area.left_top() + vec2(0.5 * (area.width() - cell * layout.columns as f32), 0.0);
-    let at = |element: &Element| grid.place(element, corner);
-    let ink = Stroke::new(1.4, ui.visuals().text_color());
-    for joint in &layout.joints {
-        wire(ui, &layout, [joint.from, joint.to], &at, ink);
-    }
-    for (index, element) in layout.elements.iter().enumerate() {
-        let place = at(element);
-        let of_it: Vec<Mark> =
-            marks.iter().filter(|(name, _)| *name == element.name).map(|(_, mark)| *mark).collect();
-        let response = ui.interact(place.all, ui.scope_id().with(("element", index)), Sense::click());
-        let said = describe(element, &of_it, diagnosis);
-        let label = said.clone();
-        response.widget_info(move || WidgetInfo::labeled(Widget::Button, true, label.clone()));
-        if response.on_hover_text(said).clicked() {
-            *selected = Some(element.name.clone());
+    let marks = headline::marks(diagnosis);
+    let width = ui.available_width();
+    let drawing = Drawing::of(model, &marks, style(model, f64::from(width)));
+    ScrollArea::horizontal().id_salt("bench").show(ui, |ui| {
+        let size = vec2(drawing.size[0] as f32, drawing.size[1] as f32);
+        let (area, _) = ui.allocate_exact_size(vec2(size.x.max(width), size.y), Sense::hover());
+        let corner = area.min.to_vec2() + vec2(0.5 * (area.width() - size.x), 0.0);
+        for (index, place) in drawing.places.iter().enumerate() {
+            point_at(ui, (index, place), corner, (&marks, diagnosis), selected);
         }
-        frame(ui, place.all, &of_it, selected.as_ref() == Some(&element.name));
-        draw(ui, element, &place, ink);
-        badges(ui, place.all, &of_it);
+        let colours = Colours::of(ui);
+        let shapes: Vec<Painted> =
+            drawing.items.iter().flat_map(|item| painted(ui, item, corner, &colours)).collect();
+        ui.painter().extend(shapes);
+    });
+}
+
+/// The chain in lines as on a page, in columns that fill the width.
+fn style(model: &Model, width: f64) -> Style {
+    let style = Style::default();
+    let columns = Layout::wrapped(model, style.columns).columns.max(1);
+    // The margins of a drawing of no width.
+    let margins = Drawing::of(model, &[], style).size[0] - style.column_width * columns as f64;
+    let column_width = ((width - margins) / columns as f64).clamp(NARROWEST, WIDEST);
+    Style { column_width, ..style }
+}
+
+/// The area of an element: says what it is, and selects it.
+fn point_at(
+    ui: &Ui,
+    (index, place): (usize, &Place),
+    corner: Vec2,
+    (marks, diagnosis): (&[(&str, PlaceMark)], &Diagnosis),
+    selected: &mut Option<String>,
+) {
+    let area = Rect::from_min_max(at(place.from, corner).to_pos2(), at(place.to, corner).to_pos2());
+    let response = ui.interact(area, ui.scope_id().with(("element", index)), Sense::click());
+    let said = describe(place, marks, diagnosis);
+    let label = said.clone();
+    response.widget_info(move || WidgetInfo::labeled(Widget::Button, true, label.clone()));
+    if response.on_hover_text(said).clicked() {
+        *selected = Some(place.name.clone());
+    }
+    if selected.as_ref() == Some(&place.name) {
+        let stroke = Stroke::new(1.0, ui.visuals().strong_text_color());
+        ui.painter().rect_stroke(area.expand2(vec2(3.0, 8.0)), 9.0, stroke, StrokeKind::Outside);
     }
 }
 
-/// Places of findings and of rivals; a place with a finding is not marked as a rival's.
-fn marks(diagnosis: &Diagnosis) -> Vec<(&str, Mark)> {
-    let findings =
-        diagnosis.findings.iter().enumerate().map(|(n, f)| (f.location.as_str(), Mark::Finding(n + 1)));
-    let mut marks: Vec<(&str, Mark)> = findings.collect();
-    for rival in diagnosis.findings.iter().flat_map(|finding| &finding.rivals) {
-        if !marks.iter().any(|(name, _)| *name == rival.location) {
-            marks.push((&rival.location, Mark::Rival));
-        }
-    }
-    marks
-}
-
-fn describe(element: &Element, marks: &[Mark], diagnosis: &Diagnosis) -> String {
-    let kind = match element.kind {
-        ElementKind::Motor => "the driven node",
-        ElementKind::Inertia => "inertia",
-        ElementKind::Load => "load",
-        ElementKind::Point => "massless node",
-        ElementKind::Spring { .. } => "spring",
-        ElementKind::Gear { .. } => "reduction",
-        ElementKind::Differential { .. } => "differential",
-        ElementKind::Winding => "winding of a motor",
-        ElementKind::Shaft => "rigid shaft",
-        ElementKind::Bearing { .. } => "bearing",
-        ElementKind::GroundSpring { .. } => "spring to the ground",
-        ElementKind::Servo => "drive in closed loop",
-        ElementKind::Sensor { role: Role::Input, .. } => "channel that drives the model",
-        ElementKind::Sensor { .. } => "channel that judges the model",
-    };
-    let mut text = format!("{}: {kind}", element.name);
-    for mark in marks {
+fn describe(place: &Place, marks: &[(&str, PlaceMark)], diagnosis: &Diagnosis) -> String {
+    let mut text = place.hint.clone();
+    for (_, mark) in marks.iter().filter(|(name, _)| *name == place.name) {
         match mark {
-            Mark::Finding(number) => {
-                text.push_str(&format!("; finding {number}, {}", diagnosis.findings[number - 1].effect));
+            PlaceMark::Finding(number) => {
+                let effect = diagnosis.findings.get(number - 1).map(|finding| words::effect(&finding.effect));
+                text.push_str(&format!("; finding {number}, {}", effect.unwrap_or_default()));
             }
-            Mark::Rival => text.push_str("; a rival acts here"),
+            PlaceMark::Rival => text.push_str("; a rival acts here"),
         }
     }
     text
 }
 
-fn draw(ui: &Ui, element: &Element, place: &Place, ink: Stroke) {
-    let painter = ui.painter();
-    let mut colour = ui.visuals().text_color();
-    if let ElementKind::Sensor { role, .. } = element.kind {
-        let line = theme::good(ui);
-        let fill = if role == Role::Input { line } else { Color32::TRANSPARENT };
-        painter.rect(place.all, 4.0, fill, Stroke::new(1.2, line), StrokeKind::Inside);
-        if role == Role::Input {
-            colour = ui.visuals().extreme_bg_color;
+fn at([x, y]: Point, corner: Vec2) -> Vec2 {
+    vec2(x as f32, y as f32) + corner
+}
+
+/// The colours of the drawing.
+struct Colours {
+    ink: Color32,
+    paper: Color32,
+    soft: Color32,
+    alarm: Color32,
+    alarm_ground: Color32,
+}
+
+impl Colours {
+    fn of(ui: &Ui) -> Self {
+        Self {
+            ink: ui.visuals().text_color(),
+            paper: ui.visuals().extreme_bg_color,
+            soft: theme::weak(ui),
+            alarm: theme::alarm(ui),
+            alarm_ground: theme::alarm_ground(ui),
         }
-    } else {
-        symbols::draw(painter, element.kind, place.middle, ink, ui.visuals().extreme_bg_color);
     }
-    for (number, line) in lines(element, place.all.width() + 6.0).into_iter().enumerate() {
-        let at = pos2(place.all.center().x, place.text_top + LINE * number as f32);
-        painter.text(at, Align2::CENTER_TOP, line, FontId::proportional(11.0), colour);
-    }
-}
 
-fn frame(ui: &Ui, all: Rect, marks: &[Mark], selected: bool) {
-    let painter = ui.painter();
-    let colour = theme::alarm(ui);
-    if marks.iter().any(|mark| *mark != Mark::Rival) {
-        painter.rect(
-            all.expand(2.0),
-            6.0,
-            theme::alarm_ground(ui),
-            Stroke::new(2.0, colour),
-            StrokeKind::Outside,
-        );
-    } else if !marks.is_empty() {
-        let corners =
-            [all.left_top(), all.right_top(), all.right_bottom(), all.left_bottom(), all.left_top()];
-        painter.extend(Shape::dashed_line(&corners, Stroke::new(1.5, colour), 5.0, 4.0));
-    }
-    if selected {
-        painter.rect_stroke(
-            all.expand(5.0),
-            8.0,
-            Stroke::new(1.0, ui.visuals().strong_text_color()),
-            StrokeKind::Outside,
-        );
-    }
-}
-
-/// The numbered diamonds of the findings at a place.
-fn badges(ui: &Ui, all: Rect, marks: &[Mark]) {
-    let mut at = all.right_top() + vec2(-4.0, 0.0);
-    for mark in marks {
-        let Mark::Finding(number) = mark else { continue };
-        let corners =
-            [vec2(0.0, -10.0), vec2(10.0, 0.0), vec2(0.0, 10.0), vec2(-10.0, 0.0)].map(|by| at + by);
-        ui.painter().add(Shape::convex_polygon(corners.to_vec(), theme::alarm(ui), Stroke::NONE));
-        let ink = ui.visuals().extreme_bg_color;
-        ui.painter().text(at, Align2::CENTER_CENTER, number.to_string(), FontId::proportional(11.5), ink);
-        at.x -= 21.0;
-    }
-}
-
-fn wire(ui: &Ui, layout: &Layout, [from, to]: [usize; 2], at: &impl Fn(&Element) -> Place, ink: Stroke) {
-    let (Some(from), Some(to)) = (layout.elements.get(from), layout.elements.get(to)) else { return };
-    let (a, b) = (at(from), at(to));
-    let painter = ui.painter();
-    if row(to.kind) == Row::Sensor {
-        // From the symbol's label up to the channel.
-        let thin = Stroke::new(1.0, theme::weak(ui));
-        painter.vline(b.all.center().x, b.all.bottom()..=a.all.top().max(b.all.bottom()), thin);
-    } else if row(to.kind) == Row::Grounded {
-        painter.vline(a.middle.x, a.middle.y + symbols::reach(from.kind)..=b.middle.y, ink);
-    } else if from.line != to.line {
-        let out = pos2(a.all.right() + 3.0, a.middle.y);
-        let into = pos2(b.all.left() - 3.0, b.middle.y);
-        painter.line_segment([pos2(a.middle.x + symbols::half_width(from.kind), a.middle.y), out], ink);
-        painter.line_segment([into, pos2(b.middle.x - symbols::half_width(to.kind), b.middle.y)], ink);
-        for tip in [out, into] {
-            let corners = vec![tip + vec2(-3.0, -4.0), tip + vec2(4.0, 0.0), tip + vec2(-3.0, 4.0)];
-            painter.add(Shape::convex_polygon(corners, ink.color, Stroke::NONE));
+    /// Stroke and fill of a shape.
+    fn of_shape(&self, paint: Paint) -> (Stroke, Color32) {
+        let none = Color32::TRANSPARENT;
+        match paint {
+            Paint::Wire => (Stroke::new(1.8, self.ink), none),
+            Paint::Outline => (Stroke::new(1.5, self.ink), none),
+            Paint::Body => (Stroke::new(1.5, self.ink), self.paper),
+            Paint::Teeth => (Stroke::new(3.0, self.ink), none),
+            Paint::Output => (Stroke::new(1.2, self.soft), self.paper),
+            Paint::Input | Paint::Solid => (Stroke::NONE, self.ink),
+            Paint::Finding => (Stroke::new(2.4, self.alarm), self.alarm_ground),
+            Paint::Rival => (Stroke::new(1.8, self.alarm), none),
+            Paint::Diamond => (Stroke::new(1.0, self.paper), self.alarm),
+            Paint::Name | Paint::Letter | Paint::OutputName | Paint::InputName | Paint::Number => {
+                (Stroke::NONE, self.of_text(paint))
+            }
         }
-    } else {
-        let (left, right, left_kind, right_kind) =
-            if from.column < to.column { (&a, &b, from.kind, to.kind) } else { (&b, &a, to.kind, from.kind) };
-        let start = pos2(left.middle.x + symbols::half_width(left_kind), left.middle.y);
-        let end = pos2(right.middle.x - symbols::half_width(right_kind), right.middle.y);
-        let corner = if start.y < end.y { left.all.right() + 3.0 } else { right.all.left() - 3.0 };
-        let points = if (start.y - end.y).abs() < 0.5 {
-            vec![start, end]
-        } else {
-            vec![start, pos2(corner, start.y), pos2(corner, end.y), end]
-        };
-        painter.add(Shape::line(points, ink));
+    }
+
+    fn of_text(&self, paint: Paint) -> Color32 {
+        if matches!(paint, Paint::InputName | Paint::Number) { self.paper } else { self.ink }
+    }
+
+    /// Lengths of dashes and gaps of a broken line.
+    fn dashes(paint: Paint) -> Option<[f32; 2]> {
+        match paint {
+            Paint::Teeth => Some([2.6, 2.2]),
+            Paint::Rival => Some([5.0, 4.0]),
+            _ => None,
+        }
+    }
+}
+
+/// A shape in this window.
+fn painted(ui: &Ui, item: &Item, corner: Vec2, colours: &Colours) -> Vec<Painted> {
+    let to = |point: &Point| at(*point, corner).to_pos2();
+    let (stroke, fill) = colours.of_shape(item.paint);
+    let dashes = Colours::dashes(item.paint);
+    match &item.shape {
+        Shape::Line(points) => vec![Painted::line(points.iter().map(to).collect(), stroke)],
+        Shape::Polygon(points) => {
+            vec![Painted::convex_polygon(points.iter().map(to).collect::<Vec<_>>(), fill, stroke)]
+        }
+        Shape::Rect { from, to: end, corner: radius } => {
+            let area = Rect::from_min_max(to(from), to(end));
+            if let Some([dash, gap]) = dashes {
+                let corners = [area.left_top(), area.right_top(), area.right_bottom(), area.left_bottom()];
+                let closed = [&corners[..], &corners[..1]].concat();
+                return Painted::dashed_line(&closed, stroke, dash, gap);
+            }
+            vec![Painted::Rect(egui::epaint::RectShape::new(
+                area,
+                *radius as f32,
+                fill,
+                stroke,
+                StrokeKind::Middle,
+            ))]
+        }
+        Shape::Circle { centre, radius } => {
+            let (centre, radius) = (to(centre), *radius as f32);
+            if let Some([dash, gap]) = dashes {
+                let around = (0..=64).map(|step| centre + radius * Vec2::angled(step as f32 * TURN / 64.0));
+                return Painted::dashed_line(&around.collect::<Vec<_>>(), stroke, dash, gap);
+            }
+            vec![Painted::circle_filled(centre, radius, fill), Painted::circle_stroke(centre, radius, stroke)]
+        }
+        Shape::Text { at: [x, y], text } => {
+            let size = item.paint.text_size() as f32;
+            // The middle of a letter is about a third of its height above its base line.
+            let middle = at([*x, *y], corner) - vec2(0.0, 0.35 * size);
+            let font = FontId::proportional(size);
+            let middle = pos2(middle.x, middle.y);
+            let colour = colours.of_text(item.paint);
+            vec![
+                ui.fonts_mut(|fonts| Painted::text(fonts, middle, Align2::CENTER_CENTER, text, font, colour)),
+            ]
+        }
+    }
+}
+
+const TURN: f32 = std::f32::consts::TAU;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model() -> Model {
+        Model::builtin("speed-o-cam").unwrap()
+    }
+
+    /// At every width of the window the chain stands in the lines in which a page has it.
+    #[test]
+    fn the_bench_stands_in_the_lines_of_a_page() {
+        let model = model();
+        for width in [300.0, 640.0, 890.0, 2560.0] {
+            let own = style(&model, width);
+            assert_eq!(own.columns, Style::default().columns);
+            assert!((NARROWEST..=WIDEST).contains(&own.column_width), "{width}: {own:?}");
+        }
+    }
+
+    #[test]
+    fn a_likely_rival_is_said_at_its_place() {
+        let text = include_str!("../../../socam-answer/src/headline/example.json");
+        let diagnosis: Diagnosis = serde_json::from_str(text).unwrap();
+        let marks = headline::marks(&diagnosis);
+        let places = Drawing::of(&model(), &marks, Style::default()).places;
+        let place = places.iter().find(|place| place.name == "load_bearing").unwrap();
+        let said = describe(place, &marks, &diagnosis);
+        assert_eq!(said, "load_bearing: bearing with damping; a rival acts here");
+    }
+
+    /// Orange and blue are the same here and on pages.
+    #[test]
+    fn colours_are_those_of_pages() {
+        let sheet = include_str!("../../../socam-plot/src/style.css");
+        let (light, dark) = sheet.split_once("@media screen").unwrap();
+        for (look, sheet) in [(theme::Look::Light, light), (theme::Look::Dark, dark)] {
+            let ctx = egui::Context::default();
+            theme::apply(&ctx, look);
+            let mut colours = Vec::new();
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                colours = vec![
+                    ("before", theme::alarm(ui)),
+                    ("accent", theme::alarm(ui)),
+                    ("accent-fill", theme::alarm_ground(ui)),
+                    ("after", theme::good(ui)),
+                ];
+            });
+            assert_eq!(colours.len(), 4);
+            for (name, colour) in colours {
+                let [r, g, b, _] = colour.to_array();
+                let line = format!("--{name}: #{r:02x}{g:02x}{b:02x};");
+                assert!(sheet.contains(&line), "{look:?}: {line}");
+            }
+        }
     }
 }

@@ -138,8 +138,10 @@ fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Outcome {
     let held_out = datasets(&chosen.held_out, &chosen.model, 1, handle)?;
     handle.doing("hashing the recordings".into());
     let used = chosen.training.iter().chain(&chosen.held_out);
-    let provenance =
-        provenance(used.filter_map(|own| Some((own.about.name.as_str(), own.path.as_deref()?))))?;
+    let provenance = provenance(
+        &chosen.model,
+        used.filter_map(|own| Some((own.about.name.as_str(), own.path.as_deref()?))),
+    )?;
     let options = Options { watch: watch(handle), ..options };
     let answer = diagnose(&chosen.model, &training, &held_out, &options).map_err(|error| match error {
         DiagnoseError::Identify(IdentifyError::Cancelled) => CANCELLED.into(),

@@ -20,15 +20,20 @@ pub(super) struct Made {
     pub(super) provenance: Provenance,
 }
 
-/// When a diagnosis is made, and the hashes of its recordings; those that are in memory only have none.
-pub(super) fn provenance<'a>(files: impl Iterator<Item = (&'a str, &'a Path)>) -> Result<Provenance, String> {
+/// When a diagnosis is made, and the hashes of its model and recordings; those that are in memory only have none.
+pub(super) fn provenance<'a>(
+    model: &Model,
+    files: impl Iterator<Item = (&'a str, &'a Path)>,
+) -> Result<Provenance, String> {
     let hash = |(name, path): (&str, &Path)| {
         FileHash::of_file(name, path).map_err(|error| format!("cannot read {}: {error}", path.display()))
     };
     Ok(Provenance {
         command: String::new(),
         date: jiff::Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string(),
-        files: files.map(hash).collect::<Result<_, String>>()?,
+        files: std::iter::once(Ok(FileHash::of_content(&model.name, model.text.as_bytes())))
+            .chain(files.map(hash))
+            .collect::<Result<_, String>>()?,
     })
 }
 

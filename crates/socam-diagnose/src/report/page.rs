@@ -113,8 +113,13 @@ fn head(headline: &Headline, model: &Model) -> Markup {
                     @for (index, claim) in headline.claims.iter().enumerate() {
                         li {
                             (drawing::marker(index + 1))
-                            span { a href=(format!("#finding-{}", index + 1)) { (words::capital(&claim.what)) }
-                                @if let Some(size) = &claim.size { ": " (size) } }
+                            // The title has said what a single finding is.
+                            span { a href=(format!("#finding-{}", index + 1)) {
+                                @match &claim.size {
+                                    Some(size) if headline.claims.len() == 1 => (words::capital(size)),
+                                    _ => (words::capital(&claim.what)),
+                                } }
+                                @if let Some(size) = claim.size.as_ref().filter(|_| headline.claims.len() > 1) { ": " (size) } }
                         }
                     }
                 }

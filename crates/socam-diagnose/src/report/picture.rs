@@ -15,13 +15,16 @@ pub(super) fn first(diagnosis: &Diagnosis) -> Markup {
     };
     let noise = diagnosis.fit.channels.iter().find(|(name, _)| *name == overlay.channel);
     let noise = noise.and_then(|(_, fit)| fit.noise_std).unwrap_or_default();
-    let what = if overlay.after.is_empty() { "" } else { ", the channel that the correction improves most," };
+    let (what, model) = match overlay.after.is_empty() {
+        true => ("", "model"),
+        false => (", the channel that the correction improves most,", "base model"),
+    };
     html! {
         figure class="lead" id="picture" {
             figcaption {
                 span {
                     code { (overlay.channel) } (what) " measured and predicted, in the part of " code { (overlay.recording) }
-                    " that the base model misses most"
+                    " that the " (model) " misses most"
                 }
                 @if overlay.held_out { span class="badge" { "held out" } }
             }
@@ -51,10 +54,9 @@ fn signals(overlay: &Overlay) -> Markup {
 fn residuals(overlay: &Overlay, noise: f64) -> Markup {
     let [before, after] = [&overlay.residual_before, &overlay.residual_after].map(|values| numbers(values));
     let of = |label, class, y| line(label, class, &overlay.time_s, y);
-    let mut series =
-        vec![of(if after.is_empty() { "residual" } else { "residual before" }, "before", &before[..])];
+    let mut series = vec![of(if after.is_empty() { "residual" } else { "before" }, "before", &before[..])];
     if !after.is_empty() {
-        series.push(of("residual after", "after", &after));
+        series.push(of("after", "after", &after));
     }
     let ends = [overlay.time_s.first(), overlay.time_s.last()].map(|end| end.copied().unwrap_or(f64::NAN));
     // NaN separates the two edges.

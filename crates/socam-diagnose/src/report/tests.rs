@@ -90,6 +90,7 @@ fn nothing_missing() {
     let diagnosis = Diagnosis {
         verdict: Verdict::Adequate,
         overlay: Some(overlay),
+        held_out: None,
         findings: Vec::new(),
         suggested_experiment: None,
         warnings: Vec::new(),
@@ -130,6 +131,7 @@ fn something_without_a_name() {
         verdict: Verdict::Unexplained,
         findings: vec![sample::unexplained()],
         validation: Validation::LeaveOneOut,
+        held_out: None,
         ..sample::diagnosis()
     };
     let evidence = signals::evidence(&diagnosis.recordings, 500);

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::Context;
+use socam_diagnose::Answer;
 use socam_model::Model;
 use socam_sim::Concealed;
 
-use super::{Outcome, record, worse};
+use super::{MODEL, Outcome, record, worse};
 use crate::commands::diagnose;
 use crate::interrupt::Interrupt;
-use crate::{output, watch};
+use crate::{output, provenance, watch};
 
 /// The hidden effect: Coulomb friction at the load.
 const HIDDEN: &str = "coulomb_friction@load_bearing:torque=0.25";
@@ -39,13 +40,10 @@ pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcom
         socam_diagnose::diagnose(model, training, holdout, &options)
     })?;
     let report = dir.join("report");
-    socam_diagnose::report::write(
-        &report,
-        &answer.diagnosis,
-        &answer.evidence,
-        model,
-        Some(&answer.model_toml),
-    )?;
+    let names: Vec<String> = paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+    let made = provenance::of(MODEL, model, &names)?;
+    let Answer { diagnosis, evidence, model_toml } = &answer;
+    socam_diagnose::report::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     output::print(&format!("\nDiagnosis: {}", diagnose::text(&answer.diagnosis)))?;
     output::print(&format!("\nConcealed was {HIDDEN}.\n"))?;
     Ok(outcome)

@@ -10,6 +10,7 @@ use socam_recording::{Format, Steady, detect};
 use super::{Args, text};
 use crate::commands::Outcome;
 use crate::output::{self, WrongArguments};
+use crate::provenance;
 
 /// Whether the files are tables of steady states; a mixture is an error.
 pub(super) fn are_named(args: &Args) -> anyhow::Result<bool> {
@@ -57,7 +58,9 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         target.commit()?;
     }
     if let Some(dir) = &args.report {
-        socam_diagnose::report::write(dir, &diagnosis, &Evidence::default(), model, Some(&model_toml))?;
+        let made = provenance::of(&args.model, model, &args.runs)?;
+        let model = (model, Some(model_toml.as_str()));
+        socam_diagnose::report::write(dir, &diagnosis, &Evidence::default(), model, &made)?;
     }
     if args.json {
         output::print_json(&diagnosis)?;

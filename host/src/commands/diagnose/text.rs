@@ -1,0 +1,128 @@
+//! A diagnosis as text: the headline, each finding, the fit, and the parameters.
+
+use socam_answer::document::{Finding, UNEXPLAINED};
+use socam_answer::{headline, words};
+use socam_diagnose::Diagnosis;
+
+use crate::table;
+
+/// The answer as text.
+pub(crate) fn text(diagnosis: &Diagnosis) -> String {
+    let headline = headline(diagnosis);
+    let mut text = format!("{} ({}).\n", headline.title, diagnosis.model);
+    for (index, claim) in headline.claims.iter().enumerate() {
+        let size = claim.size.as_ref().map_or_else(String::new, |size| format!(": {size}"));
+        text.push_str(&format!("  {}. {}{size}\n", index + 1, words::capital(&claim.what)));
+    }
+    for sentence in &headline.certainty {
+        text.push_str(&format!("  {sentence}\n"));
+    }
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        text.push_str(&one(index + 1, finding));
+    }
+    text.push_str(&fit(diagnosis));
+    text.push_str(&changed(diagnosis));
+    if let Some(next) = &diagnosis.suggested_experiment {
+        text.push_str(&format!(
+            "\nWhat to record next, {}\n  {}\n",
+            match next.tells_apart.as_slice() {
+                [one] => format!("to see more of {one}"),
+                several => format!("to tell {} apart", several.join(" and ")),
+            },
+            next.sentence
+        ));
+    }
+    text.push_str(&format!("\n{} s of processor time\n", words::rough(diagnosis.cpu_s)));
+    text
+}
+
+fn one(number: usize, finding: &Finding) -> String {
+    let law = if finding.equation.is_empty() { String::new() } else { format!(": {}", finding.equation) };
+    let effect = words::capital(&words::effect(&finding.effect));
+    let mut text = format!("\n{number}. {effect} at {}{law}\n", finding.location);
+    let mut line = |line: String| text.push_str(&format!("   {line}\n"));
+    line(finding.sentence.clone());
+    for own in &finding.parameters {
+        line(format!("{} = {}", own.name, words::quantity(own.value, own.ci95, &own.unit)));
+    }
+    let evidence = &finding.evidence;
+    if !finding.region.text.is_empty() {
+        line(format!("where: {}", finding.region.text));
+    }
+    if let Some([gain, std]) = evidence.log_score_gain {
+        let (gain, std) = (words::rough(gain), words::rough(std));
+        line(format!("cross-validation: log score {gain} higher, standard error {std}"));
+    }
+    if let Some(gain) = evidence.holdout_gain_percent {
+        line(format!("held-out recordings: {} % of the misfit is removed", words::rough(gain)));
+    }
+    if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
+        let note =
+            if evidence.material == Some(false) { ": less than the tolerance, so not material" } else { "" };
+        line(format!("it moves {channel} by {} % of its standard deviation{note}", words::rough(share)));
+    }
+    for rival in &finding.rivals {
+        let (effect, weight) = (words::effect(&rival.effect), words::percent(rival.weight));
+        line(format!("or {effect} at {} ({weight})", rival.location));
+    }
+    text
+}
+
+fn fit(diagnosis: &Diagnosis) -> String {
+    let head = ["channel", "unit", "noise floor", "before", "after", "held out: before", "after"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for (name, fit) in &diagnosis.fit.channels {
+        let numbers =
+            [fit.noise_std, fit.rms_before, fit.rms_after, fit.holdout_rms_before, fit.holdout_rms_after];
+        rows.push([vec![name.clone(), words::unit(&fit.unit)], numbers.map(words::level).to_vec()].concat());
+    }
+    let right = [false, false, true, true, true, true, true];
+    format!("\nResidual rms, running free\n{}", table::align(&rows, &right))
+}
+
+/// Parameters that the data determine, before and after.
+fn changed(diagnosis: &Diagnosis) -> String {
+    let corrected = diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED);
+    let after = if corrected { "after" } else { "value" };
+    let mut rows = vec![["parameter", "unit", "before", after, "95 % interval"].map(str::to_owned).to_vec()];
+    let row = |name: &str, unit: &str, before: String, after: Option<f64>, ci95: [Option<f64>; 2]| {
+        let (value, range) = (words::estimate(after, ci95), words::interval(after, ci95));
+        vec![name.to_owned(), words::unit(unit), before, value, range]
+    };
+    let determined = diagnosis.parameters.iter().filter(|own| !own.fixed && own.identifiable);
+    rows.extend(determined.map(|own| {
+        row(&own.name, &own.unit, words::estimate(own.before, own.ci95_before), own.after, own.ci95)
+    }));
+    let combinations = diagnosis.combinations.iter();
+    rows.extend(
+        combinations.map(|own| row(&own.name, &own.unit, words::number(own.before), own.after, own.ci95)),
+    );
+    let mut right = vec![false, false, true, true, false];
+    if !corrected {
+        // Nothing was corrected: there is one value.
+        rows.iter_mut().for_each(|row| {
+            row.remove(2);
+        });
+        right.remove(2);
+    }
+    format!("\nParameters\n{}", table::align(&rows, &right))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The terminal says what the page and the window say.
+    #[test]
+    fn the_headline_and_its_numbers_come_first() {
+        let text = include_str!("../../../../crates/socam-answer/src/headline/example.json");
+        let diagnosis: Diagnosis = serde_json::from_str(text).unwrap();
+        let said = super::text(&diagnosis);
+        let headline = headline(&diagnosis);
+        let (first, rest) = said.split_once('\n').unwrap();
+        assert!(first.starts_with(&headline.title), "{said}");
+        assert!(rest.starts_with("  1. Coulomb friction, at either bearing"), "{said}");
+        assert!(said.contains("torque = 0.3010 N m (95 % interval 0.2951 to 0.3069)"), "{said}");
+        assert!(headline.certainty.iter().all(|sentence| said.contains(sentence.as_str())), "{said}");
+    }
+}

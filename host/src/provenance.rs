@@ -1,0 +1,65 @@
+//! What a report is made from: the command as it was typed, the date, and the hashes of the files that were read.
+
+use anyhow::Context;
+use socam_diagnose::report::{FileHash, Provenance};
+use socam_model::Model;
+use socam_recording::Selection;
+
+/// The provenance of a report of `model`, which `--model` calls `name`, and of recordings.
+pub(crate) fn of<'a>(
+    name: &str,
+    model: &Model,
+    runs: impl IntoIterator<Item = &'a String>,
+) -> anyhow::Result<Provenance> {
+    let mut files = vec![FileHash::of_content(name, model.text.as_bytes())];
+    for run in runs {
+        let path = Selection::parse(run)?.path;
+        // A pipe can be read once, and has been.
+        if path.is_file() {
+            let hash = FileHash::of_file(run, &path).with_context(|| format!("cannot read `{run}` again"))?;
+            files.push(hash);
+        }
+    }
+    let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
+    let command = std::iter::once("socam-host".to_owned()).chain(words).collect::<Vec<_>>().join(" ");
+    Ok(Provenance { command, date: now(), files })
+}
+
+fn now() -> String {
+    jiff::Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string()
+}
+
+/// A word of a command as a shell reads it back.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_command_are_quoted_where_a_shell_needs_it() {
+        let words = ["diagnose", "a b.mcap", "it's", "run.csv@1..2", ""];
+        assert_eq!(words.map(quoted).join(" "), "diagnose 'a b.mcap' 'it'\\''s' run.csv@1..2 ''");
+    }
+
+    #[test]
+    fn hashes_are_those_of_the_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        std::fs::write(&path, "abc").unwrap();
+        let run = format!("{}@0..1", path.display());
+        let model = Model::builtin("two-mass").unwrap();
+        let made = of("two-mass", &model, [&run]).unwrap();
+        let names: Vec<_> = made.files.iter().map(|file| file.name.as_str()).collect();
+        assert_eq!(names, ["two-mass", run.as_str()]);
+        // The SHA-256 of "abc" (FIPS 180-4, example B.1).
+        assert!(made.files[1].sha256.starts_with("ba7816bf8f01cfea414140de5dae2223"));
+        assert!(made.date.ends_with(" UTC") && made.command.starts_with("socam-host"));
+    }
+}
