@@ -1,25 +1,36 @@
-//! The check view: the findings of `check` for the open recordings.
+//! The check view: the findings of `check` for the open recordings, as a table whose rows unfold.
 
-use egui::{Frame, Margin, RichText, ScrollArea, Ui};
+mod row;
+
+use std::collections::BTreeSet;
+
+use egui::{RichText, Ui};
 use socam_model::Model;
-use socam_recording::check::{Check, Severity, Verdict, check};
+use socam_recording::check::{Check, check};
 
 use crate::draw::chart;
 use crate::job::Job;
 use crate::recording::short;
 use crate::review::Entry;
+use crate::table::Table;
 use crate::theme;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::Workspace;
+use row::{COLUMNS, Row};
 
 /// Relative tolerance of the ratio of mean speeds.
 const RATIO_TOLERANCE: f64 = 0.01;
+
+/// Number of recordings up to which all are unfolded at first.
+const FEW: usize = 2;
 
 /// Results of the checks.
 #[derive(Debug, Default)]
 pub struct Checks {
     known: Vec<(String, Result<Check, String>)>,
     job: Option<(String, Job<Result<Check, String>>)>,
+    /// Recordings that were folded, or unfolded where there are many.
+    turned: BTreeSet<String>,
     /// The model that the results belong to.
     revision: u64,
 }
@@ -31,7 +42,8 @@ impl ViewPanel for Checks {
 
     fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
         if self.revision != workspace.revision() {
-            *self = Self { revision: workspace.revision(), ..Self::default() };
+            let turned = std::mem::take(&mut self.turned);
+            *self = Self { revision: workspace.revision(), turned, ..Self::default() };
         }
         if let Some((name, job)) = &self.job
             && let Some(result) = job.poll()
@@ -61,22 +73,31 @@ impl Checks {
             return;
         }
         self.work(ui, entries, model);
-        ui.label(RichText::new(format!("Fit for use with the model {}?", model.name)).color(theme::weak(ui)));
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for name in entries.iter().map(|entry| &entry.recording.about.name) {
-                match self.known.iter().find(|(known, _)| known == name) {
-                    Some((_, Ok(check))) => one(ui, name, check),
-                    Some((_, Err(sentence))) => {
-                        ui.label(RichText::new(sentence).color(theme::alarm(ui)));
-                    }
-                    None => {
-                        ui.label(
-                            RichText::new(format!("{}: not checked yet", short(name))).color(theme::weak(ui)),
-                        );
-                    }
+        let title =
+            format!("Fit for use with the model {}? A click on a row unfolds its findings.", model.name);
+        ui.label(RichText::new(title).color(theme::weak(ui)));
+        let rows: Vec<Row<'_>> = entries.iter().map(|entry| Row::of(&entry.recording, &self.known)).collect();
+        // Few recordings have room for their findings.
+        let folds = rows.len() > FEW;
+        let is_open = |row: &Row<'_>| row.check.is_some() && self.turned.contains(row.name) == folds;
+        let mut turned = None;
+        Table::new("checks", &COLUMNS).show_unfolding(
+            ui,
+            &rows,
+            Row::key,
+            |ui, row, column| {
+                if row.cell(ui, column, is_open(row)) {
+                    turned = Some(row.name.to_owned());
                 }
-            }
-        });
+            },
+            is_open,
+            Row::details,
+        );
+        if let Some(name) = turned
+            && !self.turned.remove(&name)
+        {
+            self.turned.insert(name);
+        }
     }
 
     fn work(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
@@ -98,30 +119,4 @@ impl Checks {
             self.job = None;
         }
     }
-}
-
-fn one(ui: &mut Ui, name: &str, check: &Check) {
-    Frame::new().fill(theme::card(ui)).corner_radius(6).inner_margin(Margin::same(10)).show(ui, |ui| {
-        let (verdict, colour) = match check.verdict {
-            Verdict::Fit => ("fit for use", theme::good(ui)),
-            Verdict::FitWithReservations => ("fit for use, with reservations", theme::good(ui)),
-            Verdict::Unfit => ("not fit for use", theme::alarm(ui)),
-        };
-        ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new(short(name)).strong());
-            ui.label(RichText::new(verdict).strong().color(colour));
-        });
-        for finding in &check.findings {
-            let (word, colour) = match finding.severity() {
-                Severity::Prevents => ("prevents a fit", theme::alarm(ui)),
-                Severity::Weakens => ("weakens a fit", theme::alarm(ui)),
-                Severity::Note => ("note", theme::weak(ui)),
-            };
-            ui.add_space(3.0);
-            ui.label(RichText::new(format!("{word}: {}", finding.sentence())).color(colour));
-            ui.label(RichText::new(format!("instead: {}", finding.remedy())).small());
-        }
-        ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
-    });
-    ui.add_space(6.0);
 }

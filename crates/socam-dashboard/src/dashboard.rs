@@ -15,7 +15,7 @@ use crate::layout::Layout;
 use crate::recording::Recording;
 use crate::review::Entry;
 use crate::view::{View, Views};
-use crate::workspace::{Request, Workspace};
+use crate::workspace::{Content, Request, Workspace};
 use crate::{live, outside, theme};
 
 /// An error or a remark; it is shown until it is dismissed.
@@ -23,6 +23,8 @@ use crate::{live, outside, theme};
 pub(crate) struct Notice {
     pub(crate) text: String,
     pub(crate) grave: bool,
+    /// A file that a mapping would help to open.
+    pub(crate) to_map: Option<String>,
 }
 
 /// Simulates a model with the inputs of the recording of that name; an error is one sentence.
@@ -37,13 +39,20 @@ pub struct Dashboard {
     pub workspace: Workspace,
     /// The states of the views.
     pub views: Views,
-    pub(crate) opening: Vec<Job<Result<Document, String>>>,
+    pub(crate) opening: Vec<Job<opening::Opened>>,
     saving: Vec<Job<outside::Saved>>,
     /// Files to open with the next pass.
     waiting: Vec<String>,
     pub(crate) notices: Vec<Notice>,
     pub(crate) dialog: Option<Dialog>,
-    pub(crate) help: bool,
+    /// What the dialog that is open saves.
+    content: Option<Content>,
+    /// Whether the desktop's dialogs are used, and the one that is open.
+    #[cfg(not(target_arch = "wasm32"))]
+    is_native: bool,
+    #[cfg(not(target_arch = "wasm32"))]
+    native: Option<crate::native::Native>,
+    pub(crate) help: crate::help::Window,
     /// Where the emergency stop was drawn in the last frame, points.
     stop_button: egui::Rect,
     /// Held-out recordings of a diagnosis that begins once all files are open.
@@ -85,7 +94,12 @@ impl Dashboard {
             waiting: Vec::new(),
             notices: Vec::new(),
             dialog: None,
-            help: false,
+            content: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            is_native: false,
+            #[cfg(not(target_arch = "wasm32"))]
+            native: None,
+            help: crate::help::Window::default(),
             stop_button: egui::Rect::NOTHING,
             exporting: None,
             diagnose: None,
@@ -104,6 +118,12 @@ impl Dashboard {
     /// Sets the function that simulates a model with the inputs of a recording.
     pub fn simulate_by(&mut self, simulate: Simulate) {
         self.simulate = Some(simulate);
+    }
+
+    /// Uses the desktop's file dialogs; without a desktop the window draws its own.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn use_native_dialogs(&mut self) {
+        self.is_native = true;
     }
 
     /// Errors that have not been dismissed.
@@ -148,7 +168,7 @@ impl Dashboard {
         match document {
             Document::Recording(recording) => {
                 self.add_recording(recording);
-                if !matches!(self.layout.view, View::Time | View::Frequency | View::Check) {
+                if !self.views.get(self.layout.view).uses_recordings() {
                     self.layout.view = View::Time;
                 }
             }
@@ -157,8 +177,8 @@ impl Dashboard {
                 self.workspace.set_model(*model);
             }
             Document::Identification(identification) => {
-                self.views.parameters.shown = Some(*identification);
-                self.layout.view = View::Parameters;
+                self.views.identify.show(*identification);
+                self.layout.view = View::Identify;
             }
             Document::Diagnosis(diagnosis, model) => {
                 self.views.diagnosis.show(
@@ -185,12 +205,12 @@ impl Dashboard {
 
     /// Shows a remark.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
-        self.notices.push(Notice { text: text.into(), grave: false });
+        self.notices.push(Notice { text: text.into(), grave: false, to_map: None });
     }
 
     /// Shows an error, unless it is shown already.
     pub fn warn(&mut self, text: impl Into<String>) {
-        let notice = Notice { text: text.into(), grave: true };
+        let notice = Notice { text: text.into(), grave: true, to_map: None };
         if !self.notices.contains(&notice) {
             self.notices.push(notice);
         }
@@ -198,7 +218,7 @@ impl Dashboard {
 
     /// Opens the window that explains each control.
     pub fn show_help(&mut self) {
-        self.help = true;
+        self.help.is_open = true;
     }
 
     /// Draws everything.
@@ -213,9 +233,10 @@ impl Dashboard {
             && !self.workspace.entries.is_empty()
             && let Some(held_out) = self.diagnose.take()
         {
-            let names = self.workspace.entries.iter().map(|entry| entry.recording.about.name.clone());
-            let model = self.workspace.model().clone();
-            self.views.diagnosis.start(&ctx, model, names.collect(), held_out);
+            for name in held_out {
+                self.workspace.setup.use_as(&name, crate::fitting::Role::HoldOut);
+            }
+            self.views.diagnosis.start(&ctx, &self.workspace);
             self.layout.view = View::Diagnosis;
         }
         for view in View::ALL {
@@ -230,19 +251,25 @@ impl Dashboard {
             });
         self.messages(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace);
-        self.answer_requests();
+        self.answer_requests(&ctx);
         self.dialogs(&ctx);
-        crate::help::window(&ctx, &mut self.help);
+        if let Some(command) = self.help.is_open.then(|| self.help.ui(&ctx)).flatten() {
+            self.run(&ctx, command);
+        }
         self.layout.panels = crate::layout::panels(&ctx);
         self.export(&ctx);
     }
 
-    fn answer_requests(&mut self) {
+    fn answer_requests(&mut self, ctx: &egui::Context) {
         for request in std::mem::take(&mut self.workspace.requests) {
             match request {
                 Request::Show(view) => self.layout.view = view,
                 Request::Open(path) => self.open([path]),
                 Request::Save(path, bytes) => self.put(&path, Ok(bytes)),
+                Request::SaveAs(purpose, name, content) => {
+                    self.content = Some(content);
+                    self.ask(ctx, purpose, &name);
+                }
                 Request::Signal(profile) if !live::REACHABLE => {
                     self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));
                 }

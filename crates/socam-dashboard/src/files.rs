@@ -18,6 +18,55 @@ pub enum Purpose {
     SaveSignal,
     /// A recording as `.csv` or `.m`.
     SaveRecording,
+    /// A model file.
+    SaveModel,
+    /// The result of an identification.
+    SaveJson,
+    /// The folder of a diagnosis' report.
+    SaveReport,
+}
+
+/// Files of other programs that can be opened.
+const FOREIGN: [&str; 14] = [
+    "mat", "tdms", "mf4", "mdf", "parquet", "arrow", "feather", "h5", "hdf5", "txt", "tsv", "dat", "MAT",
+    "MF4",
+];
+const OWN: [&str; 6] = ["mcap", "csv", "m", "json", "toml", "MCAP"];
+
+/// Kinds of files, each a name and its extensions.
+type Kinds = &'static [(&'static str, &'static [&'static str])];
+
+impl Purpose {
+    /// Title of the dialog.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open",
+            Self::Export => "Export what is seen (.png, .svg or .csv)",
+            Self::SaveSignal => "Save the input signal (.toml)",
+            Self::SaveRecording => "Save the recording as (.csv or .m)",
+            Self::SaveModel => "Save the model (.toml)",
+            Self::SaveJson => "Save the result (.json)",
+            Self::SaveReport => "Save the report (a new folder)",
+        }
+    }
+
+    /// Kinds of files to choose from.
+    #[must_use]
+    pub fn filters(self) -> Kinds {
+        match self {
+            Self::Open => &[
+                ("recordings, models, results", &OWN),
+                ("files of other programs", &FOREIGN),
+                ("all files", &["*"]),
+            ],
+            Self::Export => &[("pictures and tables", &["png", "svg", "csv"])],
+            Self::SaveSignal | Self::SaveModel => &[("TOML", &["toml"])],
+            Self::SaveRecording => &[("recordings", &["csv", "m"])],
+            Self::SaveJson => &[("JSON", &["json"])],
+            Self::SaveReport => &[],
+        }
+    }
 }
 
 /// A dialog that is open.
@@ -41,8 +90,6 @@ pub enum Answer {
     /// Cancelled.
     Cancelled,
 }
-
-const OPENED: [&str; 6] = ["mcap", "csv", "m", "json", "toml", "MCAP"];
 
 impl Dialog {
     /// A dialog in a folder; `name` is proposed for a file to be saved.
@@ -79,12 +126,7 @@ impl Dialog {
         let modal = Modal::new(egui::Id::unique("files")).show(ctx, |ui| {
             ui.set_width(560.0);
             let opens = self.purpose == Purpose::Open;
-            ui.heading(match self.purpose {
-                Purpose::Open => "Open",
-                Purpose::Export => "Export what is seen (.png, .svg or .csv)",
-                Purpose::SaveSignal => "Save the input signal (.toml)",
-                Purpose::SaveRecording => "Save the recording as (.csv or .m)",
-            });
+            ui.heading(self.purpose.title());
             self.place(ui);
             self.contents(ui);
             if !opens {
@@ -199,7 +241,9 @@ fn list(folder: &Path) -> Result<Vec<(PathBuf, bool)>, String> {
             let path = entry.ok()?.path();
             let hidden = path.file_name()?.to_string_lossy().starts_with('.');
             let is_folder = path.is_dir();
-            let ours = path.extension().is_some_and(|extension| OPENED.iter().any(|own| extension == *own));
+            let ours = path
+                .extension()
+                .is_some_and(|extension| OWN.iter().chain(&FOREIGN).any(|own| extension == *own));
             (!hidden && (is_folder || ours)).then_some((path, is_folder))
         })
         .collect();

@@ -1,7 +1,8 @@
 //! Help texts of all controls.
 
-use egui::{Grid, RichText, ScrollArea, Window};
+use egui::{Button, Grid, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
+use crate::commands::Command;
 use crate::theme;
 use crate::view::{Help, View};
 
@@ -14,18 +15,19 @@ const FRAME: [(&str, Help); 2] = [
                 "EMERGENCY STOP; Esc",
                 "cuts the command at once, from every view; the board also stops by itself half a second after it hears nothing",
             ),
-            (
-                "a view's name",
-                "shows that view; Ctrl+1, Ctrl+2 and so on are the views in the order of their tabs",
-            ),
+            ("a view's name", "shows that view"),
             (
                 "Ctrl+O; drop",
-                "opens recordings (.mcap, .csv, .m), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder)",
+                "opens recordings (.mcap, .csv, .m, and files of other programs that state their units), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder)",
             ),
-            ("Ctrl+E", "exports what is seen: .png and .svg are pictures, .csv has the lines' points"),
-            ("Ctrl+plus; Ctrl+minus; Ctrl+0", "the size of everything"),
+            ("Export what is seen", ".png and .svg are pictures, .csv has the lines' points"),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),
             ("Dismiss", "puts a message away"),
+            (
+                "Write a mapping",
+                "for a file of another program that does not state its units or times: writes a text file beside it to complete, with which it opens",
+            ),
+            ("Choose here", "while a window of the desktop asks for a file: asks in this window instead"),
             ("Sort by ...", "a column's head sorts the table by it, and pressed again the other way round"),
         ],
     ),
@@ -34,12 +36,15 @@ const FRAME: [(&str, Help); 2] = [
         &[
             (
                 "File",
-                "New (forgets the signal), Open, Save (the signal), Save recording (as .csv or .m), Simulate (the model's answer to the shown recordings, over them), Export",
+                "New (forgets the signal), Open, Open recent (the last twelve files), Save (the signal), Save recording (as .csv or .m), Simulate (the model's answer to the shown recordings, over them), Export",
             ),
             ("Edit", "Undo, Redo, Cut, Copy, Paste: of the input signal, as text"),
             ("View", "the views, light or dark, the size of everything"),
             ("Input Signal", "what the bench is to do"),
-            ("Help; Close window", "opens this with F1, and closes it"),
+            (
+                "Help; Close window; Search the help; Run: ...",
+                "opens this and closes it; the list is searched by words, and a command in it is run by a click",
+            ),
         ],
     ),
 ];
@@ -65,24 +70,88 @@ pub fn names(label: &str) -> bool {
         })
 }
 
-/// The help's window.
-pub(crate) fn window(ctx: &egui::Context, open: &mut bool) {
-    Window::new("What each control does").open(open).default_size([720.0, 560.0]).collapsible(false).show(
-        ctx,
-        |ui| {
+/// The help's window: what is searched for, and whether it is open.
+#[derive(Debug, Default)]
+pub(crate) struct Window {
+    pub(crate) is_open: bool,
+    search: String,
+    /// Whether the field of the search got the keyboard.
+    is_focused: bool,
+}
+
+impl Window {
+    /// Draws it. Returns a command if one was pressed.
+    pub(crate) fn ui(&mut self, ctx: &egui::Context) -> Option<Command> {
+        let mut open = self.is_open;
+        let mut wanted = None;
+        let window = egui::Window::new("What each control does").open(&mut open).default_size([720.0, 560.0]);
+        window.collapsible(false).show(ctx, |ui| {
+            let field = ui
+                .add(TextEdit::singleline(&mut self.search).desired_width(f32::INFINITY).hint_text("search"));
+            field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search the help"));
+            if !std::mem::replace(&mut self.is_focused, true) {
+                field.request_focus();
+            }
+            let words = self.search.to_lowercase();
+            let fits = |texts: &[&str]| {
+                let all = texts.join(" ").to_lowercase();
+                words.split_whitespace().all(|word| all.contains(word))
+            };
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                wanted = commands(ui, &fits);
                 for (view, controls) in parts() {
-                    ui.add_space(6.0);
-                    ui.label(RichText::new(view).strong().size(15.0));
-                    Grid::new(view).num_columns(2).spacing([16.0, 5.0]).striped(true).show(ui, |ui| {
-                        for (control, text) in controls {
-                            ui.label(RichText::new(*control).color(theme::good(ui)));
-                            ui.add(egui::Label::new(*text).wrap());
-                            ui.end_row();
-                        }
-                    });
+                    let of_view = controls.iter().filter(|(control, text)| fits(&[view, control, text]));
+                    rows(ui, view, of_view);
                 }
             });
-        },
-    );
+        });
+        self.is_open = open && wanted.is_none();
+        self.is_focused &= self.is_open;
+        wanted
+    }
+}
+
+/// All commands with their keys; each is a button.
+fn commands(ui: &mut Ui, fits: &dyn Fn(&[&str]) -> bool) -> Option<Command> {
+    let mut wanted = None;
+    let keys =
+        |command: Command| command.keys().map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
+    let all = Command::all().map(|command| (command, command.words(), keys(command)));
+    let shown: Vec<_> = all.filter(|(_, words, keys)| fits(&["keys", words, keys])).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    heading(ui, "Keys");
+    Grid::new("keys").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
+        for (command, words, keys) in shown {
+            let button = ui.add(Button::new(RichText::new(&words).color(theme::good(ui))).frame(false));
+            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Run: {words}")));
+            if button.on_hover_text("Run it").clicked() {
+                wanted = Some(command);
+            }
+            ui.label(keys);
+            ui.end_row();
+        }
+    });
+    wanted
+}
+
+fn rows<'a>(ui: &mut Ui, title: &str, rows: impl Iterator<Item = &'a (&'static str, &'static str)>) {
+    let mut rows = rows.peekable();
+    if rows.peek().is_none() {
+        return;
+    }
+    heading(ui, title);
+    Grid::new(title).num_columns(2).spacing([16.0, 5.0]).striped(true).show(ui, |ui| {
+        for (control, text) in rows {
+            ui.label(RichText::new(*control).color(theme::good(ui)));
+            ui.add(egui::Label::new(*text).wrap());
+            ui.end_row();
+        }
+    });
+}
+
+fn heading(ui: &mut Ui, title: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(title).strong().size(15.0));
 }

@@ -4,6 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
+#[cfg(not(target_arch = "wasm32"))]
+use std::time::Instant;
+
 use egui::{ProgressBar, Ui};
 
 /// Error of a cancelled job.
@@ -31,6 +34,12 @@ impl Handle {
         if self.is_cancelled() { Err(CANCELLED.into()) } else { Ok(()) }
     }
 
+    /// Reports progress, 0 to 1, which never falls.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn at(&self, fraction: f32) {
+        self.0.reached.fetch_max((1000.0 * fraction) as u32, Ordering::Relaxed);
+    }
+
     /// Reports the current step.
     pub fn doing(&self, text: String) {
         *self.0.doing.lock().unwrap_or_else(PoisonError::into_inner) = text;
@@ -48,6 +57,9 @@ impl Handle {
 pub struct Job<T> {
     handle: Handle,
     result: Receiver<T>,
+    /// A page in a browser has no threads, so that it shows no progress.
+    #[cfg(not(target_arch = "wasm32"))]
+    since: Instant,
 }
 
 impl<T: Send + 'static> Job<T> {
@@ -66,7 +78,12 @@ impl<T: Send + 'static> Job<T> {
         std::thread::spawn(run);
         #[cfg(target_arch = "wasm32")]
         run();
-        Self { handle, result }
+        Self {
+            handle,
+            result,
+            #[cfg(not(target_arch = "wasm32"))]
+            since: Instant::now(),
+        }
     }
 
     /// The result, once. `Err` if the worker panicked.
@@ -99,6 +116,8 @@ impl<T: Send + 'static> Job<T> {
                 ui.add(ProgressBar::new(reached).desired_width(160.0).show_percentage());
             }
             ui.label(&text);
+            #[cfg(not(target_arch = "wasm32"))]
+            ui.weak(times(self.since.elapsed().as_secs_f64(), f64::from(reached)));
         });
         if cancelled {
             self.cancel();
@@ -107,8 +126,48 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
+/// Time from which on the remaining time is estimated, s, and the least progress for that, 1.
+#[cfg(not(target_arch = "wasm32"))]
+const KNOWN_AFTER_S: f64 = 2.0;
+#[cfg(not(target_arch = "wasm32"))]
+const KNOWN_FROM: f64 = 0.02;
+
+/// `12 s, about 40 s left`
+#[cfg(not(target_arch = "wasm32"))]
+fn times(elapsed_s: f64, reached: f64) -> String {
+    let elapsed = duration(elapsed_s);
+    if elapsed_s < KNOWN_AFTER_S || !(KNOWN_FROM..1.0).contains(&reached) {
+        return elapsed;
+    }
+    format!("{elapsed}, about {} left", duration(elapsed_s * (1.0 - reached) / reached))
+}
+
+/// `45 s`, `3 min 20 s`, `2 h 5 min`
+#[cfg(not(target_arch = "wasm32"))]
+fn duration(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match whole {
+        0..=119 => format!("{whole} s"),
+        120..=7199 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", whole / 3600, whole / 60 % 60),
+    }
+}
+
 impl<T> Drop for Job<T> {
     fn drop(&mut self) {
         self.handle.0.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_remaining_time_follows_from_the_progress() {
+        assert_eq!(times(1.0, 0.5), "1 s");
+        assert_eq!(times(30.0, 0.0), "30 s");
+        assert_eq!(times(30.0, 0.25), "30 s, about 90 s left");
+        assert_eq!(times(600.0, 0.5), "10 min 0 s, about 10 min 0 s left");
     }
 }

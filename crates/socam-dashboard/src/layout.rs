@@ -27,6 +27,22 @@ pub struct Layout {
     pub window: [f32; 2],
     /// Widths of the panels at the left, points, by name.
     pub panels: BTreeMap<String, f32>,
+    /// Files that were opened last, the latest first.
+    pub recent: Vec<String>,
+}
+
+/// Greatest number of recent files.
+const MOST_RECENT: usize = 12;
+
+impl Layout {
+    /// Puts a file before the other recent ones.
+    pub(crate) fn remember(&mut self, path: &str) {
+        let whole =
+            std::path::absolute(path).map_or_else(|_| path.to_owned(), |path| path.display().to_string());
+        self.recent.retain(|known| *known != whole);
+        self.recent.insert(0, whole);
+        self.recent.truncate(MOST_RECENT);
+    }
 }
 
 impl Default for Layout {
@@ -39,6 +55,7 @@ impl Default for Layout {
             device: "sim".into(),
             window: [1280.0, 800.0],
             panels: BTreeMap::new(),
+            recent: Vec::new(),
         }
     }
 }
@@ -68,4 +85,20 @@ pub(crate) fn panel(ui: &Ui, name: &str, usual: f32) -> f32 {
 /// Stores the width of a panel.
 pub(crate) fn keep_panel(ui: &Ui, name: &str, width: f32) {
     ui.ctx().data_mut(|data| data.get_temp_mut_or_default::<Panels>(place()).insert(name.to_owned(), width));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_twelve_files_are_kept_each_once() {
+        let mut layout = Layout::default();
+        (0..20).for_each(|number| layout.remember(&format!("/runs/{number}.csv")));
+        layout.remember("/runs/15.csv");
+        assert_eq!(
+            (layout.recent.len(), layout.recent[0].as_str(), layout.recent[1].as_str()),
+            (12, "/runs/15.csv", "/runs/19.csv")
+        );
+    }
 }

@@ -8,17 +8,25 @@
 
 mod about;
 pub mod check;
+mod commands;
 mod dashboard;
 pub mod diagnosis;
 pub mod document;
 pub mod draw;
 pub mod files;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod fitting;
+#[cfg(not(target_arch = "wasm32"))]
+mod foreign;
 mod headless;
 pub mod help;
+pub mod identify;
 pub mod job;
 mod layout;
 pub mod live;
 mod menu;
+#[cfg(not(target_arch = "wasm32"))]
+mod native;
 mod outside;
 pub mod parameters;
 pub mod recording;
@@ -37,4 +45,4 @@ pub use dashboard::{Dashboard, Simulate};
 pub use headless::{Viewport, picture};
 pub use layout::Layout;
 pub use view::{Help, View, ViewPanel, Views};
-pub use workspace::{Feed, Request, Workspace};
+pub use workspace::{Content, Feed, Request, Workspace};

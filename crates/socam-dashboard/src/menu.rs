@@ -1,45 +1,24 @@
-//! The menus File, Edit, View, Input Signal and Help, and their keyboard shortcuts.
+//! The menus File, Edit, View, Input Signal and Help, and exports of what is seen.
 
 use std::path::Path;
 
-use egui::{Button, Key, KeyboardShortcut, LayerId, Modifiers, Role, Ui, WidgetInfo};
+use egui::{Button, LayerId, Role, Ui, WidgetInfo};
 
+use crate::commands::Command;
 use crate::draw::{export, raster, svg};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::files::Dialog;
-use crate::files::Purpose;
 use crate::live::{
     self,
     signal::{Kind, Settings},
 };
-use crate::theme::{self, Look};
 use crate::{Dashboard, View};
 
-const fn with_ctrl(key: Key) -> KeyboardShortcut {
-    KeyboardShortcut::new(Modifiers::COMMAND, key)
-}
-
-const OPEN: KeyboardShortcut = with_ctrl(Key::O);
-const SAVE: KeyboardShortcut = with_ctrl(Key::S);
-const EXPORT: KeyboardShortcut = with_ctrl(Key::E);
-const UNDO: KeyboardShortcut = with_ctrl(Key::Z);
-const REDO: KeyboardShortcut = with_ctrl(Key::Y);
-const HELP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F1);
-/// Views beyond the ninth have no key.
-const VIEWS: [Key; 9] =
-    [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
-
-fn item(ui: &mut Ui, text: &str, keys: Option<KeyboardShortcut>) -> bool {
-    enabled_item(ui, true, text, keys)
-}
-
-fn enabled_item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<KeyboardShortcut>) -> bool {
+/// An item; the shortcut is not part of its accessible name.
+fn item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<egui::KeyboardShortcut>) -> bool {
     let mut button = Button::new(text);
     if let Some(keys) = keys {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
     let response = ui.add_enabled(enabled, button);
-    // The shortcut is not part of the accessible name.
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     response.clicked()
 }
@@ -48,194 +27,85 @@ impl Dashboard {
     pub(crate) fn menus(&mut self, ui: &mut Ui) {
         ui.menu_button("File", |ui| self.file_menu(ui));
         if live::REACHABLE {
-            ui.menu_button("Edit", |ui| self.edit_menu(ui));
+            ui.menu_button("Edit", |ui| {
+                self.items(ui, &[Command::Undo, Command::Redo]);
+                ui.separator();
+                self.items(ui, &[Command::Cut, Command::Copy, Command::Paste]);
+            });
         }
-        ui.menu_button("View", |ui| self.view_menu(ui));
+        ui.menu_button("View", |ui| {
+            let views: Vec<Command> = View::reachable().map(Command::Show).collect();
+            self.items(ui, &views);
+            ui.separator();
+            self.items(ui, &[Command::Theme, Command::Larger, Command::Smaller, Command::NormalSize]);
+        });
         if live::REACHABLE {
             ui.menu_button("Input Signal", |ui| self.signal_menu(ui));
         }
-        ui.menu_button("Help", |ui| {
-            if item(ui, "What each control does", Some(HELP)) {
-                self.help = true;
+        ui.menu_button("Help", |ui| self.items(ui, &[Command::Help]));
+    }
+
+    /// Items of commands, those of this platform.
+    fn items(&mut self, ui: &mut Ui, commands: &[Command]) {
+        let known: Vec<Command> = Command::all().filter(|command| commands.contains(command)).collect();
+        for command in commands.iter().filter(|command| known.contains(command)) {
+            if item(ui, self.can(*command), command.text(), command.keys()) {
+                self.run(ui.ctx(), *command);
             }
-        });
+        }
     }
 
     fn file_menu(&mut self, ui: &mut Ui) {
-        if live::REACHABLE && item(ui, "New input signal", None) {
-            self.views.live.signal.change(Settings::default());
-            self.layout.view = View::Live;
+        self.items(ui, &[Command::NewSignal, Command::Open]);
+        #[cfg(not(target_arch = "wasm32"))]
+        if !self.layout.recent.is_empty() {
+            ui.menu_button("Open recent", |ui| self.recent_menu(ui));
         }
-        if item(ui, "Open...", Some(OPEN)) {
-            self.ask(ui.ctx(), Purpose::Open, "");
-        }
-        if live::REACHABLE && item(ui, "Save input signal...", Some(SAVE)) {
-            self.ask(ui.ctx(), Purpose::SaveSignal, "signal.toml");
-        }
-        let any = self.workspace.entries.iter().any(|entry| entry.shown);
-        if enabled_item(ui, any, "Save recording as .csv or .m...", None) {
-            let first = self.workspace.entries.iter().find(|entry| entry.shown);
-            let name =
-                first.map_or("recording", |entry| crate::recording::short(&entry.recording.about.name));
-            let name = Path::new(name).with_extension("csv").display().to_string();
-            self.ask(ui.ctx(), Purpose::SaveRecording, &name);
-        }
-        if self.simulate.is_some() && enabled_item(ui, any, "Simulate the shown recordings", None) {
-            self.simulate(ui.ctx());
+        self.items(ui, &[Command::SaveSignal, Command::SaveRecording]);
+        if self.simulate.is_some() {
+            self.items(ui, &[Command::Simulate]);
         }
         ui.separator();
         ui.menu_button("Export what is seen", |ui| {
-            for (text, name, keys) in [
-                ("as PNG...", "view.png", Some(EXPORT)),
-                ("as SVG...", "view.svg", None),
-                ("as CSV...", "view.csv", None),
-            ] {
-                if item(ui, text, keys) {
-                    self.ask(ui.ctx(), Purpose::Export, name);
-                }
-            }
+            self.items(ui, &[Command::ExportPng, Command::ExportSvg, Command::ExportCsv]);
         });
-        if enabled_item(ui, !self.workspace.entries.is_empty(), "Close all recordings", None) {
-            self.workspace.entries.clear();
-            self.views.time.fit();
-        }
+        self.items(ui, &[Command::CloseAll]);
     }
 
-    fn edit_menu(&mut self, ui: &mut Ui) {
-        let [undo, redo] = self.views.live.signal.history();
-        if enabled_item(ui, undo, "Undo", Some(UNDO)) {
-            self.views.live.signal.undo();
-        }
-        if enabled_item(ui, redo, "Redo", Some(REDO)) {
-            self.views.live.signal.redo();
-        }
-        ui.separator();
-        // These change the live view, so it is shown.
-        if item(ui, "Cut input signal", Some(with_ctrl(Key::X))) {
-            ui.ctx().copy_text(self.views.live.signal.text());
-            self.views.live.signal.change(Settings::default());
-            self.layout.view = View::Live;
-        }
-        if item(ui, "Copy input signal", Some(with_ctrl(Key::C))) {
-            ui.ctx().copy_text(self.views.live.signal.text());
-            self.layout.view = View::Live;
-        }
-        if item(ui, "Paste input signal", Some(with_ctrl(Key::V))) {
-            ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
-            self.layout.view = View::Live;
-        }
-    }
-
-    fn view_menu(&mut self, ui: &mut Ui) {
-        for (place, view) in View::reachable().enumerate() {
-            if item(ui, view.name(), VIEWS.get(place).copied().map(with_ctrl)) {
-                self.layout.view = view;
+    /// Files that were opened last; those that are gone are grey.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn recent_menu(&mut self, ui: &mut Ui) {
+        let mut wanted = None;
+        for run in &self.layout.recent {
+            let is_there = Path::new(run).exists()
+                || socam_recording::Selection::parse(run).is_ok_and(|selection| selection.path.exists());
+            let button = ui.add_enabled(is_there, Button::new(crate::recording::short(run)));
+            let button =
+                button.on_hover_text(run).on_disabled_hover_text(format!("{run} is not there any more"));
+            if button.clicked() {
+                wanted = Some(run.clone());
             }
         }
+        self.open(wanted);
         ui.separator();
-        for (look, name) in [(Look::Light, "Light"), (Look::Dark, "Dark")] {
-            if ui.selectable_label(self.layout.look == look, name).clicked() {
-                self.layout.look = look;
-                theme::apply(ui.ctx(), look);
-            }
-        }
-        ui.separator();
-        for (text, factor) in [("Larger", 1.1), ("Smaller", 1.0 / 1.1)] {
-            if item(ui, text, None) {
-                self.zoom(ui.ctx(), self.layout.zoom * factor);
-            }
-        }
-        if item(ui, "Normal size", None) {
-            self.zoom(ui.ctx(), 1.0);
+        if ui.button("Forget them").clicked() {
+            self.layout.recent.clear();
         }
     }
 
     fn signal_menu(&mut self, ui: &mut Ui) {
         for (kind, name) in [(Kind::Sine, "Sine"), (Kind::Constant, "Constant")] {
-            if item(ui, name, None) {
+            if item(ui, true, name, None) {
                 self.views.live.signal.change(Settings { kind, ..self.views.live.signal.settings.clone() });
                 self.layout.view = View::Live;
             }
         }
         for name in socam_recording::ProfileFile::built_in_names().filter(|name| *name != "sine") {
-            if item(ui, name, None) {
+            if item(ui, true, name, None) {
                 if let Err(sentence) = self.views.live.signal.take_built_in(name) {
                     self.warn(sentence);
                 }
                 self.layout.view = View::Live;
-            }
-        }
-    }
-
-    fn zoom(&mut self, ctx: &egui::Context, zoom: f32) {
-        self.layout.zoom = zoom.clamp(0.6, 2.5);
-        ctx.set_zoom_factor(self.layout.zoom);
-    }
-
-    /// A page in a browser uses its own dialogs and offers saved files for download.
-    #[cfg(target_arch = "wasm32")]
-    fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
-        match purpose {
-            Purpose::Open => self.wishes_files = true,
-            _ => self.answered(ctx, purpose, vec![name.into()]),
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    fn ask(&mut self, _: &egui::Context, purpose: Purpose, name: &str) {
-        let folder = self.layout.folder.canonicalize().unwrap_or_else(|_| self.layout.folder.clone());
-        self.dialog = Some(Dialog::new(purpose, &folder, name));
-    }
-
-    pub(crate) fn shortcuts(&mut self, ctx: &egui::Context) {
-        self.layout.zoom = ctx.zoom_factor();
-        let pressed = |keys: KeyboardShortcut| ctx.input_mut(|input| input.consume_shortcut(&keys));
-        if pressed(OPEN) {
-            self.ask(ctx, Purpose::Open, "");
-        }
-        if live::REACHABLE && pressed(SAVE) {
-            self.ask(ctx, Purpose::SaveSignal, "signal.toml");
-        }
-        if pressed(EXPORT) {
-            self.ask(ctx, Purpose::Export, "view.png");
-        }
-        if pressed(HELP) {
-            self.help = true;
-        }
-        for (view, key) in View::reachable().zip(VIEWS) {
-            if pressed(with_ctrl(key)) {
-                self.layout.view = view;
-            }
-        }
-        // Text fields handle undo and paste themselves.
-        if ctx.egui_wants_keyboard_input() {
-            return;
-        }
-        if pressed(UNDO) {
-            self.views.live.signal.undo();
-        }
-        if pressed(REDO) {
-            self.views.live.signal.redo();
-        }
-        if self.layout.view == View::Live {
-            self.clipboard(ctx);
-        }
-    }
-
-    fn clipboard(&mut self, ctx: &egui::Context) {
-        for event in ctx.input(|input| input.events.clone()) {
-            match event {
-                egui::Event::Copy => ctx.copy_text(self.views.live.signal.text()),
-                egui::Event::Cut => {
-                    ctx.copy_text(self.views.live.signal.text());
-                    self.views.live.signal.change(Settings::default());
-                }
-                egui::Event::Paste(text) => {
-                    if let Err(sentence) = self.views.live.signal.paste(&text) {
-                        self.warn(sentence);
-                    }
-                }
-                _ => {}
             }
         }
     }
@@ -247,7 +117,6 @@ impl Dashboard {
         self.put(&path, bytes);
     }
 }
-
 /// Contents of the export file, by its extension. Menus and dialogs are in layers of their own and are left out.
 fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Vec<u8>, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();

@@ -112,11 +112,13 @@ impl Dashboard {
         let own = name.to_owned();
         let open = move |handle: &Handle| {
             if is_text {
-                let text = String::from_utf8(bytes).map_err(|_| format!("{own} is no text"))?;
-                return crate::document::parse(&own, &text);
+                let text = String::from_utf8(bytes).map_err(|_| (format!("{own} is no text"), None))?;
+                let document = crate::document::parse(&own, &text);
+                return document.map(|document| (document, None)).map_err(|sentence| (sentence, None));
             }
             socam_recording::hand_over(&own, bytes);
-            Recording::open(&own, handle).map(crate::document::Document::Recording)
+            let run = Recording::open(&own, handle).map_err(|sentence| (sentence, None))?;
+            Ok((crate::document::Document::Recording(run), None))
         };
         self.opening.push(crate::job::Job::start(&title, ctx, open));
     }

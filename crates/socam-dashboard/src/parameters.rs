@@ -1,14 +1,11 @@
-//! The parameters view: the document of `identify --json` with values, intervals and notes.
+//! The document of `identify --json` as the window reads it, and numbers as people read them.
 
 use std::collections::BTreeMap;
 
-use egui::{Grid, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
+use egui::{RichText, Ui};
 use serde::Deserialize;
 
-use crate::draw::chart;
 use crate::theme;
-use crate::view::{Help, ViewPanel};
-use crate::workspace::Workspace;
 
 /// Schema of the document.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -32,6 +29,9 @@ pub struct Identification {
     pub combinations: Vec<Parameter>,
     /// How well the model fits.
     pub fit: Fit,
+    /// Fits of recordings that were not fitted.
+    #[serde(default)]
+    pub validation: Vec<Validation>,
     /// Advice for parameters that are not determined.
     #[serde(default)]
     pub advice: Vec<String>,
@@ -69,6 +69,15 @@ pub struct Parameter {
     pub note: String,
 }
 
+/// Fit of a recording that was not fitted.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Validation {
+    /// Name of the recording.
+    pub recording: String,
+    /// How well it is predicted.
+    pub fit: Fit,
+}
+
 /// Fit of all channels.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Fit {
@@ -80,82 +89,19 @@ pub struct Fit {
 #[derive(Debug, Clone, Deserialize)]
 pub struct ChannelFit {
     /// Root mean square residual, SI.
+    #[serde(deserialize_with = "or_nan")]
     pub rms: f64,
     /// Noise level that was used, SI.
+    #[serde(deserialize_with = "or_nan")]
     pub noise_std: f64,
     /// Variance accounted for, per cent.
+    #[serde(deserialize_with = "or_nan")]
     pub vaf_percent: f64,
 }
 
-/// State of the view.
-#[derive(Debug, Default)]
-pub struct Parameters {
-    /// The identification that is shown.
-    pub shown: Option<Identification>,
-}
-
-impl ViewPanel for Parameters {
-    fn ui(&mut self, ui: &mut Ui, _: &mut Workspace) {
-        egui::CentralPanel::default().show(ui, |ui| contents(ui, self.shown.as_ref()));
-    }
-
-    fn help() -> Help {
-        &[]
-    }
-}
-
-fn contents(ui: &mut Ui, shown: Option<&Identification>) {
-    let Some(shown) = shown else {
-        chart::empty_state(
-            ui,
-            "No identification is open",
-            "Open the file that `socam-host identify RUN.mcap --json > fit.json` writes, or drop it here. Every parameter is shown with its 95 % interval, and what the recordings do not determine is named.",
-        );
-        return;
-    };
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let end = if shown.converged { "" } else { " (not converged)" };
-        ui.heading(format!("{} fitted by {}{end}", shown.model, shown.method));
-        ui.label(RichText::new(shown.recordings.join(", ")).color(theme::weak(ui)));
-        for warning in &shown.warnings {
-            ui.label(RichText::new(warning).color(theme::alarm(ui)));
-        }
-        ui.add_space(8.0);
-        table(ui, shown);
-        if !shown.advice.is_empty() {
-            ui.add_space(10.0);
-            ui.strong("What would settle the rest");
-            for advice in &shown.advice {
-                ui.label(advice);
-            }
-        }
-        ui.add_space(10.0);
-        fit(ui, &shown.fit);
-    });
-}
-
-fn table(ui: &mut Ui, shown: &Identification) {
-    Grid::new("parameters").striped(true).spacing([20.0, 5.0]).show(ui, |ui| {
-        heads(ui, &["parameter", "value", "unit", "95 % interval", "", "what is known"]);
-        for parameter in shown.parameters.iter().chain(&shown.combinations) {
-            let fixed = parameter.source == "fixed";
-            ui.strong(&parameter.name);
-            let value = parameter.value.map_or("-".into(), number);
-            ui.label(RichText::new(value).monospace());
-            ui.label(&parameter.unit);
-            ui.label(RichText::new(interval(parameter.ci95)).monospace());
-            match parameter.value {
-                Some(value) if !fixed => whisker(ui, value, parameter.ci95),
-                _ => drop(ui.label("")),
-            }
-            ui.label(RichText::new(known(parameter)).color(if parameter.value.is_some() {
-                theme::weak(ui)
-            } else {
-                theme::alarm(ui)
-            }));
-            ui.end_row();
-        }
-    });
+/// A number; a channel without measurements has none.
+fn or_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 pub(crate) fn heads(ui: &mut Ui, texts: &[&str]) {
@@ -165,7 +111,8 @@ pub(crate) fn heads(ui: &mut Ui, texts: &[&str]) {
     ui.end_row();
 }
 
-fn known(parameter: &Parameter) -> String {
+/// What is known of a parameter besides its value.
+pub(crate) fn known(parameter: &Parameter) -> String {
     if parameter.source == "fixed" {
         return "known beforehand".into();
     }
@@ -182,39 +129,6 @@ fn known(parameter: &Parameter) -> String {
         };
     }
     parameter.note.clone()
-}
-
-/// Draws the interval relative to the value on a scale of +-50 %, the limit for a determined parameter.
-fn whisker(ui: &mut Ui, value: f64, ci95: [Option<f64>; 2]) {
-    let (rect, response) = ui.allocate_exact_size(vec2(110.0, 14.0), Sense::hover());
-    let painter = ui.painter_at(rect);
-    let at = |end: f64| {
-        let share = ((end - value) / value.abs().max(1e-300)).clamp(-0.5, 0.5) as f32;
-        rect.center().x + share * rect.width()
-    };
-    let y = rect.center().y;
-    painter.hline(rect.x_range(), y, Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color));
-    if let [Some(low), Some(high)] = ci95 {
-        let colour = theme::good(ui);
-        painter.hline(at(low)..=at(high).max(at(low) + 1.0), y, Stroke::new(4.0, colour));
-        let half = 50.0 * (high - low) / value.abs().max(1e-300);
-        response.on_hover_text(format!("+-{half:.2} % of the value; the line is +-50 %"));
-    }
-    painter.vline(rect.center().x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
-}
-
-fn fit(ui: &mut Ui, fit: &Fit) {
-    ui.strong("Fit, the model running free");
-    Grid::new("fit").striped(true).spacing([20.0, 4.0]).show(ui, |ui| {
-        heads(ui, &["channel", "residual rms", "noise", "variance accounted for"]);
-        for (name, channel) in &fit.channels {
-            ui.label(name);
-            ui.label(RichText::new(number(channel.rms)).monospace());
-            ui.label(RichText::new(number(channel.noise_std)).monospace());
-            ui.label(RichText::new(format!("{:.3} %", channel.vaf_percent)).monospace());
-            ui.end_row();
-        }
-    });
 }
 
 /// Five digits.

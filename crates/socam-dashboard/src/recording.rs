@@ -7,6 +7,8 @@ use socam_recording::Dataset;
 
 use crate::about::about;
 pub use crate::about::{About, Happening, short};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::foreign;
 use crate::job::Handle;
 use crate::samples::Samples;
 
@@ -74,7 +76,7 @@ impl Recording {
             return Ok(Self { about, samples: Arc::new(samples), path: Some(path) });
         }
         handle.doing(format!("Reading {}", short(run)));
-        let data = Dataset::open_selection(&selection).map_err(sentence)?;
+        let data = foreign::open(&selection)?;
         handle.reached(0.0)?;
         let values = data.rows() * data.channels().len() as u64;
         let index_path = index_path.filter(|_| values > MOST_IN_MEMORY);
@@ -98,7 +100,10 @@ impl Recording {
     pub fn dataset(&self) -> Result<Dataset, String> {
         let about = &self.about;
         if self.path.is_some() {
+            #[cfg(target_arch = "wasm32")]
             return Dataset::open(&about.name).map_err(sentence);
+            #[cfg(not(target_arch = "wasm32"))]
+            return foreign::open(&socam_recording::Selection::parse(&about.name).map_err(sentence)?);
         }
         let rows = 0..self.samples.rows();
         let columns = (0..about.channels.len()).map(|channel| self.samples.values(channel, rows.clone()));

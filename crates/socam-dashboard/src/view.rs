@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::Checks;
 use crate::diagnosis::DiagnosisView;
+use crate::identify::Identify;
 use crate::live::Live;
-use crate::parameters::Parameters;
 use crate::review::Review;
 use crate::spectra::Spectra;
 #[cfg(not(target_arch = "wasm32"))]
@@ -29,6 +29,11 @@ pub trait ViewPanel {
         false
     }
 
+    /// Whether it shows or uses open recordings. Opening one in another view leads to the view over time.
+    fn uses_recordings(&self) -> bool {
+        true
+    }
+
     /// Explains its controls.
     fn help() -> Help
     where
@@ -37,22 +42,22 @@ pub trait ViewPanel {
 
 /// Declares [`View`], the names of all views in the order of their tabs, and [`Views`], their states.
 macro_rules! views {
-    ($($(#[$where:meta])* $name:ident: $field:ident = $state:ty, $what:literal;)+) => {
+    ($($(#[cfg($where:meta)])? $(#[serde($alias:meta)])? $name:ident: $field:ident = $state:ty, $what:literal;)+) => {
         /// The name of a view.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
         pub enum View {
-            $($(#[$where])* #[doc = $what] $name,)+
+            $($(#[cfg($where)])? $(#[serde($alias)])? #[doc = $what] $name,)+
         }
 
         impl View {
             /// All of them, in the order of their tabs.
-            pub const ALL: &[Self] = &[$($(#[$where])* Self::$name),+];
+            pub const ALL: &[Self] = &[$($(#[cfg($where)])? Self::$name),+];
 
             /// Its name.
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self {
-                    $($(#[$where])* Self::$name => stringify!($name),)+
+                    $($(#[cfg($where)])? Self::$name => stringify!($name),)+
                 }
             }
 
@@ -60,7 +65,7 @@ macro_rules! views {
             #[must_use]
             pub fn help(self) -> Help {
                 match self {
-                    $($(#[$where])* Self::$name => <$state>::help(),)+
+                    $($(#[cfg($where)])? Self::$name => <$state>::help(),)+
                 }
             }
         }
@@ -68,19 +73,19 @@ macro_rules! views {
         /// The states of all views.
         #[derive(Debug, Default)]
         pub struct Views {
-            $($(#[$where])* #[doc = $what] pub $field: $state,)+
+            $($(#[cfg($where)])? #[doc = $what] pub $field: $state,)+
         }
 
         impl Views {
             pub(crate) fn get(&mut self, view: View) -> &mut dyn ViewPanel {
                 match view {
-                    $($(#[$where])* View::$name => &mut self.$field,)+
+                    $($(#[cfg($where)])? View::$name => &mut self.$field,)+
                 }
             }
 
             pub(crate) fn is_busy(&self) -> bool {
                 let mut is_busy = false;
-                $($(#[$where])* { is_busy |= self.$field.is_busy(); })+
+                $($(#[cfg($where)])? { is_busy |= self.$field.is_busy(); })+
                 is_busy
             }
         }
@@ -92,7 +97,9 @@ views! {
     Time: time = Review, "Recordings over time.";
     Frequency: frequency = Spectra, "Spectra, responses, poles and zeros.";
     Check: check = Checks, "Whether recordings can carry a fit.";
-    Parameters: parameters = Parameters, "An identification.";
+    // Layouts of earlier versions call it by its result.
+    #[serde(alias = "Parameters")]
+    Identify: identify = Identify, "Parameters of the model, from recordings.";
     Diagnosis: diagnosis = DiagnosisView, "What physics the model lacks.";
     #[cfg(not(target_arch = "wasm32"))]
     Watch: watch = WatchView, "A bench or recording with the model running beside it.";

@@ -7,10 +7,23 @@ use socam_model::Model;
 use socam_recording::{Channel, ProfileFile};
 
 use crate::draw::chart::Seen;
+use crate::files::Purpose;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::fitting::Setup;
 use crate::live::Batch;
 use crate::recording::Recording;
 use crate::review::Entry;
 use crate::view::View;
+
+/// What is saved once its place is known.
+#[derive(Debug)]
+pub enum Content {
+    /// A file.
+    Bytes(Vec<u8>),
+    /// The folder of a diagnosis' report.
+    #[cfg(not(target_arch = "wasm32"))]
+    Report(Box<crate::diagnosis::Report>),
+}
 
 /// Something that a view asks of the window; it is done after the view is drawn.
 #[derive(Debug)]
@@ -21,6 +34,8 @@ pub enum Request {
     Open(String),
     /// Save a small file; a page in a browser offers it for download.
     Save(PathBuf, Vec<u8>),
+    /// Ask where to save something, with a name to propose; a page in a browser offers it for download.
+    SaveAs(Purpose, String, Content),
     /// Make a profile the input signal, and show it; a page in a browser, which has no bench, offers it for download.
     Signal(Box<ProfileFile>),
     /// Make a model the one that recordings are compared with.
@@ -48,6 +63,11 @@ pub struct Workspace {
     /// The open recordings.
     pub entries: Vec<Entry>,
     model: Model,
+    /// The models that were used before.
+    models: Vec<Model>,
+    /// What the next identification or diagnosis is made of.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub setup: Setup,
     /// Counts the models that have been set; results that depend on the model are kept with it.
     revision: u64,
     /// The charts of the last pass, for exports.
@@ -62,6 +82,9 @@ impl Workspace {
         Self {
             entries: Vec::new(),
             model,
+            models: Vec::new(),
+            #[cfg(not(target_arch = "wasm32"))]
+            setup: Setup::default(),
             revision: 0,
             seen: Vec::new(),
             requests: Vec::new(),
@@ -82,8 +105,18 @@ impl Workspace {
     }
 
     pub(crate) fn set_model(&mut self, model: Model) {
-        self.model = model;
+        let before = std::mem::replace(&mut self.model, model);
+        self.models.retain(|known| known.text != before.text && known.text != self.model.text);
+        self.models.push(before);
         self.revision += 1;
+    }
+
+    /// Draws the set-up of a fit. Returns another model if one was chosen.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn setup_ui(&mut self, ui: &mut egui::Ui) -> Option<Model> {
+        let mut known = self.models.clone();
+        known.push(self.model.clone());
+        self.setup.ui(ui, &self.entries, (&self.model, &known, self.revision))
     }
 
     /// The recordings that are shown, with their numbers, which determine their colours.

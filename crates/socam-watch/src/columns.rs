@@ -49,7 +49,7 @@ pub(crate) fn each_row(
     mut each: impl FnMut(f64, &mut dyn Iterator<Item = f64>) -> Result<(), WatchError>,
 ) -> Result<(), WatchError> {
     for block in dataset.blocks_in(0..dataset.rows(), columns)? {
-        let block = block.map_err(RecordingError::from)?;
+        let block = block?;
         for (row, time_s) in block.time_s.iter().enumerate() {
             each(*time_s, &mut block.columns.iter().map(|column| column.values()[row]))?;
         }

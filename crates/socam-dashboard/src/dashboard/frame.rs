@@ -55,13 +55,19 @@ impl Dashboard {
 
     /// Errors, remarks and running jobs, below the menus.
     pub(super) fn messages(&mut self, ui: &mut Ui) {
-        if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() {
+        #[cfg(target_arch = "wasm32")]
+        let is_asking = false;
+        #[cfg(not(target_arch = "wasm32"))]
+        let is_asking = self.native.is_some();
+        if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() && !is_asking {
             return;
         }
         egui::Panel::top("messages").show(ui, |ui| {
+            #[cfg(not(target_arch = "wasm32"))]
+            self.asking(ui);
             self.opening.retain(|job| !job.ui(ui));
             self.saving.retain(|job| !job.ui(ui));
-            let mut put_away = None;
+            let (mut put_away, mut to_map) = (None, None);
             for (index, notice) in self.notices.iter().enumerate() {
                 let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
                 Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 4)).show(
@@ -70,6 +76,11 @@ impl Dashboard {
                         ui.horizontal(|ui| {
                             if ui.button("Dismiss").clicked() {
                                 put_away = Some(index);
+                            }
+                            if let Some(run) = &notice.to_map
+                                && ui.button("Write a mapping").clicked()
+                            {
+                                (put_away, to_map) = (Some(index), Some(run.clone()));
                             }
                             ui.add(egui::Label::new(&notice.text).wrap());
                             ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
@@ -80,6 +91,27 @@ impl Dashboard {
             if let Some(index) = put_away {
                 self.notices.remove(index);
             }
+            #[cfg(not(target_arch = "wasm32"))]
+            match to_map.as_deref().map(crate::foreign::propose_mapping) {
+                Some(Ok(said)) => self.say(said),
+                Some(Err(sentence)) => self.warn(sentence),
+                None => {}
+            }
+            #[cfg(target_arch = "wasm32")]
+            let _: Option<String> = to_map;
+        });
+    }
+
+    /// Says that a dialog of the desktop is open, which another window may cover.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn asking(&mut self, ui: &mut Ui) {
+        let Some(native) = &self.native else { return };
+        let (purpose, name) = (native.purpose, native.name.clone());
+        ui.horizontal(|ui| {
+            if ui.button("Choose here").clicked() {
+                self.choose_here(ui.ctx(), purpose, &name);
+            }
+            ui.label(format!("A window of the desktop asks for a file: {}", purpose.title()));
         });
     }
 }

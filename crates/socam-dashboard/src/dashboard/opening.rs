@@ -4,9 +4,17 @@ use std::path::{Path, PathBuf};
 
 use super::Dashboard;
 use crate::document::Document;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::files::Dialog;
 use crate::files::{Answer, Purpose};
 use crate::job::{CANCELLED, Job};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::native::{Ended, Native};
 use crate::outside;
+use crate::workspace::Content;
+
+/// A document that was opened, or why it was not, and the file that it was opened from.
+pub(crate) type Opened = Result<(Document, Option<String>), (String, Option<String>)>;
 
 impl Dashboard {
     /// Simulates the model with the inputs of the shown recordings, and opens the results beside them.
@@ -17,7 +25,11 @@ impl Dashboard {
         {
             let (model, run) = (self.workspace.model().clone(), entry.recording.about.name.clone());
             let title = format!("Simulating {}", crate::recording::short(&run));
-            let work = move |_: &crate::job::Handle| simulate(&model, &run).map(Document::Recording);
+            let work = move |_: &crate::job::Handle| {
+                simulate(&model, &run)
+                    .map(|run| (Document::Recording(run), None))
+                    .map_err(|sentence| (sentence, None))
+            };
             self.opening.push(Job::start(&title, ctx, work));
         }
     }
@@ -32,7 +44,11 @@ impl Dashboard {
                 self.layout.folder = folder.into();
             }
             let title = format!("Opening {path}");
-            self.opening.push(Job::start(&title, ctx, move |handle| crate::document::open(&path, handle)));
+            let open = move |handle: &crate::job::Handle| match crate::document::open(&path, handle) {
+                Ok(document) => Ok((document, Some(path))),
+                Err(sentence) => Err((sentence, Some(path))),
+            };
+            self.opening.push(Job::start(&title, ctx, open));
         }
     }
 
@@ -41,15 +57,69 @@ impl Dashboard {
         // In the order in which files were named: the first one gets the first colour.
         while let Some(result) = self.opening.first().and_then(Job::poll) {
             self.opening.remove(0);
-            match result.and_then(|result| result) {
-                Ok(document) => self.show(document),
-                Err(sentence) if sentence == CANCELLED => {}
-                Err(sentence) => self.warn(sentence),
+            match result.unwrap_or_else(|sentence| Err((sentence, None))) {
+                Ok((document, path)) => {
+                    path.into_iter().for_each(|path| self.layout.remember(&path));
+                    self.show(document);
+                }
+                Err((sentence, _)) if sentence == CANCELLED => {}
+                #[cfg(not(target_arch = "wasm32"))]
+                Err((text, to_map)) if crate::foreign::needs_mapping(&text) => {
+                    self.notices.push(super::Notice { text, grave: true, to_map });
+                }
+                Err((sentence, _)) => self.warn(sentence),
             }
         }
     }
 
+    /// Asks for a file. A page in a browser uses its own dialogs and offers saved files for download.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
+        match purpose {
+            Purpose::Open => self.wishes_files = true,
+            _ => self.answered(ctx, purpose, vec![name.into()]),
+        }
+    }
+
+    /// Asks for a file by a dialog of the desktop, or by one of its own.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
+        let folder = self.layout.folder.canonicalize().unwrap_or_else(|_| self.layout.folder.clone());
+        if self.is_native {
+            self.native = Some(Native::open(ctx, purpose, &folder, name));
+        } else {
+            self.dialog = Some(Dialog::new(purpose, &folder, name));
+        }
+    }
+
+    /// Waits for a dialog of the desktop; where there is none, and from then on, the window draws its own.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn native_dialog(&mut self, ctx: &egui::Context) {
+        let Some(ended) = self.native.as_ref().and_then(Native::poll) else { return };
+        let Some(Native { purpose, name, .. }) = self.native.take() else { return };
+        match ended {
+            Ended::Files(files) => {
+                if let Some(folder) = files.first().and_then(|file| file.parent()) {
+                    self.layout.folder = folder.into();
+                }
+                self.answered(ctx, purpose, files);
+            }
+            Ended::Cancelled => {}
+            Ended::Unseen => self.choose_here(ctx, purpose, &name),
+        }
+    }
+
+    /// Asks by the window's own dialog from now on.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn choose_here(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
+        self.is_native = false;
+        self.native = None;
+        self.ask(ctx, purpose, name);
+    }
+
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.native_dialog(ctx);
         let Some(dialog) = &mut self.dialog else { return };
         let Some(answer) = dialog.ui(ctx) else { return };
         let purpose = dialog.purpose;
@@ -70,6 +140,22 @@ impl Dashboard {
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
+            Purpose::SaveModel | Purpose::SaveJson | Purpose::SaveReport => {
+                if let Some((path, content)) = files.first().zip(self.content.take()) {
+                    self.save_content(path, content);
+                }
+            }
+        }
+    }
+
+    fn save_content(&mut self, path: &Path, content: Content) {
+        match content {
+            Content::Bytes(bytes) => self.put(path, Ok(bytes)),
+            #[cfg(not(target_arch = "wasm32"))]
+            Content::Report(report) => match report.write(path) {
+                Ok(()) => self.say(format!("{} is written: open its index.html", path.display())),
+                Err(sentence) => self.warn(sentence),
+            },
         }
     }
 

@@ -16,6 +16,7 @@ pub enum Sides {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[expect(missing_docs, reason = "each is named by its tab")]
 pub enum Over {
+    Signals,
     Shape,
     #[default]
     Speed,
@@ -27,11 +28,20 @@ pub enum Over {
 }
 
 impl Over {
-    pub(super) const ALL: [Self; 7] =
-        [Self::Speed, Self::Angle, Self::Torque, Self::Frequency, Self::Time, Self::Shape, Self::Fit];
+    pub(super) const ALL: [Self; 8] = [
+        Self::Signals,
+        Self::Speed,
+        Self::Angle,
+        Self::Torque,
+        Self::Frequency,
+        Self::Time,
+        Self::Shape,
+        Self::Fit,
+    ];
 
     pub(super) fn name(self) -> &'static str {
         match self {
+            Self::Signals => "measured and predicted",
             Self::Shape => "measured shape",
             Self::Speed => "over speed",
             Self::Angle => "over angle",

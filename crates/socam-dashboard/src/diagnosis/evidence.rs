@@ -1,6 +1,7 @@
 //! Residuals before and after the correction, over speed, angle, torque, frequency and time.
 
 mod fit;
+mod overlay;
 
 use egui::{Color32, ComboBox, RichText, Ui, vec2};
 use socam_answer::document::Over as CurveOver;
@@ -21,6 +22,10 @@ pub(super) fn ui(
 ) {
     match (choice.over, evidence) {
         (Over::Fit, _) => fit::fit(ui, diagnosis, choice.sides),
+        (Over::Signals, _) => match &diagnosis.overlay {
+            Some(shown) => overlay::ui(ui, shown, choice.sides, seen),
+            None => drop(ui.label(RichText::new(NO_SIGNALS).color(theme::weak(ui)))),
+        },
         (Over::Shape, _) => shapes(ui, diagnosis, seen),
         (_, None) => {
             ui.label(RichText::new(
@@ -31,6 +36,9 @@ pub(super) fn ui(
         (_, Some(evidence)) => over(ui, evidence, choice, seen),
     }
 }
+
+/// A diagnosis of steady states, or of an earlier version.
+const NO_SIGNALS: &str = "This diagnosis holds no measured and predicted signals.";
 
 fn colours(ui: &Ui) -> [Color32; 2] {
     [theme::alarm(ui), theme::good(ui)]

@@ -1,17 +1,16 @@
-//! A diagnosis on a thread of its own: its options, progress and result.
+//! A diagnosis on a thread of its own: its set-up, progress and result.
 
-use std::sync::Arc;
-
-use egui::{RichText, Ui};
+use egui::{Button, CollapsingHeader, RichText, Slider, Ui};
 use socam_answer::{Diagnosis, Evidence};
-use socam_diagnose::{Options, diagnose};
-use socam_identify::{Observer, Progress, ProgressMonitor, Stage};
+use socam_diagnose::{DiagnoseError, Options, diagnose};
+use socam_identify::IdentifyError;
 use socam_model::Model;
-use socam_recording::Dataset;
 
+use super::report::{Made, provenance};
+use crate::fitting::{Chosen, datasets, watch};
 use crate::job::{CANCELLED, Handle, Job};
-use crate::recording::{Recording, short};
 use crate::theme;
+use crate::workspace::{Request, Workspace};
 
 /// The result.
 #[derive(Debug)]
@@ -19,17 +18,33 @@ pub(super) struct Answer {
     pub(super) diagnosis: Diagnosis,
     pub(super) evidence: Evidence,
     pub(super) model: Model,
+    pub(super) made: Made,
 }
 
 type Outcome = Result<Answer, String>;
 
 /// Options of the next diagnosis, and the running one.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Maker {
-    /// Held-out recordings.
-    held_out: Vec<String>,
+    false_alarms_percent: f64,
+    most_effects: usize,
     job: Option<Job<Outcome>>,
     problem: Option<String>,
+    /// Whether the set-up is to be folded.
+    folds: bool,
+}
+
+impl Default for Maker {
+    fn default() -> Self {
+        let usual = Options::default();
+        Self {
+            false_alarms_percent: 100.0 * usual.false_alarm_rate,
+            most_effects: usual.most_effects,
+            job: None,
+            problem: None,
+            folds: false,
+        }
+    }
 }
 
 impl Maker {
@@ -37,17 +52,21 @@ impl Maker {
         self.job.is_some()
     }
 
-    pub(super) fn start(
-        &mut self,
-        ctx: &egui::Context,
-        model: Model,
-        names: Vec<String>,
-        held_out: Vec<String>,
-    ) {
-        self.problem = None;
-        let (kept, fitted) = names.into_iter().partition(|name| held_out.contains(name));
-        self.held_out = held_out;
-        self.job = Some(start(ctx, model, fitted, kept));
+    /// Begins a diagnosis, or says why it cannot.
+    pub(super) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
+        match workspace.setup.chosen(&workspace.entries, workspace.model()) {
+            Ok(chosen) => {
+                self.problem = None;
+                let options = Options {
+                    false_alarm_rate: 0.01 * self.false_alarms_percent,
+                    most_effects: self.most_effects,
+                    ..Options::default()
+                };
+                let work = move |handle: &Handle| answer(&chosen, options, handle);
+                self.job = Some(Job::start("reading recordings", ctx, work));
+            }
+            Err(why) => self.problem = Some(why),
+        }
     }
 
     /// The result, once.
@@ -55,84 +74,86 @@ impl Maker {
         let outcome = self.job.as_ref().and_then(Job::poll)?;
         self.job = None;
         match outcome.and_then(|outcome| outcome) {
-            Ok(answer) => return Some(answer),
+            Ok(answer) => {
+                self.folds = true;
+                return Some(answer);
+            }
             Err(sentence) if sentence == CANCELLED => {}
             Err(sentence) => self.problem = Some(sentence),
         }
         None
     }
 
-    /// Draws the options of the next diagnosis, or the progress of the running one.
-    pub(super) fn ui(&mut self, ui: &mut Ui, recordings: &[&Recording], model: &Model, is_first: bool) {
+    /// Draws the set-up of the next diagnosis, or the progress of the running one.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        ui.add_space(4.0);
         if let Some(job) = &self.job {
             if job.ui(ui) {
                 self.job = None;
             }
             return;
         }
+        let header = CollapsingHeader::new("Set-up").id_salt("set-up of a diagnosis").default_open(true);
+        // The result needs the room; the set-up is folded once when it comes.
+        let fold = std::mem::take(&mut self.folds).then_some(false);
+        header.open(fold).show(ui, |ui| self.options(ui, workspace));
         if let Some(problem) = &self.problem {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
-        let usable = recordings.iter().filter(|recording| recording.path.is_some());
-        let names: Vec<String> = usable.map(|recording| recording.about.name.clone()).collect();
-        if names.is_empty() {
-            if is_first {
-                let advice = "A diagnosis takes recordings that are files: drop some here, or press Ctrl+O.";
-                ui.label(RichText::new(advice).color(theme::weak(ui)));
-            }
-            return;
+    }
+
+    fn options(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        if let Some(model) = workspace.setup_ui(ui) {
+            workspace.request(Request::Model(Box::new(model)));
         }
-        let header = egui::CollapsingHeader::new("Diagnose the open recordings").default_open(is_first);
-        header.show(ui, |ui| {
-            for name in &names {
-                let mut out = self.held_out.contains(name);
-                let choice = ui.checkbox(&mut out, format!("hold out {}", short(name)));
-                if choice.on_hover_text("never fitted, only predicted: the proof").changed() {
-                    self.held_out.retain(|own| own != name);
-                    self.held_out.extend(out.then(|| name.clone()));
-                }
-            }
-            let any = names.iter().any(|name| !self.held_out.contains(name));
-            if ui.add_enabled(any, egui::Button::new("Diagnose")).clicked() {
-                self.start(ui.ctx(), model.clone(), names, self.held_out.clone());
-            }
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label("False alarms").on_hover_text(
+                "Share of complete models of which a diagnosis says that something is missing",
+            );
+            let slider =
+                Slider::new(&mut self.false_alarms_percent, 0.1..=20.0).logarithmic(true).suffix(" %");
+            ui.add(slider.max_decimals(1)).labelled_by(label.id);
+            let label = ui.label("Most effects");
+            ui.add(egui::DragValue::new(&mut self.most_effects).range(1..=6)).labelled_by(label.id);
         });
-    }
-}
-
-struct Follow(Handle);
-
-impl Observer for Follow {
-    fn progress(&self, progress: &Progress) {
-        let stage = match progress.stage {
-            Stage::Start { number, of } => format!("start {number} of {of}"),
-            Stage::Descent { round } => format!("descent {round}"),
-            Stage::Intervals => "intervals".into(),
-        };
-        self.0.doing(format!("Diagnosing: {stage}, step {}", progress.step));
-    }
-
-    fn stop(&self) -> bool {
-        self.0.is_cancelled()
-    }
-}
-
-fn start(ctx: &egui::Context, model: Model, training: Vec<String>, holdout: Vec<String>) -> Job<Outcome> {
-    Job::start("Reading recordings", ctx, move |handle| {
-        let open = |names: &[String]| {
-            names
-                .iter()
-                .map(|name| Dataset::open(name))
-                .collect::<Result<Vec<_>, _>>()
-                .map_err(|e| e.to_string())
-        };
-        let (training, holdout) = (open(&training)?, open(&holdout)?);
-        let options =
-            Options { watch: ProgressMonitor::by(Arc::new(Follow(handle.clone()))), ..Options::default() };
-        let answer = diagnose(&model, &training, &holdout, &options).map_err(|error| error.to_string())?;
-        if handle.is_cancelled() {
-            return Err(CANCELLED.into());
+        let chosen = workspace.setup.chosen(&workspace.entries, workspace.model());
+        let button = Button::new(RichText::new("Diagnose").strong());
+        if ui.add_enabled(chosen.is_ok(), button).clicked() {
+            self.start(ui.ctx(), workspace);
         }
-        Ok(Answer { diagnosis: answer.diagnosis, evidence: answer.evidence, model })
+        match &chosen {
+            Err(why) => drop(ui.label(RichText::new(why).color(theme::weak(ui)))),
+            Ok(chosen) if chosen.held_out.is_empty() => {
+                let advice = "Nothing is held out: what is found will not be proven.";
+                ui.label(RichText::new(advice).small().color(theme::weak(ui)));
+            }
+            Ok(_) => {}
+        }
+    }
+}
+
+fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Outcome {
+    // Outputs that are missing at most points of a finer grid would have no spectra.
+    let training = datasets(&chosen.training, &chosen.model, 1, handle)?;
+    let held_out = datasets(&chosen.held_out, &chosen.model, 1, handle)?;
+    handle.doing("hashing the recordings".into());
+    let used = chosen.training.iter().chain(&chosen.held_out);
+    let provenance = provenance(
+        &chosen.model,
+        used.filter_map(|own| Some((own.about.name.as_str(), own.path.as_deref()?))),
+    )?;
+    let options = Options { watch: watch(handle), ..options };
+    let answer = diagnose(&chosen.model, &training, &held_out, &options).map_err(|error| match error {
+        DiagnoseError::Identify(IdentifyError::Cancelled) => CANCELLED.into(),
+        error => error.to_string(),
+    })?;
+    if handle.is_cancelled() {
+        return Err(CANCELLED.into());
+    }
+    Ok(Answer {
+        diagnosis: answer.diagnosis,
+        evidence: answer.evidence,
+        model: chosen.model.clone(),
+        made: Made { model_toml: answer.model_toml, provenance },
     })
 }

@@ -1,5 +1,6 @@
 //! The diagnosis view: the bench with the places of findings, residuals, rivals and the suggested experiment.
 
+mod banner;
 mod choice;
 mod drawing;
 mod evidence;
@@ -7,19 +8,20 @@ mod findings;
 // A browser shows diagnoses but cannot make them.
 #[cfg(not(target_arch = "wasm32"))]
 mod maker;
+#[cfg(not(target_arch = "wasm32"))]
+mod report;
 
-use egui::{Align, Frame, Layout, Margin, RichText, ScrollArea, Ui};
-use socam_answer::document::{ProofOutcome, Validation, Verdict};
+use egui::{ScrollArea, Ui};
 use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 
 use crate::draw::chart::{self, Seen};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::recording::Recording;
+use crate::layout;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::{Request, Workspace};
-use crate::{layout, theme};
 pub use choice::{Over, Sides};
+#[cfg(not(target_arch = "wasm32"))]
+pub use report::Report;
 
 /// State of the view.
 #[derive(Debug, Default)]
@@ -43,6 +45,9 @@ struct Shown {
     diagnosis: Diagnosis,
     evidence: Option<Evidence>,
     model: Model,
+    /// What only a diagnosis that was made here has.
+    #[cfg(not(target_arch = "wasm32"))]
+    made: Option<report::Made>,
 }
 
 impl ViewPanel for DiagnosisView {
@@ -53,11 +58,10 @@ impl ViewPanel for DiagnosisView {
         let panel = panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 #[cfg(not(target_arch = "wasm32"))]
-                {
-                    let recordings: Vec<&Recording> = workspace.shown().map(|(_, shown)| shown).collect();
-                    self.maker.ui(ui, &recordings, workspace.model(), self.shown.is_none());
-                }
+                self.maker.ui(ui, workspace);
                 if let Some(shown) = &self.shown {
+                    #[cfg(not(target_arch = "wasm32"))]
+                    shown.offers(ui, workspace);
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
                 }
             });
@@ -73,6 +77,9 @@ impl ViewPanel for DiagnosisView {
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
         if let Some(answer) = self.maker.poll() {
             self.show(answer.diagnosis, Some(answer.evidence), answer.model);
+            if let Some(shown) = &mut self.shown {
+                shown.made = Some(answer.made);
+            }
         }
     }
 
@@ -81,12 +88,25 @@ impl ViewPanel for DiagnosisView {
         self.maker.is_busy()
     }
 
+    fn uses_recordings(&self) -> bool {
+        cfg!(not(target_arch = "wasm32"))
+    }
+
     fn help() -> Help {
         &[
             (
-                "Diagnose; hold out ...",
-                "asks whether the shown recordings need physics that the model lacks, which, and where; those that are held out are the proof",
+                "Diagnose; Set-up",
+                "asks whether the recordings that are fitted need physics that the model lacks, which, and where; those that are held out are the proof",
             ),
+            (
+                "False alarms; Most effects",
+                "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
+            ),
+            (
+                "Save report...",
+                "writes a page with all pictures, the result for scripts and the corrected model into a new folder",
+            ),
+            ("Use as model; Save model file...", "the corrected model"),
             (
                 "drawing",
                 "the place of each finding is framed and numbered; rivals are dashed; click an element to see what was found there",
@@ -94,6 +114,10 @@ impl ViewPanel for DiagnosisView {
             (
                 "over speed; over angle; over torque; over frequency; over time; recording; channel",
                 "where the model and the recordings part: residuals of every channel, or over time of one of them",
+            ),
+            (
+                "measured and predicted",
+                "the channel that the findings improve most, before and after, where the model misses it most",
             ),
             ("measured shape", "the torque that is missing, as the recordings have it, with no law assumed"),
             ("fit", "what remains of each channel beside its noise"),
@@ -104,24 +128,20 @@ impl ViewPanel for DiagnosisView {
 }
 
 impl DiagnosisView {
-    /// Begins a diagnosis of recordings; held-out ones are used for validation only.
+    /// Begins a diagnosis as it is set up.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn start(
-        &mut self,
-        ctx: &egui::Context,
-        model: Model,
-        names: Vec<String>,
-        held_out: Vec<String>,
-    ) {
-        self.maker.start(ctx, model, names, held_out);
+    pub(crate) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
+        self.maker.start(ctx, workspace);
     }
 
     /// Shows a diagnosis of a model.
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
         self.selected = None;
         (self.channel, self.recording) = (0, 0);
-        // The axis is the one that shows the strongest finding best.
-        if let Some(finding) = diagnosis.findings.first() {
+        // The first picture is the one of the report; without it, the axis is the one that shows the strongest finding best.
+        if diagnosis.overlay.is_some() {
+            self.over = Over::Signals;
+        } else if let Some(finding) = diagnosis.findings.first() {
             let region = &finding.region;
             self.over = match () {
                 // A file has no residuals, but may have a measured shape.
@@ -133,7 +153,13 @@ impl DiagnosisView {
                 () => Over::Speed,
             };
         }
-        self.shown = Some(Shown { diagnosis, evidence, model });
+        self.shown = Some(Shown {
+            diagnosis,
+            evidence,
+            model,
+            #[cfg(not(target_arch = "wasm32"))]
+            made: None,
+        });
     }
 
     /// Adds residuals to the diagnosis that is shown.
@@ -145,16 +171,14 @@ impl DiagnosisView {
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {
         let Some(shown) = &self.shown else {
-            chart::empty_state(
-                ui,
-                "No diagnosis yet",
-                "Open recordings of the bench and press Diagnose at the left, or open the folder that `socam-host diagnose RUN... --report DIR` wrote. The drawing then shows where model and recordings part.",
-            );
+            chart::empty_state(ui, "No diagnosis yet", EMPTY);
             return;
         };
-        verdict(ui, &shown.diagnosis);
-        drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
-        ui.add_space(2.0);
+        banner::banner(ui, &shown.diagnosis);
+        egui::Panel::bottom("bench").frame(egui::Frame::NONE).show_separator_line(false).show(ui, |ui| {
+            ui.add_space(4.0);
+            drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
+        });
         ui.horizontal_wrapped(|ui| {
             for over in Over::ALL {
                 if ui.selectable_label(self.over == over, over.name()).clicked() {
@@ -176,35 +200,8 @@ impl DiagnosisView {
     }
 }
 
-fn is_contradicted(diagnosis: &Diagnosis) -> bool {
-    diagnosis.held_out.as_ref().is_some_and(|held_out| held_out.outcome == ProofOutcome::Failed)
-}
-
-fn verdict(ui: &mut Ui, diagnosis: &Diagnosis) {
-    let (text, colour) = match diagnosis.verdict {
-        Verdict::Adequate => {
-            ("The model explains these recordings: nothing is missing that they could show", theme::good(ui))
-        }
-        Verdict::MissingPhysics => ("The model leaves physics out", theme::alarm(ui)),
-        Verdict::Unexplained => {
-            ("The model leaves something out that has no name in the catalogue", theme::alarm(ui))
-        }
-    };
-    let proof = match diagnosis.validation {
-        Validation::Holdout if is_contradicted(diagnosis) => "the proof on held-out recordings failed",
-        Validation::Holdout => "proven on recordings that were held out",
-        Validation::LeaveOneOut => "not proven: compared on each recording in turn, fitted to the others",
-        Validation::Blocks => "not proven: compared on each part of the recordings in turn",
-    };
-    let ground =
-        if diagnosis.verdict == Verdict::Adequate { theme::card(ui) } else { theme::alarm_ground(ui) };
-    Frame::new().fill(ground).corner_radius(6).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new(text).strong().size(15.0).color(colour));
-            let rest = format!("{proof}; false alarms: {} %", 100.0 * diagnosis.false_alarm_rate);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.label(RichText::new(rest).small().color(theme::weak(ui)));
-            });
-        });
-    });
-}
+#[cfg(not(target_arch = "wasm32"))]
+const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";
+#[cfg(target_arch = "wasm32")]
+const EMPTY: &str =
+    "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";

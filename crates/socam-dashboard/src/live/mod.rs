@@ -104,6 +104,10 @@ impl ViewPanel for Live {
         self.listen();
     }
 
+    fn uses_recordings(&self) -> bool {
+        false
+    }
+
     fn help() -> Help {
         &[
             ("Device", "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT"),

@@ -54,7 +54,7 @@ fn an_empty_window_says_what_to_do() {
         ("Live", "No board is connected"),
         ("Frequency", "No recording is shown"),
         ("Check", "No recording is open"),
-        ("Parameters", "No identification is open"),
+        ("Identify", "No identification yet"),
         ("Diagnosis", "No diagnosis yet"),
     ] {
         click(&mut window, tab);
@@ -195,6 +195,52 @@ fn help_explains_each_control() {
     click(&mut window, "Help");
     click(&mut window, "What each control does");
     window.get_by_label("EMERGENCY STOP; Esc");
+}
+
+#[test]
+fn the_help_is_searched_and_runs_commands() {
+    let mut window = with(View::Time, 1);
+    window.key_press(egui::Key::F1);
+    window.run_steps(3);
+    window.get_by_label("EMERGENCY STOP; Esc");
+    window.get_by_label("Search the help").type_text("show check");
+    window.run_steps(3);
+    assert!(window.query_by_label("EMERGENCY STOP; Esc").is_none());
+    click(&mut window, "Run: Show Check");
+    assert_eq!(window.state().layout.view, View::Check);
+    assert!(window.query_by_label("Search the help").is_none());
+}
+
+/// Ctrl+S also fits where Ctrl+Shift+S is pressed.
+#[test]
+fn keys_with_shift_are_told_from_those_without() {
+    let mut window = with(View::Time, 1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::S);
+    window.run_steps(3);
+    window.get_by_label("Save the recording as (.csv or .m)");
+    click(&mut window, "Cancel");
+    window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::W);
+    window.run_steps(3);
+    assert!(window.state().workspace.entries.is_empty());
+}
+
+#[test]
+fn checks_are_sorted_and_unfold() {
+    let mut window = with(View::Check, 3);
+    window.state_mut().add_recording(sample::of("runs/a-short.csv", vec![0.0, 1e-3], vec![vec![1.0; 2]; 2]));
+    until(&mut window, "checks", |window| !window.state().is_busy());
+    window.run_steps(3);
+    let top = |window: &Harness<'static, Dashboard>, name: &str| window.get_by_label(name).rect().top();
+    assert!(top(&window, "a-short.csv") > top(&window, "multisine-0.mcap"));
+    click(&mut window, "Sort by rows");
+    assert!(top(&window, "a-short.csv") < top(&window, "multisine-0.mcap"));
+    click(&mut window, "Sort by rows");
+    assert!(top(&window, "a-short.csv") > top(&window, "multisine-2.mcap"));
+    assert!(window.query_all_by_label_contains("instead: ").next().is_none());
+    click(&mut window, "a-short.csv: findings");
+    assert!(window.query_all_by_label_contains("instead: ").next().is_some());
+    click(&mut window, "a-short.csv: findings");
+    assert!(window.query_all_by_label_contains("instead: ").next().is_none());
 }
 
 #[test]

@@ -3,11 +3,11 @@
 use crate::clicks::{click, until, window, with};
 use crate::sample;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::{Dashboard, View};
 
 /// Types a name into the dialog that is open, and saves.
-fn save_as(window: &mut Harness<'static, Dashboard>, name: &str) {
+pub(crate) fn save_as(window: &mut Harness<'static, Dashboard>, name: &str) {
     window.get_by_label("Name").focus();
     window.run_steps(1);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
@@ -169,4 +169,25 @@ fn files_are_dropped_into_the_window() {
     window.get_by_label("dropped.csv");
     let problems: Vec<&str> = window.state().problems().collect();
     assert!(problems.len() == 1 && problems[0].contains("foreign.png"), "{problems:?}");
+}
+
+#[test]
+fn recent_files_are_offered_and_those_that_are_gone_are_grey() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let csv = "t_s,motor_speed_rad_s\n0,1\n0.001,2\n0.002,4\n";
+    ["a.csv", "b.csv"].iter().for_each(|name| std::fs::write(path(name), csv).unwrap());
+    let mut window = window(Dashboard::default());
+    window.state_mut().open([path("a.csv"), path("b.csv@0..0.001"), path("absent.csv")]);
+    until(&mut window, "files", |window| !window.state().is_busy());
+    assert_eq!(window.state().layout.recent, [path("b.csv@0..0.001"), path("a.csv")]);
+    std::fs::remove_file(path("a.csv")).unwrap();
+    click(&mut window, "File");
+    click(&mut window, "Open recent");
+    let is_grey = |name: &str| window.get_all_by_label(name).any(|node| node.accesskit_node().is_disabled());
+    assert!(is_grey("a.csv") && !is_grey("b.csv@0..0.001"));
+    window.get_by_role_and_label(egui::Role::Button, "b.csv@0..0.001").click();
+    window.run_steps(3);
+    until(&mut window, "a file", |window| !window.state().is_busy());
+    assert_eq!(window.state().workspace.entries.len(), 3);
 }

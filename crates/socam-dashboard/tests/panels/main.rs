@@ -2,5 +2,6 @@
 
 mod clicks;
 mod files;
+mod fits;
 mod pictures;
 mod sample;

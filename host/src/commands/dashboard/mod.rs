@@ -21,7 +21,7 @@ use crate::device::token::TokenArgs;
 use crate::device::virtual_bench::BenchArgs;
 use crate::output::{self, WrongArguments};
 
-/// Open the dashboard: the running bench, recordings, parameters and diagnoses
+/// Open the dashboard: the running bench, recordings, identification and diagnosis
 ///
 /// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
 /// report). With --screenshot it draws one picture without a display.
@@ -37,7 +37,7 @@ pub(crate) struct Args {
     /// Draw a picture into this file (.png), without a display
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// View to begin with: live, time, frequency, check, parameters, diagnosis
+    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
     /// Light theme
@@ -97,6 +97,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let length = args.rehearse.map(Duration::from_secs_f64);
     let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
     let Some(target) = args.screenshot else {
+        dashboard.use_native_dialogs();
         window::show(dashboard, rehearsal)?;
         return Ok(Outcome::Done);
     };
@@ -187,6 +188,8 @@ fn draw(
 
 fn view(text: &str) -> Result<View, String> {
     let names: Vec<String> = View::ALL.iter().map(|view| view.name().to_lowercase()).collect();
+    // The name of the view of results in earlier versions.
+    let text = if text == "parameters" { "identify" } else { text };
     let found = names.iter().position(|name| name == text).map(|index| View::ALL[index]);
     found.ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }

@@ -14,6 +14,8 @@ use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
 use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_identify::{Intersample, Predictor, Start};
+use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
 
 /// Numbers without pattern, the same on every machine.
@@ -56,6 +58,10 @@ pub(crate) fn run(number: u32, rows: usize) -> Recording {
 
 pub(crate) fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
     let channels: Vec<Channel> = channels().into_iter().take(columns.len()).collect();
+    with_channels(name, channels, time_s, columns)
+}
+
+fn with_channels(name: &str, channels: Vec<Channel>, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
     let data = Dataset::from_columns(name, channels.clone(), time_s.clone(), columns.clone()).unwrap();
     let about =
         About { name: name.into(), channels, sample_time_s: data.sample_time_s(), ..About::default() };
@@ -64,6 +70,31 @@ pub(crate) fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Record
         samples: Arc::new(Samples::in_memory(time_s, &columns, data.segments().to_vec())),
         path: None,
     }
+}
+
+/// Stiffness of the shaft of [`two_mass`], N m/rad; another than that of the model's file.
+pub(crate) const STIFFNESS: f64 = 160.0;
+
+/// A run of the model `two-mass` for 2 s at 500 Hz, with another stiffness, dry friction at the load, and noise.
+pub(crate) fn two_mass(number: u32, friction_nm: f64) -> Recording {
+    let base = Model::builtin("two-mass").unwrap();
+    let truth = match friction_nm {
+        0.0 => base,
+        torque => base.with_effect("coulomb_friction", "load_bearing", &[("torque", torque)]).unwrap(),
+    };
+    let mut values = truth.values();
+    values[truth.parameter("stiffness").unwrap()] = STIFFNESS;
+    let mut noise = Noise(u64::from(number) + 17);
+    let slow = 0.6 + 0.3 * f64::from(number);
+    let time_s: Vec<f64> = (0..1000).map(|row| f64::from(row) * 2e-3).collect();
+    let torque: Vec<f64> = time_s.iter().map(|t| 1.5 * (TAU * slow * t).sin() + 2.0 * noise.next()).collect();
+    let predictor = Predictor::new(&truth, &values, 2e-3).unwrap();
+    let simulated = predictor.run(&[&torque], &[Intersample::Linear], Start::Equilibrium).unwrap();
+    let noisy = |signal: &Vec<f64>| signal.iter().map(|value| value + 0.2 * noise.next()).collect();
+    let outputs: Vec<Vec<f64>> = simulated.outputs.iter().map(noisy).collect();
+    let units = [("motor_torque", Unit::Nm), ("motor_speed", Unit::RadPerS), ("load_speed", Unit::RadPerS)];
+    let channels = units.map(|(name, unit)| Channel::new(name, unit)).to_vec();
+    with_channels(&format!("runs/two-mass-{number}.csv"), channels, time_s, [vec![torque], outputs].concat())
 }
 
 /// With a gap, missing values, a spike, events, notes and warnings.
@@ -224,7 +255,7 @@ fn running(look: Look, fault: Option<&str>) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 27] = [
+pub(crate) const STATES: [&str; 30] = [
     "time",
     "time-trouble",
     "time-one-sample",
@@ -239,7 +270,10 @@ pub(crate) const STATES: [&str; 27] = [
     "response",
     "poles",
     "check",
-    "parameters",
+    "check-twelve",
+    "identify",
+    "identify-empty",
+    "identify-setup",
     "diagnosis",
     "diagnosis-torque",
     "diagnosis-frequency",
@@ -267,7 +301,9 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "response" => with_spectra(look, Kind::Response, 2),
         "poles" => with_spectra(look, Kind::Poles, 0),
         "check" => with_runs(look, View::Check, 2),
-        "parameters" => dashboard(look, View::Parameters),
+        "identify" | "identify-empty" => dashboard(look, View::Identify),
+        "identify-setup" => with_runs(look, View::Identify, 3),
+        "check-twelve" => with_runs(look, View::Check, 12),
         "diagnosis" => diagnosed(look, Over::Speed),
         "diagnosis-torque" => diagnosed(look, Over::Torque),
         "diagnosis-frequency" => diagnosed(look, Over::Frequency),
@@ -294,7 +330,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time-wrong" => state.warn(
             "runs/broken.mcap: this is no recording: byte 0 is not that of an MCAP log, a CSV table or a legacy log; expected one of these",
         ),
-        "parameters" => state.show(parse("fit.json", IDENTIFICATION).unwrap()),
+        "identify" => state.show(parse("fit.json", IDENTIFICATION).unwrap()),
         _ => {}
     }
     Some(state)

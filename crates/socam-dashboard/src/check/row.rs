@@ -1,0 +1,141 @@
+//! One recording in the table of checks.
+
+use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use socam_recording::check::{Check, Finding, Severity, Verdict};
+
+use crate::parameters::number;
+use crate::recording::{Recording, short};
+use crate::table::{self, Key};
+use crate::theme;
+
+pub(super) const COLUMNS: [table::Column; 8] = [
+    table::text("", 18.0),
+    table::text("recording", 220.0),
+    table::text("verdict", 190.0),
+    table::number("rows", 80.0),
+    table::number("duration, s", 84.0),
+    table::number("rate, Hz", 76.0),
+    table::number("findings", 66.0),
+    table::text("worst finding", 200.0),
+];
+
+/// A recording and its check, once it is made.
+pub(super) struct Row<'a> {
+    pub(super) name: &'a str,
+    rows: usize,
+    duration_s: Option<f64>,
+    rate_hz: Option<f64>,
+    pub(super) check: Option<&'a Result<Check, String>>,
+}
+
+impl<'a> Row<'a> {
+    pub(super) fn of(recording: &'a Recording, known: &'a [(String, Result<Check, String>)]) -> Self {
+        let name = recording.about.name.as_str();
+        let step_s = recording.about.sample_time_s;
+        Self {
+            name,
+            rows: recording.samples.rows(),
+            duration_s: recording.samples.span_s().map(|[from, to]| to - from),
+            rate_hz: (step_s > 0.0).then(|| 1.0 / step_s),
+            check: known.iter().find(|(own, _)| own == name).map(|(_, check)| check),
+        }
+    }
+
+    fn findings(&self) -> &[Finding] {
+        match self.check {
+            Some(Ok(check)) => &check.findings,
+            _ => &[],
+        }
+    }
+
+    /// Verdict in words, its rank, and whether it is a warning.
+    fn verdict(&self) -> (&'static str, f64, bool) {
+        match self.check {
+            None => ("not checked yet", 3.0, false),
+            Some(Err(_)) => ("not checked", 4.0, true),
+            Some(Ok(check)) => match check.verdict {
+                Verdict::Fit => ("fit for use", 0.0, false),
+                Verdict::FitWithReservations => ("fit, with reservations", 1.0, false),
+                Verdict::Unfit => ("not fit for use", 2.0, true),
+            },
+        }
+    }
+
+    pub(super) fn key(&self, column: usize) -> Key {
+        match column {
+            1 => short(self.name).into(),
+            2 => Key::Number(self.verdict().1),
+            3 => Key::Number(self.rows as f64),
+            4 => self.duration_s.into(),
+            5 => self.rate_hz.into(),
+            6 => Key::Number(self.findings().len() as f64),
+            _ => self.worst().as_str().into(),
+        }
+    }
+
+    fn worst(&self) -> String {
+        match self.check {
+            Some(Err(sentence)) => sentence.clone(),
+            _ => self.findings().first().map(Finding::sentence).unwrap_or_default(),
+        }
+    }
+
+    /// Draws a cell; true where the row was pressed to unfold or to fold it.
+    pub(super) fn cell(&self, ui: &mut Ui, column: usize, is_open: bool) -> bool {
+        let text = |value: Option<f64>| RichText::new(value.map_or("-".into(), number)).monospace();
+        let label = |ui: &mut Ui, text: RichText| {
+            ui.add(egui::Label::new(text).truncate().sense(Sense::click())).clicked()
+        };
+        match column {
+            0 => self.arrow(ui, is_open),
+            1 => label(ui, RichText::new(short(self.name)).strong()),
+            2 => {
+                let (word, _, is_warning) = self.verdict();
+                let colour = match self.check {
+                    None => theme::weak(ui),
+                    Some(_) if is_warning => theme::alarm(ui),
+                    Some(_) => theme::good(ui),
+                };
+                label(ui, RichText::new(word).strong().color(colour))
+            }
+            3 => label(ui, RichText::new(self.rows.to_string()).monospace()),
+            4 => label(ui, text(self.duration_s)),
+            5 => label(ui, text(self.rate_hz)),
+            6 if self.check.is_none() => label(ui, RichText::new("-")),
+            6 => label(ui, RichText::new(self.findings().len().to_string()).monospace()),
+            _ => label(ui, RichText::new(self.worst()).color(theme::weak(ui))),
+        }
+    }
+
+    fn arrow(&self, ui: &mut Ui, is_open: bool) -> bool {
+        let (rect, response) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::click());
+        let is_any = self.check.is_some();
+        let name = format!("{}: findings", short(self.name));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, is_any, is_open, &name));
+        if is_any {
+            let mut icon = response.clone();
+            icon.rect = rect;
+            egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
+        }
+        response.clicked()
+    }
+
+    /// Draws the findings and their remedies.
+    pub(super) fn details(ui: &mut Ui, row: &Self) {
+        if let Some(Err(sentence)) = row.check {
+            ui.label(RichText::new(sentence).color(theme::alarm(ui)));
+        }
+        if row.findings().is_empty() && matches!(row.check, Some(Ok(_))) {
+            ui.label(RichText::new("nothing stands in the way of a fit").color(theme::weak(ui)));
+        }
+        for finding in row.findings() {
+            let (word, colour): (&str, Color32) = match finding.severity() {
+                Severity::Prevents => ("prevents a fit", theme::alarm(ui)),
+                Severity::Weakens => ("weakens a fit", theme::alarm(ui)),
+                Severity::Note => ("note", theme::weak(ui)),
+            };
+            ui.label(RichText::new(format!("{word}: {}", finding.sentence())).color(colour));
+            ui.label(RichText::new(format!("instead: {}", finding.remedy())).small());
+        }
+    }
+}

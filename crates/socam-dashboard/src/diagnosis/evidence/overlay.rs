@@ -1,0 +1,71 @@
+//! The first picture: measured against predicted of the channel that the correction improves most, before and after.
+
+use egui::{Ui, vec2};
+use socam_answer::document::Overlay;
+
+use super::colours;
+use crate::diagnosis::choice::Sides;
+use crate::draw::chart::{Chart, Curve, Seen, Style, range_of, with_room};
+use crate::recording::short;
+use crate::review::thinned;
+use crate::theme;
+
+/// Share of the height that the signals take; the residuals take the rest.
+const SIGNALS: f32 = 0.64;
+/// Height from which on there is room for the residuals too, points.
+const ROOM: f32 = 260.0;
+
+pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Seen>) {
+    let height = ui.available_height().max(140.0);
+    let has_room = height > ROOM;
+    let share = if has_room { SIGNALS } else { 1.0 };
+    let [before, after] = colours(ui);
+    let kind = if overlay.held_out { "held out" } else { "fitted" };
+    let signals = [
+        ("measured", theme::weak(ui), &overlay.measured, true),
+        ("before", before, &overlay.before, sides != Sides::After),
+        ("after", after, &overlay.after, sides != Sides::Before),
+    ];
+    let title = format!(
+        "{}: measured and predicted, {} ({}, {kind})",
+        overlay.channel,
+        overlay.unit,
+        short(&overlay.recording)
+    );
+    let spacing = ui.spacing().item_spacing.y;
+    let mut chart = chart(ui, "overlay", title, share * height - spacing, overlay, &signals);
+    if !has_room {
+        chart.x_label = "time, s".into();
+    }
+    chart.show(ui, seen);
+    if has_room {
+        let residuals = [
+            ("before", before, &overlay.residual_before, sides != Sides::After),
+            ("after", after, &overlay.residual_after, sides != Sides::Before),
+        ];
+        let title = format!("{}: measured minus predicted, {}", overlay.channel, overlay.unit);
+        let mut chart =
+            self::chart(ui, "overlay residual", title, (1.0 - share) * height, overlay, &residuals);
+        chart.x_label = "time, s".into();
+        chart.show(ui, seen);
+    }
+}
+
+/// Name, colour and values of a line, and whether it is drawn.
+type Line<'a> = (&'a str, egui::Color32, &'a Vec<Option<f64>>, bool);
+
+fn chart(ui: &Ui, id: &str, title: String, height: f32, overlay: &Overlay, lines: &[Line<'_>]) -> Chart {
+    let mut chart = Chart::new(id, title, vec2(ui.available_width(), height));
+    chart.x = range_of(overlay.time_s.iter().copied()).map_or([0.0, 1.0], with_room);
+    for (name, colour, values, _) in
+        lines.iter().filter(|(_, _, values, is_drawn)| *is_drawn && !values.is_empty())
+    {
+        let points: Vec<[f64; 2]> =
+            overlay.time_s.iter().zip(*values).map(|(t, value)| [*t, value.unwrap_or(f64::NAN)]).collect();
+        let parts = thinned(&points, usize::MAX / 4);
+        chart.curves.push(Curve { name: (*name).into(), colour: *colour, parts, style: Style::Solid });
+    }
+    let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+    chart.y = chart.fitted(range_of(values));
+    chart
+}
