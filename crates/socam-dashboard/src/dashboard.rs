@@ -228,6 +228,7 @@ impl Dashboard {
             .show(ui, |ui| {
                 self.bar(ui);
             });
+        self.views.get(self.layout.view).bar(ui);
         self.messages(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace);
         self.answer_requests();

@@ -2,5 +2,6 @@
 
 mod clicks;
 mod files;
+mod live;
 mod pictures;
 mod sample;

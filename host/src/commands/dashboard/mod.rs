@@ -2,6 +2,7 @@
 
 mod bench;
 mod rehearsal;
+mod remedy;
 mod show;
 mod simulated;
 mod watcher;
