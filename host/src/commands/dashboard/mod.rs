@@ -25,7 +25,8 @@ use crate::output::{self, WrongArguments};
 /// Open the dashboard: the running bench, recordings, parameters and diagnoses
 ///
 /// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
-/// report). With --screenshot it draws one picture without a display.
+/// report). With --screenshot it draws one picture without a display; when a recording in it is damaged or cut off, or lacks samples, it
+/// ends with exit code 3.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host dashboard                                  connect to a board, or drop files into the window
@@ -65,7 +66,7 @@ pub(crate) struct Args {
     /// Positions of the cursors A and B in the view over time, s
     #[arg(long, value_name = "A,B", value_delimiter = ',', allow_hyphen_values = true)]
     cursors: Vec<f64>,
-    /// Device to connect to: sim, serial, serial:PATH, tcp:HOST:PORT
+    /// Connect to a device at once: sim, serial, serial:PATH, tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Sampling rate of a run, Hz
@@ -98,7 +99,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let length = args.rehearse.map(Duration::from_secs_f64);
     let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
     let Some(target) = args.screenshot else {
-        window::show(dashboard, rehearsal)?;
+        let connects = args.device.is_some() && rehearsal.is_none();
+        window::show(dashboard, rehearsal, connects)?;
         return Ok(Outcome::Done);
     };
     if target.extension().is_none_or(|extension| extension != "png") {
@@ -111,7 +113,19 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     draw(&mut dashboard, Viewport { size, scale: args.scale }, args.view, &target)?;
     // The bench stops, and its file is closed, before this program ends.
     rehearsal.map_or(Ok(()), |mut rehearsal| rehearsal.go_on_until(&mut dashboard, |_| false))?;
-    Ok(Outcome::Done)
+    Ok(outcome(&dashboard))
+}
+
+/// Of a picture: whether its recordings are whole; says what they lack.
+fn outcome(dashboard: &Dashboard) -> Outcome {
+    let recordings = dashboard.workspace.entries.iter().map(|entry| &entry.recording.about);
+    let incomplete: Vec<_> = recordings.filter(|about| about.is_incomplete).collect();
+    for about in &incomplete {
+        for warning in &about.warnings {
+            output::warn(format_args!("{}: {warning}", about.name));
+        }
+    }
+    if incomplete.is_empty() { Outcome::Done } else { Outcome::LostSamples }
 }
 
 /// The layout of the last window, or the default one for a picture, changed as the options say.
