@@ -1,5 +1,5 @@
-//! Draws every view in every state, light and dark, at two sizes, to be looked at:
-//! `cargo run --release -p socam-dashboard --example gallery -- FOLDER`.
+//! Draws every view in every state, light and dark, at three sizes, to be looked at:
+//! `cargo run --release -p socam-dashboard --example gallery -- FOLDER [STATE...]`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -14,9 +14,11 @@ mod sample;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("say into which folder")?);
     std::fs::create_dir_all(&folder)?;
-    for name in sample::STATES {
+    let wanted: Vec<String> = std::env::args().skip(2).collect();
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
+    for name in sample::STATES.into_iter().filter(|name| is_wanted(name)) {
         for (look, of_look) in [(Look::Light, "light"), (Look::Dark, "dark")] {
-            for size in [[1280.0, 800.0], [2560.0, 1440.0]] {
+            for size in [[640.0, 480.0], [1280.0, 800.0], [2560.0, 1440.0]] {
                 let Some(mut dashboard) = sample::state(name, look) else { continue };
                 let image = picture(&mut dashboard, Viewport { size, scale: 1.0 }, Duration::from_secs(60))?;
                 std::fs::write(

@@ -35,7 +35,7 @@ fn batch(first: usize, count: usize, noise: &mut u64) -> Batch {
             values.push(if draw() > 0.4999 { f64::NAN } else { value });
         }
     }
-    Batch { time_s, values }
+    Batch { time_s, step_s: 1.0 / RATE_HZ, after_setup: false, values }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -53,7 +53,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     dashboard.views.live.connect(&ctx);
     let bench = ends.lock().expect("one thread").take().ok_or("the link was not made")?;
     let channels = (0..CHANNELS).map(|n| Channel::new(format!("channel_{n}"), Unit::V)).collect();
-    bench.news.send(News::Connected { board: "a board".into(), channels, step_s: 1.0 / RATE_HZ })?;
+    let limits = vec![Some(2.0); CHANNELS];
+    bench.news.send(News::Connected { board: "a board".into(), channels, limits })?;
 
     let mut noise = 1;
     let mut row = 0;
@@ -63,7 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let warm = (IN_SIGHT_S / FRAME_S) as usize;
     for frame in 0..warm + frames {
         let count = (RATE_HZ * FRAME_S).round() as usize;
-        bench.samples.send(batch(row, count, &mut noise))?;
+        bench.samples.push(batch(row, count, &mut noise));
         row += count;
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(SIZE[0], SIZE[1]))),

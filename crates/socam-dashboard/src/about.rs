@@ -20,6 +20,9 @@ pub struct About {
     pub sample_time_s: f64,
     /// Number of samples that were lost while recording.
     pub lost_samples: u64,
+    /// Whether it is cut off or damaged, or lacks samples.
+    #[serde(default)]
+    pub is_incomplete: bool,
 }
 
 /// Something that happened during a recording.
@@ -54,6 +57,7 @@ pub(crate) fn about(data: &Dataset) -> About {
         warnings: data.warnings().iter().map(ToString::to_string).collect(),
         sample_time_s: data.sample_time_s(),
         lost_samples: data.lost_samples(),
+        is_incomplete: !data.is_complete(),
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Dashboard {
     stop_button: egui::Rect,
     /// Held-out recordings of a diagnosis that begins once all files are open.
     diagnose: Option<Vec<String>>,
+    /// Whether a watch begins once all files are open.
+    watches: bool,
     /// The file that the picture of this pass is written to.
     pub(crate) exporting: Option<PathBuf>,
     /// Files that the page offers for download.
@@ -103,6 +105,7 @@ impl Dashboard {
             stop_button: egui::Rect::NOTHING,
             exporting: None,
             diagnose: None,
+            watches: false,
             #[cfg(target_arch = "wasm32")]
             leaving: Vec::new(),
             #[cfg(target_arch = "wasm32")]
@@ -148,6 +151,11 @@ impl Dashboard {
         self.diagnose = Some(held_out);
     }
 
+    /// Watches the running bench, or else the first recording, once all files are open; other recordings are healthy.
+    pub fn watch(&mut self) {
+        self.watches = true;
+    }
+
     /// Adds a recording that is in memory.
     pub fn add_recording(&mut self, recording: Recording) {
         self.workspace.entries.push(Entry { recording, shown: true, shift_s: 0.0 });
@@ -160,6 +168,7 @@ impl Dashboard {
             || !self.saving.is_empty()
             || !self.waiting.is_empty()
             || (self.diagnose.is_some() && !self.workspace.entries.is_empty())
+            || (self.watches && !self.workspace.entries.is_empty())
             || self.views.is_busy()
     }
 
@@ -239,6 +248,11 @@ impl Dashboard {
             self.views.diagnosis.start(&ctx, &self.workspace);
             self.layout.view = View::Diagnosis;
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        if self.opening.is_empty() && std::mem::take(&mut self.watches) {
+            self.views.watch.begin_when_possible();
+            self.layout.view = View::Watch;
+        }
         for view in View::ALL {
             self.views.get(*view).poll(&ctx, &mut self.workspace);
         }
@@ -249,6 +263,7 @@ impl Dashboard {
             .show(ui, |ui| {
                 self.bar(ui);
             });
+        self.views.get(self.layout.view).bar(ui);
         self.messages(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace);
         self.answer_requests(&ctx);

@@ -58,15 +58,24 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
     let mut document = parse(path, &String::from_utf8(bytes).map_err(no_text)?)?;
     if let Document::Diagnosis(diagnosis, model) = &mut document {
         let builtin = || Model::builtin(&diagnosis.model);
-        *model = beside(place).or_else(builtin).map(Box::new);
+        *model = beside(place)?.or_else(builtin).map(Box::new);
     }
     Ok(document)
 }
 
-/// The model in the folder of a diagnosis' report.
+/// The model in the folder of a diagnosis' report, if it has one.
+///
+/// # Errors
+/// When it has one that cannot be read: the drawing of another model would be wrong.
 #[cfg(not(target_arch = "wasm32"))]
-fn beside(diagnosis: &Path) -> Option<Model> {
-    Model::parse(&socam_recording::read_text(&diagnosis.with_file_name("model.toml")).ok()?).ok()
+fn beside(diagnosis: &Path) -> Result<Option<Model>, String> {
+    let path = diagnosis.with_file_name("model.toml");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = socam_recording::read_text(&path)
+        .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    Model::parse(&text).map(Some).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Parses a JSON or TOML document, recognised by its `schema`.

@@ -1,8 +1,8 @@
 //! The dashboard: panels over plain state.
 //!
 //! [`Dashboard`] holds the state; [`Dashboard::ui`] draws it into a window of the host or of a browser, and [`picture`] draws it without
-//! a display, for reports and tests. Files are opened and diagnoses made on threads ([`job`]). A running bench is connected by two
-//! channels ([`live`]), so that drawing never delays sampling.
+//! a display, for reports and tests. Files are opened and diagnoses made on threads ([`job`]). A running bench is connected by
+//! channels and a queue of samples ([`live`]), so that drawing never delays sampling.
 //!
 //! SI inside, unit in the name.
 

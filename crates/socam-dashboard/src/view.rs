@@ -18,6 +18,9 @@ pub type Help = &'static [(&'static str, &'static str)];
 
 /// A view. To add one, write a type with these functions, and one line in [`views`].
 pub trait ViewPanel {
+    /// Draws what stays in its place below the tabs, whatever messages appear below it.
+    fn bar(&mut self, _ui: &mut Ui) {}
+
     /// Draws it.
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace);
 

@@ -1,7 +1,7 @@
 //! The columns that a model reads, among those of a recording.
 
 use socam_model::{Model, Quantity};
-use socam_recording::{Channel, Dataset, RecordingError};
+use socam_recording::{Channel, Dataset};
 
 use crate::WatchError;
 

@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 use anyhow::Context;
 use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
-#[cfg(feature = "dashboard")]
 use socam_core::Request;
 use socam_recording::{Recorder, RecordingHeader};
 
@@ -52,6 +51,8 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
     }
     let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us) };
     let report = record_prepared(session, plan, &mut terminal);
+    // The bench is at rest or out of reach; a failure here has no effect.
+    let _ = session.post(Request::Stream(false));
     terminal.progress.finish_and_clear();
     report
 }
@@ -75,7 +76,7 @@ pub(crate) fn record_prepared(
         start_unix_ns: plan.start_unix_ns,
         metadata: metadata(session, &plan),
         attachments: plan.attachments.clone(),
-        planned_duration_s: Some((plan.profile.duration_us + u64::from(plan.profile.ramp_us)) as f64 * 1e-6),
+        planned_duration_s: Some(plan.planned_s()),
         replace: plan.replace,
     };
     let recorder = Recorder::create(&plan.path, &header)?;

@@ -47,6 +47,8 @@ pub(crate) struct Session {
     /// Batches of another number of channels.
     misfits: u32,
     requests: u16,
+    /// The last request for samples.
+    is_streaming: bool,
     heard: VecDeque<Heard>,
     answer: Option<(u16, Result<(), Refusal>)>,
     buffer: Vec<u8>,
@@ -121,6 +123,7 @@ impl Session {
             channels: None,
             misfits: 0,
             requests: 0,
+            is_streaming: false,
             heard: VecDeque::new(),
             answer: None,
             buffer: Vec::new(),
@@ -164,13 +167,24 @@ impl Session {
     pub(crate) fn post(&mut self, request: Request) -> anyhow::Result<u16> {
         self.requests = self.requests.wrapping_add(1);
         let number = self.requests;
+        if let Request::Stream(on) = request {
+            self.is_streaming = on;
+        }
         send(&mut *self.stream, &mut self.encoder, &ToBoard::Request { number, request }, &self.device)?;
         Ok(number)
     }
 
-    /// Drops the messages received so far.
-    pub(crate) fn forget(&mut self) {
-        self.heard.clear();
+    /// Starts the stream of samples, unless it is on: a board that starts it drops samples that wait to be sent.
+    pub(crate) fn stream(&mut self) -> anyhow::Result<Result<(), Refusal>> {
+        if self.is_streaming { Ok(Ok(())) } else { self.request(Request::Stream(true)) }
+    }
+
+    /// Takes the samples received so far; statuses are dropped, and come again.
+    pub(crate) fn take_samples(&mut self) -> impl Iterator<Item = SampleBatch> + use<> {
+        std::mem::take(&mut self.heard).into_iter().filter_map(|heard| match heard {
+            Heard::Samples(batch) => Some(batch),
+            Heard::Status(_) => None,
+        })
     }
 
     /// The next message, or `None` if none arrives within a read's timeout.

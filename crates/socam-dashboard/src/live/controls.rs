@@ -1,4 +1,4 @@
-//! The panel at the left of the live view: link, state, input signal, recording, and the buttons.
+//! The panel at the left of the live view: link, recording, input signal.
 
 use egui::{
     Button, ComboBox, DragValue, Frame, Margin, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo,
@@ -9,7 +9,7 @@ use socam_recording::ProfileFile;
 
 use super::signal::{self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, Kind, LIMIT_V};
 use super::{Link, Live, Order, Plan};
-use crate::draw::chart::{Chart, Curve, Style, range_of};
+use crate::draw::chart::{Chart, Curve, Flag, Style, range_of};
 use crate::{layout, theme};
 
 /// Draws the panel. Returns a recording that the user wants to open.
@@ -22,8 +22,8 @@ pub(super) fn panel(live: &mut Live, ui: &mut Ui) -> Option<String> {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 ui.add_space(2.0);
                 card(ui, "Board", |ui| link(live, ui));
+                card(ui, "Recording", |ui| wanted = recording(live, ui));
                 card(ui, "Input Signal", |ui| input_signal(live, ui));
-                card(ui, "Run", |ui| wanted = run(live, ui));
             });
         });
     layout::keep_panel(ui, "bench", shown.response.rect.width());
@@ -56,37 +56,16 @@ fn link(live: &mut Live, ui: &mut Ui) {
             live.disconnect();
         }
     });
-    if let Some(problem) = &live.problem {
-        ui.label(RichText::new(problem).color(theme::alarm(ui)));
-    }
-    match &live.link {
-        Link::Closed => {}
-        Link::Opening => {
-            ui.horizontal(|ui| {
-                ui.spinner();
-                ui.label("asking the board who it is");
-            });
-        }
-        Link::Open { board } => {
-            ui.label(RichText::new(board).small().color(theme::weak(ui)));
-        }
+    if let Link::Open { board } = &live.link {
+        ui.label(RichText::new(board).small().color(theme::weak(ui)));
     }
     if let Some(health) = &live.health {
-        let alarmed = health.state == State::Fault;
-        let colour = if alarmed { theme::alarm(ui) } else { theme::good(ui) };
-        ui.label(RichText::new(format!("Bench is {}", health.state)).size(16.0).strong().color(colour));
-        if let Some(fault) = &health.fault {
-            ui.label(RichText::new(fault).color(theme::alarm(ui)));
-        }
         let text = format!(
             "link: {} damaged frames, {} samples dropped, {} periods missed",
             health.link_errors, health.dropped, health.overruns
         );
         let clean = health.link_errors + health.dropped + health.overruns == 0;
         ui.label(RichText::new(text).small().color(if clean { theme::weak(ui) } else { theme::alarm(ui) }));
-        if alarmed && ui.button("Clear fault").clicked() {
-            live.order(Order::ClearFault);
-        }
     }
 }
 
@@ -173,6 +152,11 @@ fn preview(live: &mut Live, ui: &mut Ui) {
             chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));
             let (name, colour) = ("command".into(), theme::line(ui, 0));
             chart.curves = vec![Curve { name, colour, parts: vec![line.clone()], style: Style::Solid }];
+            // Where the run is in it.
+            if let Some(run) = live.run.as_ref().filter(|run| run.is_recorded()) {
+                let colour = ui.visuals().strong_text_color();
+                chart.flags = vec![Flag { x: run.elapsed_s(), text: String::new(), colour }];
+            }
             chart.show(ui, &mut Vec::new());
         }
         Err(sentence) => {
@@ -181,7 +165,8 @@ fn preview(live: &mut Live, ui: &mut Ui) {
     }
 }
 
-fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
+/// Name, rate and notes of the recording, and what became of it. Returns it when the user wants to open it.
+fn recording(live: &mut Live, ui: &mut Ui) -> Option<String> {
     let state = live.state();
     ui.add_enabled_ui(!matches!(state, Some(State::Armed | State::Running | State::Stopping)), |ui| {
         ui.horizontal(|ui| {
@@ -201,56 +186,27 @@ fn run(live: &mut Live, ui: &mut Ui) -> Option<String> {
         let label = ui.label("Note");
         let field = ui.add(TextEdit::singleline(&mut live.note).desired_width(ui.available_width() - 76.0));
         field.labelled_by(label.id);
-        let note =
-            ui.add_enabled(live.recording.is_some() && !live.note.trim().is_empty(), Button::new("Add"));
+        let note = ui.add_enabled(live.is_recording() && !live.note.trim().is_empty(), Button::new("Add"));
         if note.on_hover_text("Into the recording, at this moment").clicked() {
             let note = std::mem::take(&mut live.note);
             live.order(Order::Note(note));
         }
     });
-    ui.add_space(4.0);
-    buttons(live, ui);
-    let mut wanted = None;
-    if let Some(path) = &live.recording {
-        let counts = live.health.as_ref().and_then(|health| health.recorded);
-        let text =
-            counts.map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
-        ui.label(RichText::new(format!("recording {}{text}", path.display())).color(theme::good(ui)));
-    }
-    if let Some((path, text, well)) = &live.ended {
-        ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));
-        if ui.button("Look at the recording").clicked() {
-            wanted = Some(path.display().to_string());
+    let run = live.run.as_ref()?;
+    let path = run.path.display().to_string();
+    match &run.end {
+        None => {
+            let counts = live.health.as_ref().and_then(|health| health.recorded);
+            let text = counts
+                .map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
+            ui.label(RichText::new(format!("recording {path}{text}")).color(theme::good(ui)));
+            None
+        }
+        Some((text, well)) => {
+            ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));
+            ui.button("Look at the recording").clicked().then_some(path)
         }
     }
-    wanted
-}
-
-/// The buttons Arm, Run and Stop.
-fn buttons(live: &mut Live, ui: &mut Ui) {
-    let state = live.state();
-    let rests = matches!(state, Some(State::Idle)) && live.recording.is_none();
-    ui.horizontal(|ui| {
-        let big = |text: &str| Button::new(RichText::new(text).size(15.0)).min_size(vec2(82.0, 30.0));
-        if ui
-            .add_enabled(rests, big("Arm"))
-            .on_hover_text("Load the signal and watch all limits; nothing moves")
-            .clicked()
-        {
-            live.arm();
-        }
-        if ui
-            .add_enabled(state == Some(State::Armed), big("Run"))
-            .on_hover_text("The bench moves, and is recorded")
-            .clicked()
-        {
-            live.run();
-        }
-        let moves = matches!(state, Some(State::Armed | State::Running | State::Stopping));
-        if ui.add_enabled(moves, big("Stop")).on_hover_text("Ramps down gently").clicked() {
-            live.stop();
-        }
-    });
 }
 
 impl Live {

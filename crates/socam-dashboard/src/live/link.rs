@@ -1,14 +1,15 @@
 //! Messages between the window and the thread that talks to the board.
-//!
-//! Samples pass through a channel of limited length without blocking: a slow window misses samples, the recording does not.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
-use std::sync::mpsc::{Receiver, Sender, SyncSender};
+use std::sync::mpsc::{Receiver, Sender};
 
 use socam_core::State;
 use socam_recording::{Channel, ProfileFile};
+
+use super::queue::SampleQueue;
+pub use crate::about::Happening;
 
 /// An order of the window to the thread that talks to the board.
 #[derive(Debug, Clone)]
@@ -23,6 +24,8 @@ pub enum Order {
     Run,
     /// Write a note into the recording.
     Note(String),
+    /// Write an alarm of a watch into the recording.
+    Alarm(String),
     /// Clear a stored fault.
     ClearFault,
 }
@@ -51,18 +54,29 @@ pub enum News {
         board: String,
         /// Channels, the command first.
         channels: Vec<Channel>,
-        /// Sampling period, s.
-        step_s: f64,
+        /// Largest magnitude of each channel that the board allows, in the channel's unit.
+        limits: Vec<Option<f64>>,
     },
     /// State of the board.
     Status(Health),
-    /// A recording has begun or ended.
-    Recording {
+    /// A recording has begun.
+    Began {
         /// The file.
         path: PathBuf,
-        /// After it was closed: the result in words, and whether it succeeded.
-        end: Option<(String, bool)>,
+        /// Planned duration, s.
+        planned_s: f64,
     },
+    /// It has ended, and its file is closed.
+    Ended {
+        /// The file.
+        path: PathBuf,
+        /// The result in words.
+        text: String,
+        /// Whether it succeeded.
+        well: bool,
+    },
+    /// `start`, `note`, `stop` or `fault`, at its time since the link was opened.
+    Event(Happening),
     /// An error; the link stays open.
     Problem(String),
     /// The link is closed; a sentence if it was not closed by an order.
@@ -74,7 +88,7 @@ pub enum News {
 pub struct Health {
     /// State of its safety machine.
     pub state: State,
-    /// The fault that stopped it, in words.
+    /// The fault that stopped it: cause and remedy in one sentence.
     pub fault: Option<String>,
     /// Number of sampling periods that the board missed.
     pub overruns: u64,
@@ -84,15 +98,6 @@ pub struct Health {
     pub link_errors: u64,
     /// Number of recorded and of lost samples.
     pub recorded: Option<[u64; 2]>,
-}
-
-/// Samples for the window: rows with one value per channel.
-#[derive(Debug, Clone)]
-pub struct Batch {
-    /// Time of each row since the link was opened, s.
-    pub time_s: Vec<f64>,
-    /// Row by row; NaN where there is no reading.
-    pub values: Vec<f64>,
 }
 
 /// How often the operator pressed stop: 1 asks for a gentle stop, 2 or more cuts the command.
@@ -105,8 +110,8 @@ pub struct Port {
     pub orders: Sender<Order>,
     /// News.
     pub news: Receiver<News>,
-    /// Samples; they are discarded while the channel is full.
-    pub samples: Receiver<Batch>,
+    /// Samples.
+    pub samples: SampleQueue,
     /// Presses of stop; they overtake orders.
     pub presses: Presses,
 }
@@ -118,23 +123,20 @@ pub struct Bench {
     pub orders: Receiver<Order>,
     /// News for the window.
     pub news: Sender<News>,
-    /// Samples; send them with `try_send`.
-    pub samples: SyncSender<Batch>,
+    /// Samples for the window.
+    pub samples: SampleQueue,
     /// How often stop was pressed since the last run began.
     pub presses: Presses,
 }
-
-/// Capacity of the channel in batches: about 1 s.
-const BATCHES: usize = 512;
 
 /// Both ends of a link.
 #[must_use]
 pub fn link() -> (Port, Bench) {
     let (orders, theirs) = std::sync::mpsc::channel();
     let (news, heard) = std::sync::mpsc::channel();
-    let (samples, shown) = std::sync::mpsc::sync_channel(BATCHES);
+    let samples = SampleQueue::default();
     let presses = Presses::default();
-    let port = Port { orders, news: heard, samples: shown, presses: presses.clone() };
+    let port = Port { orders, news: heard, samples: samples.clone(), presses: presses.clone() };
     (port, Bench { orders: theirs, news, samples, presses })
 }
 

@@ -2,24 +2,34 @@
 //!
 //! A thread of its own talks to the board, at the other end of a [`Port`].
 
+mod bar;
 mod buffer;
 mod charts;
 mod controls;
+mod help;
 mod link;
+mod listen;
+mod queue;
+mod readings;
+mod run;
 pub mod signal;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use egui::{RichText, Ui};
+use egui::{Frame, Margin, RichText, Ui};
 use socam_core::State;
-use socam_recording::ProfileFile;
+use socam_recording::{Channel, ProfileFile};
 
 use crate::theme;
 use crate::view::{Help, View, ViewPanel};
 use crate::workspace::{Request, Workspace};
 use buffer::Buffer;
-pub use link::{Batch, Bench, Connector, Health, News, Order, Plan, Port, Presses, link};
+pub use link::{Bench, Connector, Happening, Health, News, Order, Plan, Port, Presses, link};
+pub use queue::{Batch, SampleQueue};
+use readings::Readings;
+use run::Run;
 use signal::Signal;
 
 /// Whether a bench can be reached: not from a page in a browser.
@@ -41,6 +51,15 @@ pub struct Live {
     device: String,
     health: Option<Health>,
     buffer: Buffer,
+    /// Samples that have arrived with the last news.
+    fresh: Vec<Arc<Batch>>,
+    /// The picture that is held; the buffer goes on.
+    held: Option<Buffer>,
+    /// Largest magnitude of each channel.
+    limits: Vec<Option<f64>>,
+    /// What happened in the time of the buffer.
+    events: Vec<Happening>,
+    readings: Readings,
     /// The signal that is commanded.
     pub signal: Signal,
     folder: PathBuf,
@@ -48,10 +67,8 @@ pub struct Live {
     note: String,
     rate_hz: f64,
     window_s: f64,
-    paused: bool,
-    recording: Option<PathBuf>,
-    /// File and result of the last run, and whether it succeeded.
-    ended: Option<(PathBuf, String, bool)>,
+    /// The run that is recorded, or the last one.
+    run: Option<Run>,
     problem: Option<String>,
     /// A signal and its preview.
     preview: Option<(ProfileFile, signal::Preview)>,
@@ -72,15 +89,18 @@ impl Default for Live {
             device: "sim".into(),
             health: None,
             buffer: Buffer::default(),
+            fresh: Vec::new(),
+            held: None,
+            limits: Vec::new(),
+            events: Vec::new(),
+            readings: Readings::default(),
             signal: Signal::default(),
             folder: PathBuf::from("."),
             name: "run".into(),
             note: String::new(),
             rate_hz: 1000.0,
             window_s: 10.0,
-            paused: false,
-            recording: None,
-            ended: None,
+            run: None,
             problem: None,
             preview: None,
         }
@@ -100,8 +120,22 @@ impl ViewPanel for Live {
         egui::CentralPanel::default().show(ui, |ui| self.charts(ui, &mut workspace.seen));
     }
 
-    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+    fn bar(&mut self, ui: &mut Ui) {
+        let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
+        egui::Panel::top("live bar").frame(frame).show(ui, |ui| self.draw_bar(ui));
+    }
+
+    fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
         self.listen();
+        if self.port.is_some() {
+            // Other views show the state of the bench, too.
+            ctx.request_repaint_after_secs(0.25);
+        }
+        let channels: &[Channel] = if self.is_connected() { self.buffer.channels() } else { &[] };
+        if *workspace.feed.channels != channels {
+            workspace.feed.channels = Arc::new(channels.to_vec());
+        }
+        workspace.feed.batches = std::mem::take(&mut self.fresh);
     }
 
     fn uses_recordings(&self) -> bool {
@@ -109,30 +143,7 @@ impl ViewPanel for Live {
     }
 
     fn help() -> Help {
-        &[
-            ("Device", "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT"),
-            (
-                "Connect; Disconnect",
-                "opens and closes the link to the device; a bench that runs is stopped before",
-            ),
-            ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),
-            (
-                "Signal",
-                "sine (0.2 to 2.3 V, 0.05 to 5 Hz) around an offset, a constant, or a profile; what is outside the limits is limited, and said",
-            ),
-            (
-                "Amplitude; Frequency; Offset; Level; Duration",
-                "of the signal; the picture below is what the board will put out",
-            ),
-            ("Name; Samples per second", "of the next recording: NAME-1.mcap, NAME-2.mcap and so on"),
-            ("Note; Add", "travels with the recording; during a run it is marked at its time"),
-            ("Arm", "loads the signal and watches all limits; the drive stays off"),
-            ("Run", "starts the signal and its recording"),
-            ("Stop", "ramps down gently; what was recorded until then is kept"),
-            ("Look at the recording", "opens it in the view over time"),
-            ("Hold picture", "stands still while bench and recording go on"),
-            ("2 s; 10 s; 30 s; 60 s", "how much of the past is in sight"),
-        ]
+        help::HELP
     }
 }
 
@@ -172,7 +183,37 @@ impl Live {
     /// File and result of the last run, and whether it succeeded.
     #[must_use]
     pub fn ended(&self) -> Option<(&std::path::Path, &str, bool)> {
-        self.ended.as_ref().map(|(path, text, well)| (path.as_path(), text.as_str(), *well))
+        let run = self.run.as_ref()?;
+        run.end.as_ref().map(|(text, well)| (run.path.as_path(), text.as_str(), *well))
+    }
+
+    /// Whether a run is being recorded.
+    #[must_use]
+    pub fn is_recording(&self) -> bool {
+        self.run.as_ref().is_some_and(Run::is_recorded)
+    }
+
+    /// What happened lately: `start`, `note`, `stop` and `fault`, at its time since the link was opened.
+    #[must_use]
+    pub fn events(&self) -> &[Happening] {
+        &self.events
+    }
+
+    /// Samples of a channel within a time since the link was opened, s.
+    #[must_use]
+    pub fn values(&self, channel: usize, span_s: [f64; 2]) -> &[f32] {
+        self.buffer.values(channel, span_s)
+    }
+
+    /// Number of samples that did not arrive since the link was opened, and of the gaps that they left.
+    #[must_use]
+    pub fn missed(&self) -> [u64; 2] {
+        self.buffer.missed()
+    }
+
+    /// What the charts show.
+    fn shown(&self) -> &Buffer {
+        self.held.as_ref().unwrap_or(&self.buffer)
     }
 
     /// Number of samples in the buffer, per channel.
@@ -197,7 +238,7 @@ impl Live {
     /// Loads the signal; the board then monitors all limits, and nothing moves.
     pub fn arm(&mut self) {
         let plan = self.plan();
-        self.ended = None;
+        self.run = None;
         self.problem = None;
         self.order(Order::Arm(Box::new(plan)));
     }
@@ -209,8 +250,8 @@ impl Live {
 
     /// Marks an alarm of the watch in the recording.
     pub(crate) fn mark_alarm(&self, text: String) {
-        if self.recording.is_some() {
-            self.order(Order::Note(format!("alarm: {text}")));
+        if self.run.as_ref().is_some_and(Run::is_recorded) {
+            self.order(Order::Alarm(text));
         }
     }
 
@@ -243,64 +284,35 @@ impl Live {
             return;
         };
         self.problem = None;
-        self.ended = None;
+        self.run = None;
         self.buffer = Buffer::default();
+        self.held = None;
+        self.events.clear();
         self.port = Some(connector(ctx));
         self.link = Link::Opening;
         self.order(Order::Connect(self.device.trim().to_owned()));
     }
 
-    /// Processes the news and samples that have arrived.
-    pub fn listen(&mut self) {
-        let Some(port) = &self.port else { return };
-        let mut closed = false;
-        let news: Vec<News> = port.news.try_iter().collect();
-        let batches: Vec<Batch> = port.samples.try_iter().collect();
-        for one in news {
-            match one {
-                News::Connected { board, channels, step_s } => {
-                    // Samples of the same channels at the same rate are kept.
-                    if !self.buffer.fits(&channels, step_s) {
-                        self.buffer = Buffer::new(channels, step_s);
-                    }
-                    self.link = Link::Open { board };
-                }
-                News::Status(health) => self.health = Some(health),
-                News::Recording { path, end: None } => {
-                    self.recording = Some(path);
-                    self.ended = None;
-                }
-                News::Recording { path, end: Some((text, well)) } => {
-                    self.recording = None;
-                    self.ended = Some((path, text, well));
-                }
-                News::Problem(sentence) => self.problem = Some(sentence),
-                News::Disconnected(sentence) => {
-                    self.problem = sentence.or(self.problem.take());
-                    closed = true;
-                }
+    /// The state of the bench in words.
+    #[must_use]
+    pub fn state_text(&self) -> String {
+        match (&self.link, &self.health) {
+            (Link::Closed, _) => "no board".into(),
+            (Link::Opening, _) => "connecting".into(),
+            (Link::Open { .. }, None) => "connected".into(),
+            (Link::Open { .. }, Some(health)) => {
+                format!("{}{}", health.state, if self.is_recording() { ", recording" } else { "" })
             }
-        }
-        if !self.paused {
-            batches.iter().for_each(|batch| self.buffer.take(batch));
-        }
-        if closed {
-            (self.link, self.health, self.port) = (Link::Closed, None, None);
         }
     }
 
     /// The state of the bench, for the bar at the top.
     pub(crate) fn lamp(&self, ui: &mut Ui) {
-        let (text, colour) = match (&self.link, &self.health) {
-            (Link::Closed, _) => ("no board".to_owned(), theme::weak(ui)),
-            (Link::Opening, _) => ("connecting".to_owned(), theme::weak(ui)),
-            (Link::Open { .. }, None) => ("connected".to_owned(), theme::good(ui)),
-            (Link::Open { .. }, Some(health)) => {
-                let colour = if health.state == State::Fault { theme::alarm(ui) } else { theme::good(ui) };
-                let recording = if self.recording.is_some() { ", recording" } else { "" };
-                (format!("{}{recording}", health.state), colour)
-            }
+        let colour = match (&self.link, self.state()) {
+            (Link::Closed | Link::Opening, _) => theme::weak(ui),
+            (Link::Open { .. }, Some(State::Fault)) => theme::alarm(ui),
+            (Link::Open { .. }, _) => theme::good(ui),
         };
-        ui.label(RichText::new(text).strong().color(colour));
+        ui.label(RichText::new(self.state_text()).strong().color(colour));
     }
 }

@@ -102,8 +102,8 @@ pub(super) fn sentence(alarm: &Alarm) -> String {
         format!("; {}", names.collect::<Vec<_>>().join(" or "))
     });
     format!(
-        "the bench left its model at about {:.2} s, most in {}: {}, {:.1} standard deviations{causes}",
-        alarm.onset_s,
+        "the bench left its model about {:.1} s before the alarm, most in {}: {}, {:.1} standard deviations{causes}",
+        alarm.time_s - alarm.onset_s,
         alarm.channel,
         symptom(&alarm.symptom),
         alarm.size_sigma

@@ -45,7 +45,7 @@ pub struct WatchView {
     problem: Option<String>,
     /// Number of the alarm whose window is shown.
     selected: Option<usize>,
-    /// A watch of the first recording begins as soon as all recordings are open.
+    /// A watch begins as soon as there is something to watch.
     begins: bool,
 }
 
@@ -76,7 +76,7 @@ impl ViewPanel for WatchView {
     }
 
     fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
-        if std::mem::take(&mut self.begins) {
+        if self.begins && self.subject(workspace).is_some() {
             self.begin(ctx, workspace);
         }
         let Some(session) = &self.session else { return };
@@ -100,7 +100,7 @@ impl ViewPanel for WatchView {
 
     /// A watch of the bench ends when its user says so; it does not keep a picture waiting.
     fn is_busy(&self) -> bool {
-        self.begins || self.session.as_ref().is_some_and(|session| session.feed.is_none())
+        self.session.as_ref().is_some_and(|session| session.feed.is_none())
     }
 
     fn help() -> Help {
@@ -127,8 +127,8 @@ impl ViewPanel for WatchView {
 }
 
 impl WatchView {
-    /// Watches the first recording with the next pass; the others are healthy.
-    pub fn begin_with_next_pass(&mut self) {
+    /// Watches the running bench, or else the first recording, as soon as there is one; other recordings are healthy.
+    pub fn begin_when_possible(&mut self) {
         self.begins = true;
     }
 
@@ -145,10 +145,10 @@ impl WatchView {
 
     fn begin(&mut self, ctx: &egui::Context, workspace: &Workspace) {
         let subject = self.subject(workspace);
-        if let (Some(Subject::Recording(own)), true) = (&subject, self.healthy.is_empty() && self.begins) {
-            let others = workspace.shown().map(|(_, recording)| recording.about.name.clone());
-            self.healthy = others.filter(|name| name != own).collect();
-        }
+        self.begins = false;
+        let others = workspace.shown().map(|(_, recording)| recording.about.name.clone());
+        let is_watched = |name: &String| subject == Some(Subject::Recording(name.clone()));
+        self.healthy = others.filter(|name| !is_watched(name)).collect();
         self.start(ctx, workspace, subject);
     }
 

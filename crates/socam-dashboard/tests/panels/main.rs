@@ -3,5 +3,6 @@
 mod clicks;
 mod files;
 mod fits;
+mod live;
 mod pictures;
 mod sample;

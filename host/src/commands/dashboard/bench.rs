@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use socam_core::{Refusal, Request};
-use socam_dashboard::live::{self, Bench, Connector, News, Order};
+use socam_dashboard::live::{self, Bench, Connector, Happening, News, Order};
 use socam_recording::{Attachment, Calibration};
 
 use super::show::{IDLE_PERIOD_US, Show};
 use super::watcher::{Watcher, ended, health};
 use crate::commands::record::{attachment, now_unix_ns};
-use crate::device::run::{self, Plan};
+use crate::device::run::{self, End, Plan};
 use crate::device::session::Heard;
 use crate::device::token::Token;
 use crate::device::virtual_bench::BenchArgs;
@@ -75,6 +75,8 @@ fn attend(
         calibration,
         calibration_text: text,
         armed: None,
+        is_set_up: false,
+        is_faulty: false,
     };
     talk.look()?;
     talk.go_on()
@@ -91,6 +93,10 @@ struct Talk<'a> {
     calibration: Calibration,
     calibration_text: Option<String>,
     armed: Option<Plan>,
+    /// Whether the board has this calibration.
+    is_set_up: bool,
+    /// Whether the last status named a fault.
+    is_faulty: bool,
 }
 
 impl Talk<'_> {
@@ -101,26 +107,48 @@ impl Talk<'_> {
     /// Configures the board, if it permits, and streams samples while nothing runs.
     fn look(&mut self) -> anyhow::Result<()> {
         self.session.request(Request::Stream(false))?.ok();
-        match self.session.request(Request::Configure(self.calibration.config(IDLE_PERIOD_US)?))? {
-            Ok(()) => self.streams_at(IDLE_PERIOD_US),
-            Err(refusal @ (Refusal::Faulted(_) | Refusal::WrongState { .. })) => {
+        let configured =
+            self.session.request(Request::Configure(self.calibration.config(IDLE_PERIOD_US)?))?;
+        self.is_set_up = configured.is_ok();
+        match configured {
+            // A fault is in the board's status, and is shown from there.
+            Ok(()) | Err(Refusal::Faulted(_)) => {}
+            Err(refusal @ Refusal::WrongState { .. }) => {
                 self.tell(News::Problem(format!("the board keeps its settings: {refusal}")));
-                self.streams_at(IDLE_PERIOD_US);
             }
             Err(refusal) => return Err(refusal).context("the board refuses the calibration"),
         }
-        self.session.forget();
+        self.show_samples();
+        self.show.set_up(IDLE_PERIOD_US);
+        let limits = self.calibration.channels.iter().map(|channel| channel.limit);
+        let limits = std::iter::once(Some(self.calibration.clamp_v)).chain(limits).collect();
+        self.tell(News::Connected {
+            board: self.board.clone(),
+            channels: self.show.columns.channels.clone(),
+            limits: self.show.columns.recorded(limits),
+        });
         self.session.request(Request::Stream(true))?.context("the board does not stream")
     }
 
-    fn streams_at(&mut self, period_us: u32) {
-        self.show.period_us = period_us;
-        let channels = self.show.columns.channels.clone();
-        self.tell(News::Connected {
-            board: self.board.clone(),
-            channels,
-            step_s: f64::from(period_us) * 1e-6,
-        });
+    /// Shows what the board sent while it was waited for an answer.
+    fn show_samples(&mut self) {
+        self.session.take_samples().for_each(|batch| self.show.take(&batch));
+    }
+
+    fn take_heard(&mut self, heard: Heard) {
+        match heard {
+            Heard::Samples(batch) => self.show.take(&batch),
+            Heard::Status(status) => {
+                let errors = u64::from(status.link.total()) + u64::from(self.session.link_errors());
+                let fault = status.board.fault.map(|fault| run::fault_text(&fault, &self.calibration));
+                let was_faulty = std::mem::replace(&mut self.is_faulty, fault.is_some());
+                if let Some(text) = fault.filter(|_| !was_faulty) {
+                    let (time_s, kind) = (self.show.time_s(None), "fault".into());
+                    self.tell(News::Event(Happening { time_s, kind, text }));
+                }
+                self.tell(News::Status(health(&status, &self.calibration, errors, None)));
+            }
+        }
     }
 
     fn go_on(&mut self) -> anyhow::Result<()> {
@@ -145,13 +173,8 @@ impl Talk<'_> {
                 Ok(order) => self.take(order)?,
                 Err(TryRecvError::Empty) => {}
             }
-            match self.session.next()? {
-                Some(Heard::Samples(batch)) => self.show.take(&batch),
-                Some(Heard::Status(status)) => {
-                    let errors = u64::from(status.link.total()) + u64::from(self.session.link_errors());
-                    self.tell(News::Status(health(&status, &self.calibration, errors, None)));
-                }
-                None => {}
+            if let Some(heard) = self.session.next()? {
+                self.take_heard(heard);
             }
         }
     }
@@ -165,7 +188,9 @@ impl Talk<'_> {
                 });
                 match armed {
                     Ok(plan) => {
-                        self.streams_at(plan.period_us);
+                        self.show_samples();
+                        self.show.set_up(plan.period_us);
+                        self.is_set_up = true;
                         self.armed = Some(plan);
                         self.session.request(Request::Stream(true))?.ok();
                     }
@@ -182,11 +207,12 @@ impl Talk<'_> {
             Order::ClearFault => {
                 if let Err(refusal) = self.session.request(Request::ClearFault)? {
                     self.tell(News::Problem(format!("the fault stays: {refusal}")));
+                } else if !self.is_set_up {
+                    self.look()?;
                 }
-                self.look()?;
             }
             Order::Note(_) => self.tell(News::Problem("a note can be added while a recording runs".into())),
-            Order::Connect(_) | Order::Disconnect => {}
+            Order::Connect(_) | Order::Disconnect | Order::Alarm(_) => {}
         }
         Ok(())
     }
@@ -220,12 +246,13 @@ impl Talk<'_> {
         let path = plan.path.clone();
         plan.start_unix_ns = now_unix_ns();
         self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
-        self.tell(News::Recording { path: path.clone(), end: None });
+        self.tell(News::Began { path: path.clone(), planned_s: plan.planned_s() });
         let mut watcher = Watcher {
             presses: &self.own.presses,
             orders: &self.own.orders,
             news: &self.own.news,
             show: &mut self.show,
+            has_begun: false,
             leaves: false,
         };
         let report = run::record_prepared(self.session, plan, &mut watcher);
@@ -239,13 +266,17 @@ impl Talk<'_> {
                 (format!("{error:#}"), false, None)
             }
         };
-        self.tell(News::Recording { path, end: Some((text, well)) });
+        // The run has told of its fault; the board's next status names it again.
+        self.is_faulty = report.is_ok_and(|report| matches!(report.end, End::Fault(_)));
+        self.tell(News::Ended { path, text, well });
         if let Some(reason) = broken {
             bail!("{reason}");
         }
         if leaves {
+            self.session.post(Request::Stream(false))?;
             bail!("disconnected; the run was stopped");
         }
-        self.look()
+        // The stream goes on at the run's rate, so that the picture has no gap at the run's end.
+        Ok(())
     }
 }

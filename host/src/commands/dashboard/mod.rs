@@ -2,6 +2,7 @@
 
 mod bench;
 mod rehearsal;
+mod remedy;
 mod show;
 mod simulated;
 mod watcher;
@@ -24,7 +25,8 @@ use crate::output::{self, WrongArguments};
 /// Open the dashboard: the running bench, recordings, identification and diagnosis
 ///
 /// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
-/// report). With --screenshot it draws one picture without a display.
+/// report). With --screenshot it draws one picture without a display; when a recording in it is damaged or cut off, or lacks samples, it
+/// ends with exit code 3.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host dashboard                                  connect to a board, or drop files into the window
@@ -37,7 +39,7 @@ pub(crate) struct Args {
     /// Draw a picture into this file (.png), without a display
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis
+    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
     /// Light theme
@@ -61,10 +63,13 @@ pub(crate) struct Args {
     /// Held-out recordings, used for validation only; may be repeated
     #[arg(long, value_name = "RUN", requires = "diagnose")]
     holdout: Vec<String>,
+    /// Watch the bench, or else the first recording, against this model; the other recordings are of the healthy bench
+    #[arg(long, value_name = "MODEL", conflicts_with = "diagnose")]
+    watch: Option<String>,
     /// Positions of the cursors A and B in the view over time, s
     #[arg(long, value_name = "A,B", value_delimiter = ',', allow_hyphen_values = true)]
     cursors: Vec<f64>,
-    /// Device to connect to: sim, serial, serial:PATH, tcp:HOST:PORT
+    /// Connect to a device at once: sim, serial, serial:PATH, tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Sampling rate of a run, Hz
@@ -98,7 +103,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
     let Some(target) = args.screenshot else {
         dashboard.use_native_dialogs();
-        window::show(dashboard, rehearsal)?;
+        let connects = args.device.is_some() && rehearsal.is_none();
+        window::show(dashboard, rehearsal, connects)?;
         return Ok(Outcome::Done);
     };
     if target.extension().is_none_or(|extension| extension != "png") {
@@ -111,7 +117,19 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     draw(&mut dashboard, Viewport { size, scale: args.scale }, args.view, &target)?;
     // The bench stops, and its file is closed, before this program ends.
     rehearsal.map_or(Ok(()), |mut rehearsal| rehearsal.go_on_until(&mut dashboard, |_| false))?;
-    Ok(Outcome::Done)
+    Ok(outcome(&dashboard))
+}
+
+/// Of a picture: whether its recordings are whole; says what they lack.
+fn outcome(dashboard: &Dashboard) -> Outcome {
+    let recordings = dashboard.workspace.entries.iter().map(|entry| &entry.recording.about);
+    let incomplete: Vec<_> = recordings.filter(|about| about.is_incomplete).collect();
+    for about in &incomplete {
+        for warning in &about.warnings {
+            output::warn(format_args!("{}: {warning}", about.name));
+        }
+    }
+    if incomplete.is_empty() { Outcome::Done } else { Outcome::LostSamples }
 }
 
 /// The layout of the last window, or the default one for a picture, changed as the options say.
@@ -154,6 +172,10 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     dashboard.views.live.connect_by(bench::connector(args.bench.clone(), calibration, args.token.read()?));
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
+    if let Some(model) = &args.watch {
+        dashboard.use_model(crate::model_file::load(model)?);
+        dashboard.watch();
+    }
     if args.diagnose {
         dashboard.diagnose(args.holdout.clone());
     }

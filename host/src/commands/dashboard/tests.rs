@@ -1,6 +1,7 @@
 //! The live view at the virtual bench: connect, arm, run, stop, emergency stop.
 
 mod failures;
+mod samples;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -203,14 +204,19 @@ fn what_the_model_makes_of_a_recordings_inputs_lies_over_it_and_differs_by_its_n
     assert!(values.len() > 3900 && rms < 0.03, "{rms} N m over {} samples", values.len());
 }
 
+/// A window whose virtual bench has six channels, sampled at 10 kHz.
+fn six_channels(folder: &Path) -> Window {
+    let model = folder.join("six.toml");
+    let sixth = "[channels.cam_speed]\nrole = \"output\"\nquantity = \"speed\"\nat = \"cam_shaft\"\n";
+    std::fs::write(&model, format!("{}{sixth}", crate::model_file::text("speed-o-cam").unwrap())).unwrap();
+    connect(window_at(&model.display().to_string(), "sim", folder, 10_000.0))
+}
+
 /// Prints frames per second in software rendering while six channels at ten thousand samples a second are recorded and shown.
 #[test]
 fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     let folder = tempfile::tempdir().unwrap();
-    let model = folder.path().join("six.toml");
-    let sixth = "[channels.cam_speed]\nrole = \"output\"\nquantity = \"speed\"\nat = \"cam_shaft\"\n";
-    std::fs::write(&model, format!("{}{sixth}", crate::model_file::text("speed-o-cam").unwrap())).unwrap();
-    let mut window = connect(window_at(&model.display().to_string(), "sim", folder.path(), 10_000.0));
+    let mut window = six_channels(folder.path());
     let long = Settings { duration_s: 60.0, ..Settings::default() };
     window.state_mut().views.live.signal.change(long);
     running(&mut window);
@@ -230,7 +236,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
         frames += 1;
     }
     let rate = f64::from(frames) / begin.elapsed().as_secs_f64();
-    // A window that hangs misses samples; the recording does not.
+    // Neither a window that hangs nor its recording misses samples.
     std::thread::sleep(Duration::from_secs(4));
     let own_ms = 1e3 * spent.as_secs_f64() / f64::from(frames);
     click(&mut window, "Stop");
@@ -239,6 +245,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     assert!(well, "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert_eq!((data.lost_samples(), data.channels().len()), (0, 6));
+    assert_eq!(window.state().views.live.missed(), [0, 0]);
     println!(
         "measured: live, six channels at 10 kHz: {own_ms:.1} ms of one processor per frame of 1280x800 drawn in software ({rate:.0} frames/s beside all other tests), {text}"
     );

@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 
-use socam_dashboard::live::{Health, News, Order, Presses};
-use socam_recording::Calibration;
+use socam_dashboard::live::{Happening, Health, News, Order, Presses};
+use socam_recording::{Calibration, Event};
 use socam_wire::{BoardStatus, SampleBatch};
 
+use super::remedy::fault_line;
 use super::show::Show;
-use crate::device::run::{self, End, Monitor, Report};
+use crate::device::run::{End, Monitor, Report};
 
 /// Result of a run: a sentence, whether it succeeded, and the reason if the link is broken.
 pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
@@ -19,7 +20,8 @@ pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<Strin
     match &report.end {
         End::Finished => (kept, summary.lost == 0, None),
         End::Stopped => (format!("stopped by the operator; {kept}"), summary.lost == 0, None),
-        End::Fault(reason) => (format!("the board stopped: {reason}; {kept}"), false, None),
+        // The window shows the fault itself until it is cleared.
+        End::Fault(_) => (format!("stopped by a fault; {kept}"), false, None),
         End::Broken(reason) => (format!("{reason}; {kept}"), false, Some(reason.clone())),
     }
 }
@@ -33,7 +35,7 @@ pub(super) fn health(
     let board = &status.board;
     Health {
         state: board.state,
-        fault: board.fault.map(|fault| run::fault_text(&fault, calibration)),
+        fault: board.fault.map(|fault| fault_line(&fault, calibration)),
         overruns: board.overruns.into(),
         dropped: board.dropped.into(),
         link_errors,
@@ -47,6 +49,7 @@ pub(super) struct Watcher<'a> {
     pub(super) orders: &'a Receiver<Order>,
     pub(super) news: &'a Sender<News>,
     pub(super) show: &'a mut Show,
+    pub(super) has_begun: bool,
     pub(super) leaves: bool,
 }
 
@@ -60,14 +63,27 @@ impl Monitor for Watcher<'_> {
         self.show.take(batch);
     }
 
+    fn event(&mut self, event: &Event, tick: Option<u32>) {
+        let (mut kind, mut text) = (event.kind.clone(), event.text.clone());
+        if kind == "phase" {
+            // The parts of a profile show themselves in the command; the first one begins with the run.
+            if std::mem::replace(&mut self.has_begun, true) {
+                return;
+            }
+            (kind, text) = ("start".into(), "the run begins".into());
+        }
+        let _ = self.news.send(News::Event(Happening { time_s: self.show.time_s(tick), kind, text }));
+    }
+
     fn status(&mut self, status: &BoardStatus, link_errors: u64, recorded: [u64; 2]) {
         let _ =
             self.news.send(News::Status(health(status, &self.show.calibration, link_errors, Some(recorded))));
     }
 
-    fn note(&mut self) -> Option<String> {
+    fn mark(&mut self) -> Option<(&'static str, String)> {
         match self.orders.try_recv() {
-            Ok(Order::Note(text)) => Some(text),
+            Ok(Order::Note(text)) => Some(("note", text)),
+            Ok(Order::Alarm(text)) => Some(("alarm", text)),
             Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => {
                 self.leaves = true;
                 None

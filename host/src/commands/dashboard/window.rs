@@ -11,6 +11,7 @@ use crate::output;
 struct Window {
     dashboard: Dashboard,
     rehearsal: Option<Rehearsal>,
+    title: String,
 }
 
 impl eframe::App for Window {
@@ -33,6 +34,12 @@ impl eframe::App for Window {
             }
         }
         self.dashboard.ui(ui);
+        // The state of the bench is seen in the list of windows, too.
+        let title = format!("socam: {}", self.dashboard.views.live.state_text());
+        if title != self.title {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
@@ -41,8 +48,12 @@ impl eframe::App for Window {
     }
 }
 
-/// Shows the window until it is closed.
-pub(super) fn show(dashboard: Dashboard, rehearsal: Option<Rehearsal>) -> anyhow::Result<()> {
+/// Shows the window until it is closed. `connects`: opens the link to the device at once.
+pub(super) fn show(
+    mut dashboard: Dashboard,
+    rehearsal: Option<Rehearsal>,
+    connects: bool,
+) -> anyhow::Result<()> {
     let [width, height] = dashboard.layout.window;
     let viewport = egui::ViewportBuilder::default()
         .with_title("socam")
@@ -52,11 +63,26 @@ pub(super) fn show(dashboard: Dashboard, rehearsal: Option<Rehearsal>) -> anyhow
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let start = move |context: &eframe::CreationContext<'_>| {
         dashboard.set_up(&context.egui_ctx);
-        Ok(Box::new(Window { dashboard, rehearsal }) as Box<dyn eframe::App>)
+        if connects {
+            dashboard.views.live.connect(&context.egui_ctx);
+        }
+        Ok(Box::new(Window { dashboard, rehearsal, title: String::new() }) as Box<dyn eframe::App>)
     };
-    eframe::run_native("socam", options, Box::new(start)).map_err(|error| {
-        anyhow!("no window can be opened here: {error}; --screenshot FILE.png draws without a display (Linux needs libGL and X11 or Wayland)")
-    })
+    eframe::run_native("socam", options, Box::new(start)).map_err(|error| no_window(&error.to_string()))
+}
+
+/// Why no window can be opened, and what to do.
+fn no_window(error: &str) -> anyhow::Error {
+    // winit names the line of its source that failed: `os error at FILE:LINE: REASON`.
+    let reason = match error.split_once("os error at ") {
+        Some((_, place)) => place.split_once(": ").map_or(place, |(_, reason)| reason),
+        None => error,
+    };
+    let reason = reason.trim_end_matches('.');
+    anyhow!(
+        "no window can be opened: {reason}; set DISPLAY to an X server, as in DISPLAY=:0, or WAYLAND_DISPLAY to a compositor \
+         (Linux needs libGL, too), or draw a picture without a display by --screenshot FILE.png"
+    )
 }
 
 fn path() -> Option<PathBuf> {
@@ -94,6 +120,18 @@ mod tests {
     use socam_dashboard::theme::Look;
 
     use super::*;
+
+    #[test]
+    fn a_missing_display_is_said_with_its_remedy_and_without_a_line_of_source() {
+        let said =
+            no_window("winit EventLoopError: os error at /home/x/winit/mod.rs:765: no DISPLAY is set.");
+        assert!(
+            said.to_string().starts_with("no window can be opened: no DISPLAY is set; set DISPLAY"),
+            "{said}"
+        );
+        let said = no_window("egui_glow: no OpenGL 2.0").to_string();
+        assert!(said.contains("no OpenGL 2.0;") && said.contains("--screenshot"), "{said}");
+    }
 
     #[test]
     fn a_layout_is_remembered_and_what_is_none_is_forgotten() {

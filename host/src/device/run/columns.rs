@@ -20,6 +20,16 @@ impl Columns {
         Self { channels: channels.collect(), recorded }
     }
 
+    /// Those of a value per channel that belong to recorded channels.
+    #[cfg(feature = "dashboard")]
+    pub(crate) fn recorded<T>(&self, all: Vec<T>) -> Vec<T> {
+        all.into_iter()
+            .zip(&self.recorded)
+            .filter(|(_, recorded)| **recorded)
+            .map(|(value, _)| value)
+            .collect()
+    }
+
     /// Appends a sample's values, NaN where the board had no reading.
     pub(crate) fn read(
         &self,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use socam_core::Profile;
-use socam_recording::{Attachment, Calibration, RecordingSummary};
+use socam_recording::{Attachment, Calibration, Event, RecordingSummary};
 use socam_wire::{BoardStatus, EnableFeedback, SampleBatch};
 
 /// The settings of a run.
@@ -25,6 +25,13 @@ pub(crate) struct Plan {
     pub(crate) attachments: Vec<Attachment>,
     /// Time of day at the first sample, ns since 1970.
     pub(crate) start_unix_ns: u64,
+}
+
+impl Plan {
+    /// Duration of the profile with the ramp at its end, s.
+    pub(crate) fn planned_s(&self) -> f64 {
+        (self.profile.duration_us + u64::from(self.profile.ramp_us)) as f64 * 1e-6
+    }
 }
 
 /// How a run ended; what was recorded is kept in any case.
@@ -61,10 +68,12 @@ pub(crate) trait Monitor {
     fn reached(&mut self, _device_time_ns: i64) {}
     /// Samples received, recorded or not.
     fn samples(&mut self, _batch: &SampleBatch) {}
+    /// An event of the recording, at the board's tick of the run's latest sample.
+    fn event(&mut self, _event: &Event, _tick: Option<u32>) {}
     /// State of the board; damaged frames in both directions; samples recorded and lost.
     fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
-    /// A note of the operator for the recording.
-    fn note(&mut self) -> Option<String> {
+    /// Kind and text of an event for the recording, at the present time: a note of the operator, an alarm of a watch.
+    fn mark(&mut self) -> Option<(&'static str, String)> {
         None
     }
 }

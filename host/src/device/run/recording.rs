@@ -87,9 +87,9 @@ impl<'s> Run<'s> {
         {
             return Err(refusal).context("the board cannot be armed");
         }
-        // Samples and faults of an earlier run are dropped.
-        self.session.forget();
-        self.session.request(Request::Stream(true))?.context("the board does not stream")?;
+        // Samples and faults from before the run are not recorded.
+        self.session.take_samples().for_each(|batch| self.monitor.samples(&batch));
+        self.session.stream()?.context("the board does not stream")?;
         self.session.request(Request::Run)?.context("the board does not start")
     }
 
@@ -110,8 +110,8 @@ impl<'s> Run<'s> {
                 stops = self.monitor.stops();
                 self.stop(stops)?;
             }
-            if let Some(note) = self.monitor.note() {
-                self.event("note", note);
+            if let Some((kind, text)) = self.monitor.mark() {
+                self.event(kind, text);
             }
             let before = self.tick;
             match self.session.next()? {
@@ -274,6 +274,7 @@ impl<'s> Run<'s> {
     fn event(&mut self, kind: &str, text: String) {
         let event = Event { device_time_ns: self.now_ns(), kind: kind.into(), text };
         self.recorder.event(&event);
+        self.monitor.event(&event, self.tick);
     }
 
     /// Closes the recording. A run without a sample leaves none.
@@ -289,8 +290,6 @@ impl<'s> Run<'s> {
             End::Fault(text) | End::Broken(text) => self.event("fault", text.clone()),
             End::Finished | End::Stopped => {}
         }
-        // The bench is at rest or out of reach; a failure here has no effect.
-        let _ = self.session.post(Request::Stream(false));
         let duration_s = self.now_ns() as f64 * 1e-9;
         let enable_feedback = self.session.identity().enable_feedback;
         Ok(Report { summary: self.recorder.finish()?, end, duration_s, enable_feedback })

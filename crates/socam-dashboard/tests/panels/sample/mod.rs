@@ -1,14 +1,14 @@
-//! Things to show, made up: recordings with gaps, spikes and missing values, and a diagnosis.
+//! Things to show, made up: recordings with gaps, spikes and missing values, a diagnosis, and a running bench.
+
+pub(crate) mod bench;
 
 use std::f64::consts::TAU;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use socam_answer::Evidence;
 use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
-use socam_core::State;
 use socam_dashboard::diagnosis::Over;
 use socam_dashboard::document::parse;
-use socam_dashboard::live::{Batch, Bench, Health, News, link};
 use socam_dashboard::recording::{About, Happening, Recording};
 use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
@@ -194,7 +194,7 @@ pub(crate) fn evidence() -> Evidence {
     Evidence { recordings, channels }
 }
 
-fn dashboard(look: Look, view: View) -> Dashboard {
+pub(crate) fn dashboard(look: Look, view: View) -> Dashboard {
     Dashboard::new(Layout { look, view, ..Layout::default() })
 }
 
@@ -215,41 +215,6 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
     dashboard.show(parse("diagnosis.json", DIAGNOSIS).unwrap());
     dashboard.show_evidence(evidence());
     dashboard.views.diagnosis.over = over;
-    dashboard
-}
-
-/// A bench that runs and is recorded, or that a fault has stopped.
-fn running(look: Look, fault: Option<&str>) -> Dashboard {
-    let mut dashboard = dashboard(look, View::Live);
-    let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
-    let theirs = ends.clone();
-    dashboard.views.live.connect_by(Box::new(move |_| {
-        let (port, bench) = link();
-        *theirs.lock().unwrap() = Some(bench);
-        port
-    }));
-    dashboard.views.live.connect(&egui::Context::default());
-    let bench = ends.lock().unwrap().take().unwrap();
-    let board = "virtual bench, firmware 1.0.0, at sim".into();
-    bench.news.send(News::Connected { board, channels: channels(), step_s: 1e-3 }).unwrap();
-    let health = Health {
-        state: if fault.is_some() { State::Fault } else { State::Running },
-        fault: fault.map(str::to_owned),
-        overruns: 0,
-        dropped: 0,
-        link_errors: if fault.is_some() { 3 } else { 0 },
-        recorded: Some([7_350, 0]),
-    };
-    let path = "runs/warm-bench-7.mcap";
-    let end = fault.map(|fault| {
-        (format!("the board stopped: {fault}; {path}: 7350 samples over 7.35 s, none lost"), false)
-    });
-    bench.news.send(News::Recording { path: path.into(), end }).unwrap();
-    bench.news.send(News::Status(health)).unwrap();
-    let run = run(2, 8000).samples;
-    let columns: Vec<Vec<f64>> = (0..5).map(|channel| run.values(channel, 0..8000)).collect();
-    let values = (0..8000).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
-    bench.samples.send(Batch { time_s: run.times(0..8000), values }).unwrap();
     dashboard
 }
 
@@ -313,8 +278,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "diagnosis-empty" => dashboard(look, View::Diagnosis),
         "diagnosis-angle" => diagnosed(look, Over::Angle),
         "live-empty" => dashboard(look, View::Live),
-        "live" => running(look, None),
-        "live-fault" => running(look, Some("motor_speed is above its limit of 149.2 rad/s")),
+        "live" => bench::running(look),
+        "live-fault" => bench::stopped(look),
         "help" => with_runs(look, View::Time, 1),
         _ => return None,
     };

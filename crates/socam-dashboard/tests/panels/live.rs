@@ -1,0 +1,143 @@
+//! The live view, with a board whose part the test plays.
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use socam_core::State;
+use socam_dashboard::Dashboard;
+use socam_dashboard::live::{Bench, News, Order};
+use socam_dashboard::theme::Look;
+
+use crate::clicks::{click, window};
+use crate::sample::{self, bench};
+
+type Window = Harness<'static, Dashboard>;
+
+fn connected() -> (Window, Bench) {
+    let (dashboard, bench) = bench::connected(Look::Dark);
+    (window(dashboard), bench)
+}
+
+fn tell(window: &mut Window, bench: &Bench, news: News) {
+    bench.news.send(news).unwrap();
+    window.run_steps(3);
+}
+
+/// Texts in sight that contain these words.
+fn texts(window: &Window, words: &str) -> usize {
+    window.query_all_by_label_contains(words).count()
+}
+
+fn places(window: &Window) -> Vec<egui::Rect> {
+    let is_no_text = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == egui::Role::Button;
+    let place = |label| window.get_all_by_label(label).find(is_no_text).unwrap().rect();
+    ["Arm", "Run", "Stop", "EMERGENCY STOP"].map(place).to_vec()
+}
+
+#[test]
+fn arm_run_and_stop_never_move() {
+    for size in [[640.0, 420.0], [1280.0, 800.0]] {
+        let resized = |dashboard| {
+            let mut window = window(dashboard);
+            window.set_size(size.into());
+            window.run_steps(3);
+            window
+        };
+        let mut closed = resized(sample::dashboard(Look::Dark, socam_dashboard::View::Live));
+        let at = places(&closed);
+        let inside = egui::Rect::from_min_size(egui::Pos2::ZERO, size.into());
+        assert!(at.iter().all(|place| inside.contains_rect(*place)), "{at:?}");
+        let long = "a message that is longer than a line ".repeat(20);
+        closed.state_mut().warn(long.clone());
+        closed.state_mut().warn("a second one");
+        closed.run_steps(3);
+        assert_eq!(places(&closed), at, "messages of the window");
+
+        let (dashboard, bench) = bench::connected(Look::Dark);
+        let mut window = resized(dashboard);
+        for state in [State::Idle, State::Armed, State::Running, State::Stopping] {
+            if state == State::Running {
+                tell(&mut window, &bench, News::Began { path: long.clone().into(), planned_s: 600.0 });
+            }
+            tell(&mut window, &bench, bench::health(state, None));
+            assert_eq!(places(&window), at, "{state}");
+        }
+        bench::samples().into_iter().for_each(|batch| bench.samples.push(batch));
+        tell(&mut window, &bench, News::Problem(long.clone()));
+        assert_eq!(places(&window), at, "a long error");
+        tell(&mut window, &bench, bench::health(State::Fault, Some(&long)));
+        assert_eq!(places(&window), at, "a long fault");
+    }
+}
+
+#[test]
+fn a_fault_is_one_line_until_it_is_cleared() {
+    let mut window = window(bench::stopped(Look::Dark));
+    window.run_steps(3);
+    assert_eq!(texts(&window, "over-speed"), 1);
+    assert_eq!(texts(&window, "then clear the fault"), 1);
+    assert_eq!(window.state().problems().count(), 0);
+
+    let (mut window, bench) = connected();
+    tell(&mut window, &bench, bench::health(State::Fault, Some(bench::FAULT)));
+    tell(&mut window, &bench, bench::health(State::Fault, Some(bench::FAULT)));
+    assert_eq!(texts(&window, "over-speed"), 1);
+    click(&mut window, "Clear fault");
+    let orders: Vec<Order> = bench.orders.try_iter().collect();
+    assert!(matches!(orders[..], [Order::Connect(_), Order::ClearFault]), "{orders:?}");
+    tell(&mut window, &bench, bench::health(State::Idle, None));
+    assert_eq!((texts(&window, "over-speed"), texts(&window, "Clear fault")), (0, 0));
+    tell(&mut window, &bench, News::Problem("the profile is too long".into()));
+    click(&mut window, "Dismiss");
+    assert_eq!(texts(&window, "too long"), 0);
+}
+
+#[test]
+fn keys_arm_run_and_stop_but_not_into_a_dialog() {
+    let (mut window, bench) = connected();
+    let keys = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
+    let press = |window: &mut Window, key| {
+        window.key_press_modifiers(keys, key);
+        window.run_steps(2);
+        bench.orders.try_iter().last()
+    };
+    tell(&mut window, &bench, bench::health(State::Idle, None));
+    assert!(press(&mut window, egui::Key::R).is_some_and(|order| matches!(order, Order::Connect(_))));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+    window.run_steps(2);
+    assert!(press(&mut window, egui::Key::A).is_none());
+    click(&mut window, "Cancel");
+    assert!(matches!(press(&mut window, egui::Key::A), Some(Order::Arm(_))));
+    tell(&mut window, &bench, bench::health(State::Armed, None));
+    assert!(matches!(press(&mut window, egui::Key::R), Some(Order::Run)));
+    tell(&mut window, &bench, bench::health(State::Running, None));
+    press(&mut window, egui::Key::D);
+    assert_eq!(bench.presses.load(std::sync::atomic::Ordering::SeqCst), 1);
+}
+
+#[test]
+fn progress_numbers_gaps_and_events_are_in_words() {
+    let mut window = window(bench::running(Look::Dark));
+    window.run_steps(3);
+    window.get_by_label("7.3 s of 10.2 s, 2.9 s left");
+    window.get_by_label("400 samples missing in 1 gap");
+    let speed = window.get_by_label_contains("motor_speed is ");
+    let text = speed.accesskit_node().value().unwrap();
+    assert!(text.contains(" rad/s; ") && text.contains(" to ") && text.contains("limit +-149.2"), "{text}");
+    let kinds: Vec<_> = window.state().views.live.events().iter().map(|event| event.kind.clone()).collect();
+    assert_eq!(kinds, ["start", "note"]);
+}
+
+#[test]
+fn a_held_picture_stands_still_and_loses_nothing() {
+    let (mut window, bench) = connected();
+    let batches = bench::samples();
+    bench.samples.push(batches[0].clone());
+    window.run_steps(2);
+    click(&mut window, "Hold picture");
+    batches[1..].iter().for_each(|batch| bench.samples.push(batch.clone()));
+    window.run_steps(2);
+    assert_eq!(texts(&window, "missing"), 0, "the held picture has no gap");
+    click(&mut window, "Hold picture");
+    window.get_by_label("400 samples missing in 1 gap");
+    assert_eq!(window.state().views.live.samples_shown(), 7450);
+}
