@@ -5,6 +5,9 @@ fn example() -> Diagnosis {
     serde_json::from_str(include_str!("example.json")).unwrap()
 }
 
+/// Effect, place and weight.
+type Competing<'a> = (&'a str, &'a str, f64);
+
 fn rivals(all: &[(&str, &str, f64)]) -> Vec<Rival> {
     let rival = |(effect, location, weight): &(&str, &str, f64)| Rival {
         effect: (*effect).into(),
@@ -111,7 +114,7 @@ fn headlines_read_as_expected() {
 
 #[test]
 fn every_kind_of_tie_has_its_words() {
-    let cases: [(&[(&str, &str, f64)], &str); 6] = [
+    let cases: [(&[Competing<'_>], &str); 6] = [
         (
             &[("stribeck_friction", "motor_bearing", 0.5)],
             "Coulomb friction or Stribeck friction at motor_bearing",
