@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use socam_core::Profile;
-use socam_recording::{Attachment, Calibration, RecordingSummary};
+use socam_recording::{Attachment, Calibration, Event, RecordingSummary, SampleRow};
 use socam_wire::{BoardStatus, EnableFeedback, SampleBatch};
 
 /// The settings of a run.
@@ -61,6 +61,16 @@ pub(crate) trait Monitor {
     fn reached(&mut self, _device_time_ns: i64) {}
     /// Samples received, recorded or not.
     fn samples(&mut self, _batch: &SampleBatch) {}
+    /// Samples as they are recorded.
+    fn recorded(&mut self, _rows: &[SampleRow<'_>]) {}
+    /// An event for the recording.
+    fn event(&mut self) -> Option<Event> {
+        None
+    }
+    /// The last events for the recording, after its last sample.
+    fn last_events(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
     /// State of the board; damaged frames in both directions; samples recorded and lost.
     fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
     /// A note of the operator for the recording.

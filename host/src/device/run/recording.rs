@@ -113,6 +113,9 @@ impl<'s> Run<'s> {
             if let Some(note) = self.monitor.note() {
                 self.event("note", note);
             }
+            if let Some(event) = self.monitor.event() {
+                self.recorder.event(&event);
+            }
             let before = self.tick;
             match self.session.next()? {
                 Some(Heard::Samples(batch)) => {
@@ -211,6 +214,7 @@ impl<'s> Run<'s> {
                 values,
             })
             .collect();
+        self.monitor.recorded(&rows);
         self.taken += self.recorder.push_samples(&rows) as u64;
         self.monitor.reached(self.now_ns());
     }
@@ -291,6 +295,7 @@ impl<'s> Run<'s> {
         }
         // The bench is at rest or out of reach; a failure here has no effect.
         let _ = self.session.post(Request::Stream(false));
+        self.monitor.last_events().iter().for_each(|event| self.recorder.event(event));
         let duration_s = self.now_ns() as f64 * 1e-9;
         let enable_feedback = self.session.identity().enable_feedback;
         Ok(Report { summary: self.recorder.finish()?, end, duration_s, enable_feedback })
