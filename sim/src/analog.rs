@@ -23,9 +23,9 @@ impl Analog<'_> {
     pub fn run<T>(setup: &Setup, serve: impl FnOnce(&mut Analog<'_>) -> T) -> Result<T, SimError> {
         let mut setup = setup.clone();
         setup.noise_std = setup.noise_of_conversions(OF_ONE_CONVERSION);
-        let plant = setup.plant()?;
+        let plants = setup.plants()?;
         let mut analog =
-            Analog { bench: Bench::start(&setup, &plant)?, channels: setup.calibration.channels.len() };
+            Analog { bench: Bench::start(&setup, &plants)?, channels: setup.calibration.channels.len() };
         Ok(serve(&mut analog))
     }
 

@@ -8,7 +8,7 @@ use crate::drive::{self, Drive};
 use crate::flaw::{Flaw, FlawedChannel};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
-use crate::setup::Setup;
+use crate::setup::{Plants, Setup};
 
 /// Name of the channel that is computed from the motor's torque.
 const MOTOR_CURRENT: &str = "motor_current";
@@ -29,9 +29,26 @@ enum Source {
     Nothing,
 }
 
+/// A change of the drivetrain in mid-run.
+struct Change<'p> {
+    plant: &'p Plant,
+    /// Time after the drive was first enabled, s.
+    after_s: f64,
+    /// Time at which the drive was first enabled, s.
+    enabled_s: Option<f64>,
+}
+
+impl Change<'_> {
+    fn is_due(&self, at_s: f64) -> bool {
+        self.enabled_s.is_some_and(|enabled_s| at_s >= enabled_s + self.after_s)
+    }
+}
+
 /// A running bench.
 pub(crate) struct Bench<'p> {
     trajectory: Trajectory<'p>,
+    /// `None` once it has happened.
+    change: Option<Change<'p>>,
     drive: Drive,
     converter: Converter,
     empty_bits: u8,
@@ -55,7 +72,7 @@ struct Input {
 }
 
 impl<'p> Bench<'p> {
-    pub(crate) fn start(setup: &Setup, plant: &'p Plant) -> Result<Self, SimError> {
+    pub(crate) fn start(setup: &Setup, plants: &'p Plants) -> Result<Self, SimError> {
         setup.check_noise()?;
         let model = &setup.truth.model;
         let calibration = &setup.calibration;
@@ -68,7 +85,12 @@ impl<'p> Bench<'p> {
             sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
         });
         Ok(Self {
-            trajectory: plant.start()?,
+            trajectory: plants.before.as_ref().unwrap_or(&plants.truth).start()?,
+            change: setup.before.as_ref().map(|(_, after_s)| Change {
+                plant: &plants.truth,
+                after_s: *after_s,
+                enabled_s: None,
+            }),
             drive: setup.drive.clone(),
             converter: Converter {
                 bits: calibration.input.bits.saturating_sub(setup.empty_bits),
@@ -86,11 +108,15 @@ impl<'p> Bench<'p> {
 
     /// Sets the drive's voltage; a disabled drive brakes to standstill.
     pub(crate) fn command(&mut self, volts: f64, enabled: bool) {
+        if let Some(change) = self.change.as_mut().filter(|_| enabled) {
+            change.enabled_s.get_or_insert(self.trajectory.time_s());
+        }
         self.settles_at = if enabled { self.drive.settles_at(volts) } else { 0.0 };
     }
 
     /// Simulates to `to_s` and samples all sensors, each as a mean, see [`CONVERSIONS`]. Channels without a sensor read 0.
     pub(crate) fn sample(&mut self, to_s: f64, counts: &mut [i16]) -> Result<(), SimError> {
+        self.change_if_due()?;
         let from_s = self.trajectory.time_s();
         let step_s = to_s - from_s;
         let blank = vec![0.0; self.outputs.len()];
@@ -133,19 +159,29 @@ impl<'p> Bench<'p> {
 
     /// Simulates to `to_s`.
     pub(crate) fn pass(&mut self, to_s: f64) -> Result<(), SimError> {
+        self.change_if_due()?;
         self.trajectory.hold(to_s, &[self.settles_at, 1.0])
+    }
+
+    /// Changes the drivetrain when its time has come.
+    fn change_if_due(&mut self) -> Result<(), SimError> {
+        let at_s = self.trajectory.time_s();
+        if let Some(change) = self.change.take_if(|change| change.is_due(at_s)) {
+            self.trajectory = change.plant.start_after(&self.trajectory)?;
+        }
+        Ok(())
     }
 
     /// The sensors' voltages at the present outputs, V.
     fn read(&mut self, at_s: f64, step_s: f64) -> impl Iterator<Item = f64> {
-        let (outputs, shafts) = (&self.outputs, &self.shafts);
+        let (outputs, shafts, is_flawed) = (&self.outputs, &self.shafts, self.change.is_none());
         self.inputs.iter_mut().map(move |input| {
             let mut value = match input.source {
                 Source::Output { row, scale, offset } => (outputs[row] - offset) / scale,
                 Source::Current { row, torque_per_current } => outputs[row] / torque_per_current,
                 Source::Nothing => 0.0,
             };
-            for (flaw, shaft) in &mut input.flaws {
+            for (flaw, shaft) in input.flaws.iter_mut().filter(|_| is_flawed) {
                 let angle_rad = shaft.map_or(0.0, |shaft| shafts[shaft].1);
                 value = flaw.pass(value, at_s, step_s, angle_rad);
             }

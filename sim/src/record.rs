@@ -23,10 +23,10 @@ impl Setup {
         profile: &Profile,
         period_us: u32,
     ) -> Result<Dataset, SimError> {
-        let plant = self.plant()?;
+        let plants = self.plants()?;
         let mut ring = Ring::<RING_SAMPLES>::new();
         let (producer, mut samples) = ring.split();
-        let mut board = Board::new(Wiring::start(self, &plant)?, producer);
+        let mut board = Board::new(Wiring::start(self, &plants)?, producer);
         // The first tick after power-on is not part of the run.
         board.tick();
         board.handle(Request::Configure(self.calibration.config(period_us)?))?;

@@ -19,6 +19,9 @@ pub const NO_TACHOMETER: &str = "no_tachometer";
 pub struct Setup {
     /// The true drivetrain.
     pub truth: Truth,
+    /// The drivetrain until a change in mid-run, and the time of the change after the drive was first enabled, s. `truth` takes its states
+    /// over; without a change it holds from the start.
+    pub before: Option<(Truth, f64)>,
     /// The drive in front of it.
     pub drive: Drive,
     /// Sensors and converters.
@@ -34,11 +37,27 @@ pub struct Setup {
     pub empty_bits: u8,
 }
 
+/// Equations of a bench.
+pub(crate) struct Plants {
+    pub(crate) truth: Plant,
+    /// Those before a change in mid-run.
+    pub(crate) before: Option<Plant>,
+}
+
 impl Setup {
     /// A bench with the default drive for the model, and with noise.
     pub fn new(truth: Truth, calibration: Calibration, seed: u64) -> Self {
         let drive = Drive::for_model(&truth.model, &calibration.motor);
-        Self { truth, drive, calibration, seed, noisy: true, noise_std: Vec::new(), empty_bits: 0 }
+        Self {
+            truth,
+            before: None,
+            drive,
+            calibration,
+            seed,
+            noisy: true,
+            noise_std: Vec::new(),
+            empty_bits: 0,
+        }
     }
 
     /// Standard deviation of the noise of a channel's sensor, SI.
@@ -84,10 +103,19 @@ impl Setup {
         Ok(())
     }
 
-    /// Equations of the drivetrain with its drive. After the model's outputs follow the speeds of the shafts on whose angle a flawed
-    /// sensor depends.
-    pub(crate) fn plant(&self) -> Result<Plant, SimError> {
-        let Truth { model, values, .. } = &self.truth;
+    /// Equations of the drivetrain with its drive, and of the one before a change in mid-run. After the model's outputs follow the speeds of
+    /// the shafts on whose angle a flawed sensor depends.
+    pub(crate) fn plants(&self) -> Result<Plants, SimError> {
+        let truth = self.plant(&self.truth)?;
+        let before = self.before.as_ref().map(|(before, _)| self.plant(before)).transpose()?;
+        if let Some(before) = &before {
+            truth.check_change(before)?;
+        }
+        Ok(Plants { truth, before })
+    }
+
+    fn plant(&self, truth: &Truth) -> Result<Plant, SimError> {
+        let Truth { model, values, .. } = truth;
         if let Some(channel) =
             model.inputs().next().filter(|channel| channel.transform != ChannelTransform::Value)
         {
@@ -95,14 +123,14 @@ impl Setup {
                            that is read as recorded first";
             return Err(SimError::argument(&channel.name, problem));
         }
-        let watched = self.watched_model();
+        let watched = self.watched_model(model);
         let driven = drive::attach(&self.drive, model, &watched.equations(values)?);
         Plant::from_equations(&driven, values, model.motion)
     }
 
     /// The model with a tachometer on each of [`Self::watched_nodes`].
-    fn watched_model(&self) -> Model {
-        let mut model = self.truth.model.clone();
+    fn watched_model(&self, model: &Model) -> Model {
+        let mut model = model.clone();
         let tachometers = self.watched_nodes().into_iter().map(|node| {
             let name = format!("shaft of {node}");
             plain_channel(Role::Output, Quantity::Speed, name, String::new(), node)

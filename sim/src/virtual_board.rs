@@ -37,10 +37,10 @@ impl VirtualBoard<'_> {
     /// # Errors
     /// [`SimError`] where the bench cannot be built.
     pub fn run<T>(setup: &Setup, serve: impl FnOnce(&mut VirtualBoard<'_>) -> T) -> Result<T, SimError> {
-        let plant = setup.plant()?;
+        let plants = setup.plants()?;
         let mut ring = Ring::<RING_SAMPLES>::new();
         let (producer, consumer) = ring.split();
-        let wiring = Wiring::start(setup, &plant)?;
+        let wiring = Wiring::start(setup, &plants)?;
         let identity = Identity {
             board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
             firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),

@@ -5,8 +5,8 @@ use socam_recording::Calibration;
 
 use crate::SimError;
 use crate::bench::Bench;
-use crate::plant::{Effort, Plant};
-use crate::setup::Setup;
+use crate::plant::Effort;
+use crate::setup::{Plants, Setup};
 
 /// The bench at the board's connectors.
 pub(crate) struct Wiring<'b> {
@@ -21,9 +21,9 @@ pub(crate) struct Wiring<'b> {
 
 impl<'b> Wiring<'b> {
     /// The bench at power-on, time 0.
-    pub(crate) fn start(setup: &'b Setup, plant: &'b Plant) -> Result<Self, SimError> {
+    pub(crate) fn start(setup: &'b Setup, plants: &'b Plants) -> Result<Self, SimError> {
         Ok(Self {
-            bench: Bench::start(setup, plant)?,
+            bench: Bench::start(setup, plants)?,
             calibration: &setup.calibration,
             now_us: 0,
             command_v: 0.0,

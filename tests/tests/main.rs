@@ -26,6 +26,7 @@ mod interrupt;
 mod lab_jobs;
 mod readers;
 mod record;
+mod watch;
 
 /// A file that is not named above would never run.
 #[test]

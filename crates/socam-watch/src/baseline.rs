@@ -22,22 +22,27 @@ const LEAST: usize = 12;
 const NOISE_BLOCKS: usize = 120;
 /// Largest number of blocks that are kept for the statistics.
 const MOST_BLOCKS: usize = 20_000;
-/// Factor by which the root mean square of an input or a prediction may exceed the baseline's.
-const MOTION_MARGIN: f64 = 1.25;
+/// Factors by which the root mean square of an input or a prediction may exceed the baseline's largest, and fall below a low quantile of it.
+const MORE_MOTION: f64 = 1.25;
+const LESS_MOTION: f64 = 1.5;
+const LOW_QUANTILE: f64 = 0.02;
+/// Largest number of iterations of the fit to the healthy blocks.
+const MOST_ITERATIONS: usize = 25;
 /// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact.
 const FAR_BEYOND_NOISE: f64 = 100.0;
 
 /// What a healthy bench does under a model: noise levels, whitening filters, and the distribution of the test statistics.
 ///
-/// A healthy bench is never exactly its model. Its blocks are evaluated in the same way as those that are watched later, so that the
+/// A healthy bench is never exactly its model. The free parameters of the model are fitted to the healthy blocks, so that a change is named
+/// by what has changed and not by the errors of the model file. Its blocks are evaluated in the same way as those that are watched later, so that the
 /// model's usual errors are part of the null hypothesis.
 #[derive(Debug, Clone)]
 pub struct Baseline {
     pub(crate) meter: Meter,
     pub(crate) block_s: f64,
     nulls: Vec<Option<Null>>,
-    /// Largest root mean square of each input and prediction, SI.
-    motion: Vec<f64>,
+    /// Lowest and highest root mean square of each input and prediction in a block that is judged, SI.
+    motion: Vec<[f64; 2]>,
     summary: Summary,
 }
 
@@ -51,8 +56,8 @@ impl Baseline {
     /// When a recording lacks a channel of the model, rates differ, or all together are too short.
     ///
     /// # Breaks when
-    /// The recordings show less than the bench usually does: another profile, temperature or load. Blocks with more motion than any in
-    /// the baseline are not judged; a slow change of a healthy bench raises an alarm.
+    /// The recordings show less than the bench usually does: another profile, temperature or load. Blocks with more or less motion
+    /// than those of the baseline are not judged; a slow change of a healthy bench raises an alarm.
     pub fn of(model: &Model, healthy: &[Dataset], settings: &Settings) -> Result<Self, WatchError> {
         settings.check()?;
         columns::check_clocks(model)?;
@@ -90,8 +95,8 @@ impl Baseline {
         if blocks.len() < LEAST {
             return Err(too_short(blocks.len()));
         }
-        let noise = noise_model(model, &channels, step_s, blocks)?;
-        let meter = Meter::new(model, noise, step_s, channels);
+        let (healthy, noise) = fitted(model, &channels, step_s, blocks)?;
+        let meter = Meter::new(&healthy, noise, step_s, channels);
         let mut measured: Vec<Measured> = Vec::new();
         for block in blocks {
             measured.extend(meter.measure(block)?);
@@ -103,8 +108,9 @@ impl Baseline {
         let values =
             |statistic: usize| measured.iter().map(|one| one.values[statistic]).collect::<Vec<f64>>();
         let nulls: Vec<Option<Null>> = (0..count).map(|k| null(&values(k), count)).collect();
-        let largest = |k: usize| measured.iter().map(|one| one.motion[k]).fold(0.0, f64::max);
-        let motion = (0..measured[0].motion.len()).map(largest).collect();
+        let motion = (0..measured[0].motion.len())
+            .map(|k| motion_range(measured.iter().map(|one| one.motion[k]).collect()))
+            .collect();
         let healthy_s = measured.len() as f64 * settings.block_s;
         let summary = Summary {
             healthy_s,
@@ -138,8 +144,15 @@ impl Baseline {
 
     /// Whether a block's motion lies within that of the healthy blocks.
     pub(crate) fn covers(&self, block: &Measured) -> bool {
-        block.motion.iter().zip(&self.motion).all(|(own, most)| *own <= MOTION_MARGIN * most)
+        block.motion.iter().zip(&self.motion).all(|(own, [least, most])| (least..=most).contains(&own))
     }
+}
+
+/// Range of a root mean square that healthy blocks cover.
+fn motion_range(mut sizes: Vec<f64>) -> [f64; 2] {
+    sizes.sort_by(f64::total_cmp);
+    let low = sizes[(LOW_QUANTILE * sizes.len() as f64) as usize];
+    [low / LESS_MOTION, MORE_MOTION * sizes[sizes.len() - 1]]
 }
 
 /// The distribution of a statistic over healthy blocks, wide enough that these raise no alarm at one alarm in their own length.
@@ -154,18 +167,36 @@ fn null(values: &[f64], statistics: usize) -> Option<Null> {
     Some(null.widened(peak / threshold((values.len() * statistics) as f64)))
 }
 
-/// Noise levels, whitening filters and the model's usual error, from blocks that are spread over the baseline.
-fn noise_model(
+/// The model at its fit to blocks that are spread over the baseline, and its noise model there: noise levels, whitening filters and the
+/// model's usual error.
+fn fitted(
     model: &Model,
     channels: &[Channel],
     step_s: f64,
     blocks: &[Block],
-) -> Result<NoiseModel, WatchError> {
+) -> Result<(Model, NoiseModel), WatchError> {
     let every = blocks.len().div_ceil(NOISE_BLOCKS);
     let each = blocks.iter().step_by(every).map(|block| cutter::dataset([block], channels, step_s));
     let datasets: Vec<Dataset> = each.collect::<Result<_, _>>()?;
+    let noise = noise_model(model, &datasets)?;
+    if model.parameters.iter().all(|parameter| parameter.fixed) {
+        return Ok((model.clone(), noise));
+    }
+    let problem = Problem::new(model, &datasets, meter::options())?;
+    let round = (comparison::COARSE, MOST_ITERATIONS);
+    let Some(at) = comparison::descend(&problem, &noise, &model.values(), None, round)? else {
+        return Ok((model.clone(), noise));
+    };
+    let mut healthy = model.clone();
+    healthy.parameters.iter_mut().zip(&at.values).for_each(|(parameter, value)| parameter.value = *value);
+    let noise = noise_model(&healthy, &datasets)?;
+    Ok((healthy, noise))
+}
+
+/// Noise levels, whitening filters and the usual error of a model at its values.
+fn noise_model(model: &Model, datasets: &[Dataset]) -> Result<NoiseModel, WatchError> {
     let (values, options) = (model.values(), meter::options());
-    let problem = Problem::of_known(model, &datasets, options)?;
+    let problem = Problem::of_known(model, datasets, options)?;
     let fit = socam_identify::evaluate(&problem, &values)?;
     let outputs = fit.channels.iter().map(|(_, channel)| channel.rms.max(f64::MIN_POSITIVE)).collect();
     let rough = NoiseLevels { outputs, inputs: vec![0.0; model.inputs().count()] };

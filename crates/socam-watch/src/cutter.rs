@@ -112,11 +112,13 @@ impl Cutter {
         self.columns.iter_mut().for_each(Vec::clear);
     }
 
-    /// The sample time is the median of the first steps; a gap among them drops the samples before it.
+    /// The sample time is the mean of the first steps without gaps; a gap among them drops the samples before it.
     fn measure_rate(&mut self) -> Result<(), WatchError> {
         let mut steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
-        let found_s = steps[steps.len() / 2];
+        let limit = GAP_STEPS * steps[steps.len() / 2];
+        let whole: Vec<f64> = steps.iter().copied().filter(|step| *step <= limit).collect();
+        let found_s = whole.iter().sum::<f64>() / whole.len() as f64;
         if let Some(expected_s) = self.expected_s
             && (found_s / expected_s - 1.0).abs() > RATE_TOLERANCE
         {
@@ -131,7 +133,7 @@ impl Cutter {
         }
         self.rows = rows;
         self.step_s = Some(exact_step_s(self.expected_s.unwrap_or(found_s)));
-        if steps.last().is_some_and(|longest| *longest > GAP_STEPS * found_s) {
+        if whole.len() < steps.len() {
             self.clear();
         }
         Ok(())
@@ -168,6 +170,6 @@ mod tests {
         let mut cutter = Cutter::new(0, 0.5, Some(1e-3));
         let all = (0..100).map(|k| cutter.push(2e-3 * f64::from(k), std::iter::empty()));
         let error = all.filter_map(Result::err).next().unwrap().to_string();
-        assert!(error.contains("0.002 s apart, those of the baseline 0.001 s"), "{error}");
+        assert!(error.contains("0.002000 s apart, those of the baseline 0.001000 s"), "{error}");
     }
 }

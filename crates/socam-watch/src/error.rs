@@ -51,7 +51,7 @@ pub enum WatchError {
     },
     /// The samples come at another rate than those of the healthy recordings.
     #[error(
-        "the samples are {found_s} s apart, those of the baseline {expected_s} s: record the baseline at the rate that is watched"
+        "the samples are {found_s:.6} s apart, those of the baseline {expected_s:.6} s: record the baseline at the rate that is watched"
     )]
     Rate {
         /// Sample time of the watched samples, s.

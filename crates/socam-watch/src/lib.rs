@@ -19,6 +19,9 @@ mod sequential;
 mod settings;
 mod watch;
 
+#[cfg(test)]
+mod tests;
+
 pub use alarm::{Alarm, Cause, Event, Naming, Summary, Symptom, Verdict};
 pub use baseline::Baseline;
 pub use error::WatchError;

@@ -1,6 +1,6 @@
 //! Names for a change: the score test over the samples after it.
 
-use socam_diagnose::ranking;
+use socam_diagnose::ranking::{self, RankedEffect};
 use socam_identify::{IdentifyError, Problem, comparison};
 
 use crate::{
@@ -39,17 +39,23 @@ fn causes(meter: &Meter, data: &[socam_recording::Dataset]) -> Result<Option<Vec
     // What the best cause leaves is the scale of the differences between causes.
     let count: f64 = at.count.iter().sum();
     let scale = ((at.total() - best.gain) / count.max(1.0)).max(1.0);
-    let weight = |gain: f64| (0.5 * (gain - best.gain) / scale).exp();
-    let sum: f64 = ranked.iter().map(|one| weight(one.gain)).sum();
+    // Each amplitude costs one unit of log-likelihood (H. Akaike, IEEE Trans. AC 19, 1974).
+    let log_weight = |one: &RankedEffect| 0.5 * one.gain / scale - one.amplitude.len() as f64;
+    let largest = ranked.iter().map(log_weight).fold(f64::NEG_INFINITY, f64::max);
+    let weight = |one: &RankedEffect| (log_weight(one) - largest).exp();
+    let sum: f64 = ranked.iter().map(weight).sum();
     let each = ranked.iter().map(|one| Cause {
         effect: one.effect.to_owned(),
         location: one.place.clone(),
         amplitude: one.amplitude.clone(),
         gain: one.gain,
         p_value: one.p_value,
-        share: weight(one.gain) / sum,
+        share: weight(one) / sum,
     });
-    Ok(Some(each.filter(|cause| cause.share >= LISTED).take(MOST).collect()))
+    let mut causes: Vec<Cause> = each.filter(|cause| cause.share >= LISTED).collect();
+    causes.sort_by(|a, b| b.share.total_cmp(&a.share));
+    causes.truncate(MOST);
+    Ok(Some(causes))
 }
 
 fn verdict(causes: &[Cause]) -> Verdict {

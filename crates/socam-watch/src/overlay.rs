@@ -16,7 +16,7 @@ pub struct BlockSignals {
     /// By output, innovations in units of healthy noise; zero where missing.
     pub innovations: Vec<Vec<f64>>,
     /// By statistic, in the order of [`Overlay::statistics`]: its sequential test divided by its threshold, 1. An alarm is raised above 1.
-    /// Empty while the baseline is learned, and where the block was not judged.
+    /// Empty where the block was not judged.
     pub tests: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ pub struct Overlay {
     pub alarms: Vec<Alarm>,
     /// What the baseline supports; `None` while it is learned.
     pub baseline: Option<Summary>,
-    /// Number of blocks that were not judged: motion outside the baseline's, too few samples, an overflow.
+    /// Number of blocks that were not judged: more or less motion than in the baseline, too few samples, an overflow.
     pub not_judged: usize,
 }
 

@@ -165,11 +165,15 @@ impl Watch {
         while active.recent.len() > most {
             active.recent.pop_front();
         }
-        let judged = measured.filter(|measured| active.baseline.covers(measured));
-        let Some(mut measured) = judged else {
+        let Some(mut measured) = measured else {
             self.view.not_judged += 1;
             return Ok(Vec::new());
         };
+        if !active.baseline.covers(&measured) {
+            self.view.not_judged += 1;
+            self.view.show(Arc::new(measured.signals), most);
+            return Ok(Vec::new());
+        }
         let found = active.test(&measured.values);
         measured.signals.tests =
             found.iter().map(|one| one.map_or(0.0, |one| one.size / active.threshold)).collect();

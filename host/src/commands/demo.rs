@@ -88,7 +88,8 @@ fn record(
 ) -> anyhow::Result<Outcome> {
     let course = CourseArgs { profile: Some(profile.into()), duration: Some(duration_s), rate: 1000.0 };
     let set = TRUTH.map(|(name, value)| Override { name: name.into(), value });
-    let bench = BenchArgs { model: MODEL.into(), set: set.to_vec(), hide, seed, no_noise: false };
+    let bench =
+        BenchArgs { model: MODEL.into(), set: set.to_vec(), hide, seed, no_noise: false, begin_at: None };
     let report = simulate::simulate_into(&course, &bench, path)?;
     super::record::outcome(path, &report)?;
     let (written, seconds) = (report.summary.written, report.duration_s);

@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "rival"])]
     diagnosis: Option<PathBuf>,
     /// Length of the recording, as in 10s or 1.5min
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = super::record::seconds)]
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = crate::duration::seconds)]
     duration: f64,
     /// Largest command, V [default: 1.8, or the clamp of the calibration if that is less]
     #[arg(long, value_name = "VOLT")]

@@ -25,6 +25,7 @@ mod simulate;
 mod template;
 mod thesis;
 mod virtual_board;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -89,6 +90,7 @@ commands! {
     Design => design,
     Demo => demo,
     Record => record,
+    Watch => watch,
     Recover => recover,
     Simulate => simulate,
     Challenge => challenge,

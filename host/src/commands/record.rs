@@ -6,14 +6,19 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use socam_model::Model;
 use socam_recording::{Attachment, Calibration, ProfileFile};
+use socam_watch::{Baseline, Watch};
 
 use super::Outcome;
+use crate::alarms::WatchArgs;
 use crate::device::run::{self, End, Plan, Report};
 use crate::device::token::TokenArgs;
 use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
+use crate::duration::seconds;
 use crate::interrupt::Interrupt;
+use crate::live_watch::LiveWatch;
 use crate::model_file;
 use crate::output::{self, WrongArguments};
 pub(crate) use result::{outcome, tell};
@@ -32,6 +37,7 @@ const LONGEST_RUN_S: f64 = 24.0 * 3600.0;
   socam-host record --list-profiles
   socam-host record --device serial:/dev/ttyACM0 --profile multisine -o run.mcap
   socam-host record --device serial:/dev/ttyACM0 --profile mine.toml --duration 30s --calibration bench.toml -o run.mcap
+  socam-host record --device serial --profile multisine -o run.mcap --watch bench.toml --baseline healthy.mcap
   socam-host record --device sim --profile steps -o run.mcap                 without a bench")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
@@ -59,6 +65,11 @@ pub(crate) struct Args {
     realtime: bool,
     #[command(flatten)]
     token: TokenArgs,
+    /// Watch the run against this model: alarms are printed and recorded as events
+    #[arg(long = "watch", value_name = "MODEL")]
+    watched: Option<String>,
+    #[command(flatten)]
+    watch: WatchArgs,
     #[command(flatten)]
     bench: BenchArgs,
     /// Print one JSON document instead of text
@@ -104,6 +115,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     plan.metadata.insert("device".into(), device.to_string());
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     plan.attachments.extend(attachment("model.toml", model_file::text(&args.bench.model)?));
+    // Learning the baseline takes seconds, in which a board would fall silent.
+    let watched = watched(&args)?;
     let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
     let rate_hz = args.course.rate;
     let interrupt = Interrupt::listen();
@@ -113,10 +126,33 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut session = device::open(device, bench)?;
     let text = args.calibration.as_deref().map(socam_recording::read_text).transpose()?;
     calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
-    let report = run::record(&mut session, plan, &interrupt)?;
+    let watch = watched.map(|(model, baseline)| {
+        let channels = run::Columns::of(&plan.calibration).channels;
+        let watch = Watch::new(&model, &channels, baseline, args.watch.settings())?;
+        LiveWatch::start(watch, channels.len(), session.is_patient())
+    });
+    let watch = watch.transpose()?;
+    let report = run::record_watched(&mut session, plan, &interrupt, watch)?;
     tell(path, &report, rate_hz, args.json)?;
     tell_early_end(&args.course, &report);
     outcome(path, &report)
+}
+
+/// The model and the baseline of the watch, if one is wanted.
+fn watched(args: &Args) -> anyhow::Result<Option<(Model, Option<Baseline>)>> {
+    let Some(name) = &args.watched else {
+        if args.watch.is_set() {
+            return Err(WrongArguments(
+                "--baseline, --window, --block and --learn belong to a watch: name its model with --watch"
+                    .into(),
+            )
+            .into());
+        }
+        return Ok(None);
+    };
+    let model = model_file::load(name)?;
+    let baseline = args.watch.baseline(&model)?;
+    Ok(Some((model, baseline)))
 }
 
 /// Sets the calibration of a plan: the given one, or that of the virtual bench, or the default one for the board's converters; and
@@ -200,24 +236,6 @@ fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
         .into());
     }
     Ok(period_us.round() as u32)
-}
-
-/// Parses a duration with a unit, s.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
-    let end = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |last| last + 1);
-    let (number, unit) = text.split_at(end);
-    let factor = match unit {
-        "" | "s" => 1.0,
-        "ms" => 1e-3,
-        "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(format!("`{unit}` is no unit of time; expected s, ms, min or h")),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * factor),
-        Ok(value) => Err(format!("{value} is no duration; it must be greater than 0")),
-        Err(_) => Err("expected a time, as in 10s, 1.5min or 500ms".into()),
-    }
 }
 
 /// Checks the output path before anything moves.

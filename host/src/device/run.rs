@@ -13,10 +13,11 @@ use anyhow::Context;
 use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use socam_core::Request;
-use socam_recording::{Recorder, RecordingHeader};
+use socam_recording::{Event, Recorder, RecordingHeader, SampleRow};
 
 use super::session::Session;
 use crate::interrupt::Interrupt;
+use crate::live_watch::LiveWatch;
 pub(crate) use columns::Columns;
 #[cfg(feature = "dashboard")]
 pub(crate) use columns::fault_text;
@@ -29,6 +30,7 @@ use recording::Run;
 struct Terminal<'a> {
     interrupt: &'a Interrupt,
     progress: ProgressBar,
+    watch: Option<LiveWatch>,
 }
 
 impl Monitor for Terminal<'_> {
@@ -39,17 +41,41 @@ impl Monitor for Terminal<'_> {
     fn reached(&mut self, device_time_ns: i64) {
         self.progress.set_position(device_time_ns as u64 / 1_000_000);
     }
+
+    fn recorded(&mut self, rows: &[SampleRow<'_>]) {
+        if let Some(watch) = &mut self.watch {
+            watch.take(rows);
+        }
+    }
+
+    fn alarm(&mut self) -> Option<Event> {
+        self.watch.as_ref()?.event()
+    }
+
+    fn last_alarms(&mut self) -> Vec<Event> {
+        self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default()
+    }
 }
 
 /// Runs the plan's profile and records it; Ctrl-C stops it.
 ///
 /// Before the bench moves, the board has accepted the profile and the file can be written.
 pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -> anyhow::Result<Report> {
+    record_watched(session, plan, interrupt, None)
+}
+
+/// The same, watched against a model.
+pub(crate) fn record_watched(
+    session: &mut Session,
+    plan: Plan,
+    interrupt: &Interrupt,
+    watch: Option<LiveWatch>,
+) -> anyhow::Result<Report> {
     prepare(session, &plan)?;
     if interrupt.count() > 0 {
         bail!("stopped before the bench moved");
     }
-    let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us) };
+    let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us), watch };
     let report = record_prepared(session, plan, &mut terminal);
     // The bench is at rest or out of reach; a failure here has no effect.
     let _ = session.post(Request::Stream(false));

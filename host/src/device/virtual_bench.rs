@@ -3,6 +3,7 @@
 use socam_recording::Calibration;
 use socam_sim::{Concealed, Override, Setup, Truth, calibration_for};
 
+use crate::duration::seconds;
 use crate::model_file;
 use crate::output::WrongArguments;
 
@@ -18,6 +19,9 @@ pub(crate) struct BenchArgs {
     /// sensor_gain@torque_out:gain=0.98; may be repeated
     #[arg(long, value_name = "EFFECT@PLACE:name=value,..")]
     pub(crate) hide: Vec<Concealed>,
+    /// Let --set and --hide begin in mid-run, so long after the drive was enabled, as in 20s [default: from the start]
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    pub(crate) begin_at: Option<f64>,
     /// Another number, other noise of the sensors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -39,11 +43,23 @@ impl BenchArgs {
         let calibration = calibration.unwrap_or_else(|| calibration_for(&truth.model));
         let mut setup = Setup::new(truth, calibration, self.seed);
         setup.noisy = !self.no_noise;
+        if let Some(begin_s) = self.begin_at {
+            if !self.describes_a_change() {
+                return Err(
+                    WrongArguments("--begin-at needs a --set or --hide that begins then".into()).into()
+                );
+            }
+            setup.before = Some((Truth::new(&model_file::load(&self.model)?, &[], &[])?, begin_s));
+        }
         Ok(setup)
     }
 
     /// Whether anything but the model was given: that makes sense for a virtual bench only.
     pub(crate) fn describes_a_bench(&self) -> bool {
-        !self.set.is_empty() || !self.hide.is_empty() || self.no_noise
+        self.describes_a_change() || self.no_noise || self.begin_at.is_some()
+    }
+
+    fn describes_a_change(&self) -> bool {
+        !self.set.is_empty() || !self.hide.is_empty()
     }
 }

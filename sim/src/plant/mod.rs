@@ -33,6 +33,8 @@ pub struct Plant {
     problem: OdeSolverProblem<Motion>,
     /// Which states are speeds; the others are angles.
     speeds: Vec<bool>,
+    /// Names of the states.
+    names: Vec<String>,
 }
 
 /// Effort of a simulation.
@@ -90,7 +92,7 @@ impl Plant {
             .map_err(|error| failed(0.0, &error))?;
         // diffsol counts failures over the whole run, not per step: thousands of friction reversals are acceptable.
         problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
-        Ok(Self { problem, speeds })
+        Ok(Self { problem, speeds, names: equations.state_names.clone() })
     }
 
     /// Number of states.
@@ -124,7 +126,40 @@ impl Plant {
             .and_then(|state: RkState<_, Matrix>| self.problem.esdirk34_solver(state))
             .map_err(|error| failed(0.0, &error))?;
         solver.state_mut().y.batch_as_mut_slice(0).copy_from_slice(states);
-        Ok(Trajectory { motion, solver, step_s: FIRST_STEP_S })
+        Ok(Trajectory { motion, solver, step_s: FIRST_STEP_S, names: &self.names })
+    }
+}
+
+impl Plant {
+    /// Refuses to take over the motion of a drivetrain that lacks one of this one's bodies: nothing says where that body would be.
+    pub(crate) fn check_change(&self, before: &Self) -> Result<(), SimError> {
+        let moves =
+            |name: &&String| ["angle of", "wind-up of", "speed of"].iter().any(|kind| name.starts_with(kind));
+        let Some(new) = self.names.iter().filter(moves).find(|name| !before.names.contains(name)) else {
+            return Ok(());
+        };
+        let problem = "the drivetrain moves in another way from then on, so that the change cannot happen in mid-run; leave out its time";
+        Err(SimError::argument(new, problem))
+    }
+
+    /// Continues the motion of another drivetrain. States that it does not have (those of laws with memory, clocks) start at 0.
+    ///
+    /// # Errors
+    /// [`SimError::Solver`] where the solver refuses the problem.
+    pub(crate) fn start_after(&self, before: &Trajectory<'_>) -> Result<Trajectory<'_>, SimError> {
+        let nth =
+            |names: &[String], index: usize| names[..index].iter().filter(|n| **n == names[index]).count();
+        let value = |index: usize| {
+            let same = (0..before.names.len()).find(|other| {
+                before.names[*other] == self.names[index]
+                    && nth(before.names, *other) == nth(&self.names, index)
+            });
+            same.map_or(0.0, |other| before.states()[other])
+        };
+        let states: Vec<f64> = (0..self.states()).map(value).collect();
+        let mut trajectory = self.start_at(&states)?;
+        *trajectory.solver.state_mut().t = before.time_s();
+        Ok(trajectory)
     }
 }
 
@@ -134,6 +169,8 @@ pub struct Trajectory<'p> {
     solver: Solver<'p>,
     /// The step that the error control proposes.
     step_s: f64,
+    /// Names of the states.
+    names: &'p [String],
 }
 
 impl Trajectory<'_> {

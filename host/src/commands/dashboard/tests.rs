@@ -26,8 +26,14 @@ fn window(device: &str, folder: &Path, rate_hz: f64) -> Window {
 fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let layout = Layout { view: View::Live, device: device.into(), ..Layout::default() };
     let mut dashboard = Dashboard::new(layout);
-    let bench =
-        BenchArgs { model: model.into(), set: Vec::new(), hide: Vec::new(), seed: 1, no_noise: false };
+    let bench = BenchArgs {
+        model: model.into(),
+        set: Vec::new(),
+        hide: Vec::new(),
+        seed: 1,
+        no_noise: false,
+        begin_at: None,
+    };
     dashboard.views.live.connect_by(bench::connector(bench, None, None));
     dashboard.simulate_by(simulated::simulated);
     dashboard.views.live.record_into(folder.into());

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use socam_core::Profile;
-use socam_recording::{Attachment, Calibration, Event, RecordingSummary};
+use socam_recording::{Attachment, Calibration, Event, RecordingSummary, SampleRow};
 use socam_wire::{BoardStatus, EnableFeedback, SampleBatch};
 
 /// The settings of a run.
@@ -70,6 +70,16 @@ pub(crate) trait Monitor {
     fn samples(&mut self, _batch: &SampleBatch) {}
     /// An event of the recording, at the board's tick of the run's latest sample.
     fn event(&mut self, _event: &Event, _tick: Option<u32>) {}
+    /// Samples as they are recorded.
+    fn recorded(&mut self, _rows: &[SampleRow<'_>]) {}
+    /// An alarm of a watch for the recording, with its own time.
+    fn alarm(&mut self) -> Option<Event> {
+        None
+    }
+    /// The last alarms for the recording, after its last sample.
+    fn last_alarms(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
     /// State of the board; damaged frames in both directions; samples recorded and lost.
     fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
     /// Kind and text of an event for the recording, at the present time: a note of the operator, an alarm of a watch.

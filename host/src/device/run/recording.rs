@@ -113,6 +113,9 @@ impl<'s> Run<'s> {
             if let Some((kind, text)) = self.monitor.mark() {
                 self.event(kind, text);
             }
+            if let Some(event) = self.monitor.alarm() {
+                self.recorder.event(&event);
+            }
             let before = self.tick;
             match self.session.next()? {
                 Some(Heard::Samples(batch)) => {
@@ -211,6 +214,7 @@ impl<'s> Run<'s> {
                 values,
             })
             .collect();
+        self.monitor.recorded(&rows);
         self.taken += self.recorder.push_samples(&rows) as u64;
         self.monitor.reached(self.now_ns());
     }
@@ -289,6 +293,9 @@ impl<'s> Run<'s> {
         match &end {
             End::Fault(text) | End::Broken(text) => self.event("fault", text.clone()),
             End::Finished | End::Stopped => {}
+        }
+        for event in self.monitor.last_alarms() {
+            self.recorder.event(&event);
         }
         let duration_s = self.now_ns() as f64 * 1e-9;
         let enable_feedback = self.session.identity().enable_feedback;

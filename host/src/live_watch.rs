@@ -1,0 +1,104 @@
+//! A watch beside a run: a thread of its own, which never delays the recording.
+
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
+use std::thread::{self, JoinHandle};
+
+use socam_recording::SampleRow;
+use socam_watch::{Event, Watch, WatchError};
+
+use crate::alarms;
+use crate::output;
+
+/// Batches of samples that wait for the watch: some seconds of a board's stream.
+const WAITING_BATCHES: usize = 4096;
+
+/// Samples: times, s, and values by channel, one sample after the other.
+struct Batch {
+    time_s: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// A watch that takes the samples of a run.
+pub(crate) struct LiveWatch {
+    /// `None` once the run has ended.
+    batches: Option<SyncSender<Batch>>,
+    events: Receiver<socam_recording::Event>,
+    thread: Option<JoinHandle<Result<(), WatchError>>>,
+    /// Whether the run waits for the watch, because its time is simulated. Otherwise samples that the watch has no time for are left out,
+    /// which it takes for a gap.
+    is_patient: bool,
+    left_out: usize,
+}
+
+impl LiveWatch {
+    /// Starts the thread.
+    pub(crate) fn start(mut watch: Watch, channels: usize, is_patient: bool) -> anyhow::Result<Self> {
+        let (batches, incoming) = sync_channel::<Batch>(WAITING_BATCHES);
+        let (outgoing, events) = channel();
+        let thread = thread::Builder::new().name("watch".into()).spawn(move || {
+            let tell = |found: Vec<Event>| {
+                for event in found {
+                    let text = alarms::text(&event);
+                    output::say(&text);
+                    // The run has ended without waiting for this thread if nobody receives.
+                    let _ = outgoing.send(recorded(&event, text));
+                }
+            };
+            while let Ok(batch) = incoming.recv() {
+                for (time_s, values) in batch.time_s.iter().zip(batch.values.chunks_exact(channels.max(1))) {
+                    tell(watch.push(*time_s, values)?);
+                }
+            }
+            tell(watch.finish()?);
+            Ok(())
+        })?;
+        Ok(Self { batches: Some(batches), events, thread: Some(thread), is_patient, left_out: 0 })
+    }
+
+    /// Hands samples to the watch.
+    pub(crate) fn take(&mut self, rows: &[SampleRow<'_>]) {
+        let Some(batches) = &self.batches else { return };
+        let batch = Batch {
+            time_s: rows.iter().map(|row| row.device_time_ns as f64 * 1e-9).collect(),
+            values: rows.iter().flat_map(|row| row.values).copied().collect(),
+        };
+        // A watch that has failed receives nothing; its error is told at the end.
+        if self.is_patient {
+            let _ = batches.send(batch);
+        } else if let Err(TrySendError::Full(batch)) = batches.try_send(batch) {
+            self.left_out += batch.time_s.len();
+        }
+    }
+
+    /// The next event for the recording, if there is one.
+    pub(crate) fn event(&self) -> Option<socam_recording::Event> {
+        self.events.try_recv().ok()
+    }
+
+    /// Ends the watch and returns its last events.
+    pub(crate) fn finish(&mut self) -> Vec<socam_recording::Event> {
+        self.batches = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(Err(error))) => output::warn(format_args!("the watch ended early: {error}")),
+            Some(Err(_)) => output::warn("the watch ended early: its thread failed"),
+            Some(Ok(Ok(()))) | None => {}
+        }
+        if self.left_out > 0 {
+            output::warn(format_args!(
+                "the watch was too slow for {} samples, which were recorded but not watched",
+                self.left_out
+            ));
+        }
+        self.events.try_iter().collect()
+    }
+}
+
+/// An event as a recording keeps it.
+fn recorded(event: &Event, text: String) -> socam_recording::Event {
+    let (kind, time_s) = match event {
+        Event::Learned(_) => ("baseline", 0.0),
+        Event::Alarm(alarm) | Event::Named(alarm) => ("alarm", alarm.time_s),
+        Event::Returned { time_s, .. } => ("alarm_end", *time_s),
+    };
+    socam_recording::Event { device_time_ns: (time_s * 1e9).round() as i64, kind: kind.into(), text }
+}

@@ -1,0 +1,83 @@
+//! `watch` and `record --watch` as processes: a change that begins in mid-run raises an alarm, a healthy bench does not, and the alarm is
+//! in the recording.
+
+use serde_json::Value;
+use socam_tests::run;
+
+/// Time at which the friction begins, s.
+const BEGINS_S: f64 = 14.0;
+const CHANGE: [&str; 4] = ["--hide", "coulomb_friction@load_bearing:torque=0.1", "--begin-at", "14s"];
+
+fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().unwrap().to_owned()
+}
+
+fn simulate(log: &str, duration: &str, more: &[&str]) {
+    let arguments = ["simulate", "--profile", "multisine", "--duration", duration, "-o", log];
+    let _ = run(arguments.iter().chain(more)).done();
+}
+
+/// Checks an alarm of the change.
+fn assert_names_the_friction(alarm: &Value) {
+    let number = |name: &str| alarm[name].as_f64().unwrap();
+    assert!((BEGINS_S - 0.6..BEGINS_S + 3.0).contains(&number("time_s")), "{alarm}");
+    assert!((number("onset_s") - BEGINS_S).abs() < 1.5, "{alarm}");
+    let causes = alarm["naming"]["causes"].as_array().unwrap();
+    let is_friction = |cause: &Value| cause["effect"] == "coulomb_friction";
+    assert!(causes.iter().any(is_friction), "{alarm}");
+}
+
+#[test]
+fn a_replayed_log_raises_an_alarm_where_it_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let [healthy, well, changed] =
+        ["healthy", "well", "changed"].map(|name| path(&folder, &format!("{name}.mcap")));
+    simulate(&healthy, "40s", &[]);
+    simulate(&well, "24s", &["--seed", "2"]);
+    simulate(&changed, "24s", &[&CHANGE[..], &["--seed", "3"]].concat());
+    let found = run(["watch", &well, &changed, "--baseline", &healthy, "--json"]).json();
+    assert_eq!(found["schema"], "socam.watch/1");
+    assert_eq!(found["recordings"][0]["alarms"], Value::Array(Vec::new()));
+    assert_eq!(found["recordings"][0]["blocks_not_judged"], 0);
+    let alarms = found["recordings"][1]["alarms"].as_array().unwrap();
+    assert_eq!(alarms.len(), 1, "{found}");
+    assert_names_the_friction(&alarms[0]);
+    // Without healthy recordings the beginning is the baseline.
+    let said = run(["watch", &changed, "--learn", "10s"]);
+    assert!(said.stderr.contains("baseline: 10.0 s of the healthy bench, 20 blocks"), "{}", said.stderr);
+    assert!(said.stderr.contains("warning: 20 blocks are few"), "{}", said.stderr);
+    let said = said.done();
+    assert!(said.contains(": 1 alarm in 24") && said.contains("cause of alarm 1: "), "{said}");
+}
+
+#[test]
+fn an_alarm_of_a_run_is_an_event_of_its_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let [healthy, log] = ["healthy", "run"].map(|name| path(&folder, &format!("{name}.mcap")));
+    simulate(&healthy, "40s", &[]);
+    let arguments = ["record", "-o", &log, "--device", "sim", "--profile", "multisine", "--duration", "24s"];
+    let watch = ["--seed", "4", "--watch", "speed-o-cam", "--baseline", &healthy];
+    let ran = run(arguments.iter().chain(&CHANGE).chain(&watch));
+    assert!(ran.stderr.contains("alarm 1 at "), "{}", ran.stderr);
+    let _ = ran.done();
+    let info = run(["info", "--json", &log]).json();
+    let events = info["recordings"][0]["log"]["events"].as_array().unwrap();
+    let alarms: Vec<&Value> = events.iter().filter(|event| event["kind"] == "alarm").collect();
+    assert_eq!(alarms.len(), 2, "{events:?}");
+    let time_s = alarms[0]["device_time_ns"].as_f64().unwrap() * 1e-9;
+    assert!((BEGINS_S - 0.6..BEGINS_S + 3.0).contains(&time_s), "{alarms:?}");
+    assert!(alarms[1]["text"].as_str().unwrap().starts_with("cause of alarm 1: "), "{alarms:?}");
+}
+
+#[test]
+fn slips_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = path(&folder, "run.mcap");
+    let record = ["record", "-o", &log, "--device", "sim", "--profile", "steps"];
+    let refused = |more: &[&str]| run(record.iter().chain(more)).refusal(2).to_owned();
+    assert!(refused(&["--learn", "10s"]).contains("name its model with --watch"));
+    assert!(refused(&["--begin-at", "5s"]).contains("--begin-at needs a --set or --hide"));
+    assert!(
+        refused(&["--begin-at", "5s", "--hide", "missing_inertia@load_hub:inertia=1e-3"]).contains("mid-run")
+    );
+}
