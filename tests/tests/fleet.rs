@@ -146,13 +146,13 @@ fn shards_and_the_library_give_the_rows_of_the_plain_run_to_the_byte() {
     }
 }
 
-/// A run with one job, once its part file has a row.
-fn begun(fleet: &Fleet, output: &str) -> Child {
+/// A run with one job, once its part file has more than these bytes: a further row.
+fn begun(fleet: &Fleet, output: &str, bytes: u64) -> Child {
     let mut command = socam_host();
     command.args(fleet.with_reference(output, &["--jobs", "1"]));
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let part = PathBuf::from(format!("{output}.part"));
-    while part.metadata().map_or(0, |part| part.len()) < 100 {
+    while part.metadata().map_or(0, |part| part.len()) <= bytes {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     child
@@ -162,7 +162,7 @@ fn begun(fleet: &Fleet, output: &str) -> Child {
 fn a_run_that_was_killed_or_interrupted_goes_on_to_the_same_bytes() {
     let fleet = fleet();
     let output = fleet.path("resumed.parquet");
-    let mut child = begun(fleet, &output);
+    let mut child = begun(fleet, &output, 0);
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!Path::new(&output).exists());
@@ -170,8 +170,8 @@ fn a_run_that_was_killed_or_interrupted_goes_on_to_the_same_bytes() {
     let before = part.metadata().unwrap().len();
     // The crash cut the last row off.
     let torn = [std::fs::read(&part).unwrap(), vec![77; 5]].concat();
-    std::fs::write(&part, torn).unwrap();
-    let child = begun(fleet, &output);
+    std::fs::write(&part, &torn).unwrap();
+    let child = begun(fleet, &output, torn.len() as u64);
     // It may be done already when the signal comes.
     let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let ran = Ran::from(child.wait_with_output().unwrap());

@@ -41,6 +41,9 @@ struct Args {
     /// False discovery rate
     #[arg(long, value_name = "Q", default_value_t = 0.05)]
     fdr: f64,
+    /// Share of the machines that have a fault
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
+    faulty: f64,
     /// Measure the CPU time of so many adequate recordings instead
     #[arg(long, value_name = "N")]
     cost: Option<usize>,
@@ -105,7 +108,7 @@ impl Args {
             dates: self.dates,
             spread: 0.05,
             faults: read(faults)?,
-            faulty_share: 0.02,
+            faulty_share: self.faulty,
             wear: read(wear)?,
             worn_share: 0.05,
             seed: self.seed + fleet,

@@ -36,7 +36,7 @@ impl Tally {
 
 pub(crate) fn run(args: &Args) -> Result<String, String> {
     let options = args.options()?;
-    let (mut faults, mut trends, mut right) = (Vec::new(), Vec::new(), [0; 3]);
+    let (mut faults, mut trends, mut right) = (Vec::new(), Vec::new(), [0; 4]);
     let mut p_values = Vec::new();
     for number in 0..args.fleets {
         let fleet = VirtualFleet::draw(&args.plan(number)?);
@@ -45,8 +45,13 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
             fleet.machines.iter().map(|machine| (machine.serial.as_str(), machine)).collect();
         let healthy = rows.iter().filter(|row| truth[row.machine_name()].fault.is_none());
         p_values.extend(healthy.filter_map(|row| row.p_value));
+        let mut rivals: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for row in &rows {
+            let own = rivals.entry(row.machine_name().to_owned()).or_default();
+            own.extend(row.findings.iter().flat_map(|finding| finding.rivals.iter().cloned()));
+        }
         let summary = Summary::of(rows.into_iter().map(Ok), args.fdr).map_err(|e| e.to_string())?;
-        faults.push(of_faults(&summary, &truth, &mut right));
+        faults.push(of_faults(&summary, (&truth, &rivals), &mut right));
         trends.push(of_trends(&summary, &truth));
         eprintln!("fleet {number}: {:?}, {:?}", faults.last(), trends.last());
     }
@@ -64,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
     );
     text.push_str(&sum(&faults).line("machines with a fault", &faults));
     text.push_str(&sum(&trends).line("machines that wear", &trends));
-    let [named, placed, of] = right;
+    let [named, placed, rival, of] = right;
     let _ = writeln!(
         text,
         "of {of} faults that were found, {named} are named right, {placed} at the right place"
@@ -83,8 +88,8 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
 
 fn of_faults(
     summary: &Summary,
-    truth: &BTreeMap<&str, &FleetMachine>,
-    [named, placed, of]: &mut [usize; 3],
+    (truth, rivals): (&BTreeMap<&str, &FleetMachine>, &BTreeMap<String, Vec<String>>),
+    [named, placed, rival, of]: &mut [usize; 4],
 ) -> Tally {
     let is_faulty = |machine: &str| truth[machine].fault.is_some();
     let found: Vec<_> = summary.faulty.iter().filter(|one| is_faulty(&one.machine)).collect();
@@ -93,7 +98,10 @@ fn of_faults(
         let named_effect = format!("{}@", fault.effect);
         *of += 1;
         *named += usize::from(one.findings.iter().any(|finding| finding.starts_with(&named_effect)));
-        *placed += usize::from(one.findings.contains(&format!("{named_effect}{}", fault.place)));
+        let key = format!("{named_effect}{}", fault.place);
+        let is_placed = one.findings.contains(&key);
+        *placed += usize::from(is_placed);
+        *rival += usize::from(!is_placed && rivals[&one.machine].contains(&key));
     }
     Tally {
         there: truth.values().filter(|machine| machine.fault.is_some()).count(),
