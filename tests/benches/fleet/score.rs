@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
     let [named, placed, rival, of] = right;
     let _ = writeln!(
         text,
-        "of {of} faults that were found, {named} are named right, {placed} at the right place"
+        "of {of} faults that were found, {named} have the right effect; {placed} the right effect and place, {rival} as a rival"
     );
     for level in [0.001, 0.01, 0.05, 0.2] {
         let below = p_values.iter().filter(|p| **p < level).count();

@@ -130,7 +130,7 @@ fn sizes(group: &Group) -> Markup {
         y.push(size);
         spread.push(half(member.low, member.high));
     }
-    let axis = first.map_or_else(|| Axis::new("machine", "number"), |first| dates(first));
+    let axis = first.map_or_else(|| Axis::new("machine", "number"), dates);
     let parameter = group.parameter.as_deref().unwrap_or("size");
     let plot = Plot {
         title: format!("{parameter} of {} at {}", group.effect, group.place),
