@@ -6,6 +6,7 @@
 //! * [`Replay`]: a model driven by recorded inputs, compared with the measured outputs.
 //! * [`Analog`]: the bench's connectors, for a board with its own converters.
 //! * [`challenge`]: random machines with concealed effects that a diagnosis must find.
+//! * [`VirtualFleet`]: sister machines with faults and wear.
 //! * [`VirtualBoard`]: a board on that bench: the core of the real one on a simulated clock.
 //!
 //! # Conventions
@@ -21,6 +22,7 @@ mod concealed;
 mod drive;
 mod error;
 mod flaw;
+mod fleet;
 mod plant;
 mod record;
 mod replay;
@@ -34,6 +36,7 @@ pub use analog::Analog;
 pub use concealed::{Concealed, Override};
 pub use drive::{Answer, Drive};
 pub use error::SimError;
+pub use fleet::{FleetMachine, FleetPlan, VirtualFleet};
 pub use plant::{Effort, Plant, Trajectory};
 pub use replay::{Begin, Disturbance, OutputError, Replay, Replayed, Start};
 pub use setup::{NO_TACHOMETER, Setup, calibration_for};

@@ -18,6 +18,8 @@ mod diagnose_robust;
 mod diagnose_steady;
 mod export_model;
 mod firmware_image;
+#[cfg(unix)]
+mod fleet;
 mod frequency;
 mod identify;
 mod import;

@@ -155,3 +155,36 @@ fn checked(data: &Dataset, model: &Model, options: &FleetOptions, row: &mut Row)
     let preventing: Vec<String> = of(Severity::Prevents).map(|finding| finding.sentence()).collect();
     if preventing.is_empty() { Ok(()) } else { Err(End::new(Status::Unfit, preventing.join("; "))) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_a_row_that_says_so() {
+        let end = on_one_thread(|| {
+            assert_eq!(rayon::current_num_threads(), 1);
+            panic!("index 7 of {}", 3)
+        });
+        let End { status, message } = end.unwrap_err();
+        assert!(status == Status::Failed && message.contains("index 7 of 3"), "{message}");
+        assert!(on_one_thread(|| Ok(())).is_ok());
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_a_row_that_names_the_recording_and_no_place() {
+        let model = Model::builtin("two-mass").unwrap();
+        let options = FleetOptions::default();
+        let of = |source: &Source| diagnose_one(source, &model, &options, 1);
+        let absent = of(&Source::path("/nowhere/SN1/run.csv"));
+        assert_eq!((absent.status, absent.stage, absent.id.len()), (Status::Unreadable, Stage::Read, 64));
+        let folder = of(&Source::path("/"));
+        assert!(folder.message.contains("it is not a file"), "{}", folder.message);
+        let noise = of(&Source::bytes("SN2/2026-01-02/noise.mcap", vec![7; 1000]));
+        assert_eq!((noise.status, noise.machine.as_deref()), (Status::Unreadable, Some("SN2")));
+        assert!(noise.message.contains("`SN2/2026-01-02/noise.mcap`"), "{}", noise.message);
+        // Channels of another bench.
+        let other = of(&Source::bytes("a.csv", b"t_s,position_m\n0,1\n1,2\n2,1\n".to_vec()));
+        assert_eq!((other.status, other.stage), (Status::Unfit, Stage::Check), "{}", other.message);
+    }
+}

@@ -14,6 +14,7 @@ mod efficiency;
 mod export;
 mod export_model;
 mod flash;
+mod fleet;
 mod identify;
 mod import;
 mod info;
@@ -84,6 +85,7 @@ commands! {
     ExportModel => export_model,
     Identify => identify,
     Diagnose => diagnose,
+    Fleet => fleet,
     Compare => compare,
     Calibrate => calibrate,
     Efficiency => efficiency,

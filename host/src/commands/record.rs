@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use socam_fleet::labels::MACHINE_KEY;
 use socam_model::Model;
 use socam_recording::{Attachment, Calibration, ProfileFile};
 use socam_watch::{Baseline, Watch};
@@ -54,6 +55,9 @@ pub(crate) struct Args {
     /// Note to store in the recording
     #[arg(long, value_name = "TEXT")]
     note: Option<String>,
+    /// Serial number of the machine to store in the recording; `fleet` reads it
+    #[arg(long, value_name = "SERIAL")]
+    machine: Option<String>,
     /// Replace an existing recording
     #[arg(long)]
     force: bool,
@@ -114,6 +118,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let setup = (*device == Device::Sim).then(|| args.bench.setup(calibration.clone())).transpose()?;
     plan.metadata.insert("device".into(), device.to_string());
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
+    plan.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
     plan.attachments.extend(attachment("model.toml", model_file::text(&args.bench.model)?));
     // Learning the baseline takes seconds, in which a board would fall silent.
     let watched = watched(&args)?;

@@ -1,23 +1,22 @@
 //! The fleet as one page: how many are adequate, what is wrong how often and where, what gets worse, and a section for each machine that
 //! is listed.
 
+mod machine;
+mod words;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use jiff::Timestamp;
 use maud::{Markup, Render, html};
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Series, document, words};
+use socam_plot::{Axis, COLUMNS, Mark, Plot, Series, document, words::unit};
 
+use self::machine::{machine, sections};
+use self::words::{anchor, dates, days, half, number, percent, scientific, status};
 use crate::error::Result;
-use crate::row::{Row, Status};
 use crate::summary::{Group, Summary};
-use crate::table::Table;
 
-/// Most machines that have a section, and rows of a list.
-const MOST_MACHINES: usize = 200;
+/// Most rows of a list.
 const MOST_LINES: usize = 200;
-const YEAR_DAYS: f64 = 365.25;
-const YEAR_MS: f64 = YEAR_DAYS * 86_400_000.0;
 
 const STYLE: &str = ".bar { display: flex; height: 18px; margin: 12px 0 4px; } .bar span { display: block; height: 100%; min-width: 1px; }
 .good { background: var(--good); } .bad { background: var(--before); } .none { background: var(--rule); } td.wrap { white-space: normal; min-width: 24ch; }";
@@ -28,7 +27,6 @@ const STYLE: &str = ".bar { display: flex; height: 18px; margin: 12px 0 4px; } .
 /// When the table cannot be read again.
 pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String> {
     let machines = sections(summary, table)?;
-    let title = "Fleet";
     let body = html! {
         h1 { (headline(summary)) }
         p class="over" { (format!("{} recordings of {} machines", summary.counts.recordings, summary.machines)) }
@@ -47,17 +45,20 @@ pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String>
             }
         }
     };
-    Ok(document(title, STYLE, &body).into_string())
+    Ok(document("Fleet", STYLE, &body).into_string())
 }
 
 fn headline(summary: &Summary) -> String {
     let (wrong, worse) = (summary.faulty.len(), summary.trends.len());
-    match (wrong, worse) {
-        (0, 0) => "No machine of the fleet stands out".into(),
-        (wrong, 0) => format!("{wrong} machines lack physics"),
-        (0, worse) => format!("{worse} parameters change over the dates"),
-        (wrong, worse) => format!("{wrong} machines lack physics, {worse} parameters change over the dates"),
-    }
+    let wrong = (wrong > 0).then(|| counted(wrong, "machine lacks physics", "machines lack physics"));
+    let worse = (worse > 0)
+        .then(|| counted(worse, "parameter changes over the dates", "parameters change over the dates"));
+    let both: Vec<String> = wrong.into_iter().chain(worse).collect();
+    if both.is_empty() { "No machine of the fleet stands out".into() } else { both.join(", ") }
+}
+
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 fn counts(summary: &Summary) -> Markup {
@@ -102,10 +103,10 @@ fn groups(summary: &Summary) -> Markup {
                 tr { th { "effect" } th { "place" } th class="n" { "machines" } th class="n" { "recordings" } th { "median size" } }
                 @for group in &summary.groups { tr {
                     td { (group.effect) } td { (group.place) } td class="n" { (group.machines) } td class="n" { (group.members.len()) }
-                    td { @if let Some(size) = group.median { (group.parameter.as_deref().unwrap_or("")) " " (number(size)) " " (words::unit(&group.unit)) } }
+                    td { @if let Some(size) = group.median { (group.parameter.as_deref().unwrap_or("")) " " (number(size)) " " (unit(&group.unit)) } }
                 } }
             } }
-            div class="plots" { @for group in summary.groups.iter().filter(|group| group.median.is_some()) {
+            div class="plots" { @for group in summary.groups.iter().filter(|group| group.median.is_some() && group.members.len() > 1) {
                 figure { (sizes(group)) }
             } }
         }
@@ -114,7 +115,8 @@ fn groups(summary: &Summary) -> Markup {
 
 /// Size of a finding over the dates; over the machines' order where dates are missing.
 fn sizes(group: &Group) -> Markup {
-    let dated = group.members.iter().all(|member| member.date.is_some());
+    let first = group.members.iter().filter_map(|member| member.date).min();
+    let first = first.filter(|_| group.members.iter().all(|member| member.date.is_some()));
     let mut order: BTreeMap<&str, f64> = BTreeMap::new();
     for member in &group.members {
         let next = order.len() as f64 + 1.0;
@@ -123,17 +125,17 @@ fn sizes(group: &Group) -> Markup {
     let (mut x, mut y, mut spread) = (Vec::new(), Vec::new(), Vec::new());
     for member in &group.members {
         let Some(size) = member.size else { continue };
-        x.push(if dated { member.date.map_or(f64::NAN, year) } else { order[member.machine.as_str()] });
+        let since = first.zip(member.date).map(|(first, date)| days(first, date));
+        x.push(since.unwrap_or(order[member.machine.as_str()]));
         y.push(size);
         spread.push(half(member.low, member.high));
     }
-    let what =
-        format!("{} of {} at {}", group.parameter.as_deref().unwrap_or("size"), group.effect, group.place);
-    let axis = if dated { Axis::new("date", "year") } else { Axis::new("machine", "number") };
+    let axis = first.map_or_else(|| Axis::new("machine", "number"), dates);
+    let parameter = group.parameter.as_deref().unwrap_or("size");
     let plot = Plot {
-        title: what.clone(),
+        title: format!("{parameter} of {} at {}", group.effect, group.place),
         x: axis,
-        y: Axis::new(&what, &group.unit),
+        y: Axis::new(parameter, &group.unit),
         series: vec![Series {
             label: "",
             class: "before",
@@ -144,7 +146,7 @@ fn sizes(group: &Group) -> Markup {
         }],
         columns: COLUMNS,
     };
-    plot.render()
+    html! { (plot.render()) figcaption { (group.effect) " at " (group.place) ", all machines" } }
 }
 
 fn trends(summary: &Summary) -> Markup {
@@ -158,7 +160,7 @@ fn trends(summary: &Summary) -> Markup {
                     td class="n" { (format!("{:+.1} %", 100.0 * one.change)) }
                     td class="n" { (number(one.per_year)) }
                     td { (number(one.low)) " to " (number(one.high)) }
-                    td { (words::unit(&one.unit)) } td class="n" { (scientific(one.p_value)) }
+                    td { (unit(&one.unit)) } td class="n" { (scientific(one.p_value)) }
                 } }
             } } (more(summary.trends.len())) }
         }
@@ -174,7 +176,7 @@ fn differences(summary: &Summary) -> Markup {
                 @for one in summary.differences.iter().take(MOST_LINES) { tr {
                     td { (link(&one.machine)) } td { (one.parameter) }
                     td class="n" { (number(one.value)) } td class="n" { (number(one.median)) } td class="n" { (number(one.between_std)) }
-                    td { (words::unit(&one.unit)) } td class="n" { (format!("{:+.1}", one.z)) }
+                    td { (unit(&one.unit)) } td class="n" { (format!("{:+.1}", one.z)) }
                 } }
             } } (more(summary.differences.len())) }
         }
@@ -196,134 +198,10 @@ fn troubles(summary: &Summary) -> Markup {
     }
 }
 
-/// Rows of the machines that have a section, by date.
-fn sections(summary: &Summary, table: &Path) -> Result<BTreeMap<String, Vec<Row>>> {
-    let notable = summary.notable();
-    let mut found: BTreeMap<String, Vec<Row>> = BTreeMap::new();
-    for row in Table::open(table)? {
-        let row = row?;
-        let name = row.machine_name();
-        if notable.contains(name) && (found.contains_key(name) || found.len() < MOST_MACHINES) {
-            found.entry(name.to_owned()).or_default().push(row);
-        }
-    }
-    found
-        .values_mut()
-        .for_each(|rows| rows.sort_by(|a, b| (a.date, &a.recording).cmp(&(b.date, &b.recording))));
-    Ok(found)
-}
-
-fn machine(summary: &Summary, name: &str, rows: &[Row]) -> Markup {
-    let changing = summary.trends.iter().filter(|trend| trend.machine == name);
-    html! {
-        h3 id=(anchor(name)) { (name) }
-        div class="scroll" { table {
-            tr { th { "date" } th { "recording" } th { "verdict" } th class="n" { "p" } th class="n" { "residual power" } th { "what" } }
-            @for row in rows { tr {
-                td { (row.date.map_or_else(String::new, day)) } td { (row.recording) }
-                td { (verdict(row)) }
-                td class="n" { (row.p_value.map_or_else(String::new, scientific)) }
-                td class="n" { (row.excess.map_or_else(String::new, number)) }
-                td class="wrap" {
-                    (row.message)
-                    @for finding in &row.findings { p { (finding.sentence) } }
-                }
-            } }
-        } }
-        div class="plots" { @for trend in changing { figure { (history(&trend.parameter, &trend.unit, rows)) } } }
-    }
-}
-
-/// A parameter of a machine over the dates.
-fn history(parameter: &str, unit: &str, rows: &[Row]) -> Markup {
-    let (mut x, mut y, mut spread) = (Vec::new(), Vec::new(), Vec::new());
-    for row in rows {
-        let own = row.parameters.iter().find(|own| own.name == parameter);
-        let Some((date, own)) = row.date.zip(own) else { continue };
-        let Some(value) = own.value else { continue };
-        x.push(year(date));
-        y.push(value);
-        spread.push(half(own.low, own.high));
-    }
-    let plot = Plot {
-        title: format!("{parameter} over the dates"),
-        x: Axis::new("date", "year"),
-        y: Axis::new(parameter, unit),
-        series: vec![Series {
-            label: "",
-            class: "after",
-            mark: Mark::Circles,
-            x: &x,
-            y: &y,
-            spread: &spread,
-        }],
-        columns: COLUMNS,
-    };
-    plot.render()
-}
-
-fn verdict(row: &Row) -> String {
-    match row.verdict {
-        Some(verdict) => format!("{verdict:?}").chars().fold(String::new(), |text, c| match c {
-            c if c.is_uppercase() && !text.is_empty() => text + " " + &c.to_lowercase().to_string(),
-            c => text + &c.to_lowercase().to_string(),
-        }),
-        None => status(row.status).into(),
-    }
-}
-
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Ok => "ok",
-        Status::Unreadable => "unreadable",
-        Status::Unfit => "unfit",
-        Status::Failed => "failed",
-    }
-}
-
 fn link(machine: &str) -> Markup {
     html! { a href=(format!("#{}", anchor(machine))) { (machine) } }
 }
 
-/// An id of the page: names may hold anything.
-fn anchor(machine: &str) -> String {
-    let safe =
-        |c: char| if c.is_ascii_alphanumeric() { c.to_string() } else { format!("-{:x}", u32::from(c)) };
-    format!("machine-{}", machine.chars().map(safe).collect::<String>())
-}
-
 fn more(count: usize) -> Markup {
     html! { @if count > MOST_LINES { p class="small" { (format!("and {} more in the table", count - MOST_LINES)) } } }
-}
-
-/// Half the width of an interval; zero where an end is open.
-fn half(low: Option<f64>, high: Option<f64>) -> f64 {
-    low.zip(high).map_or(0.0, |(low, high)| 0.5 * (high - low))
-}
-
-fn year(date: i64) -> f64 {
-    1970.0 + date as f64 / YEAR_MS
-}
-
-fn day(date: i64) -> String {
-    Timestamp::from_millisecond(date)
-        .map_or_else(|_| String::new(), |stamp| stamp.strftime("%Y-%m-%d").to_string())
-}
-
-fn percent(share: f64) -> String {
-    number(100.0 * share)
-}
-
-/// A number to four digits.
-fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".into(),
-        size if (1e-3..1e5).contains(&size) => words::minus(&format!("{rounded}")),
-        _ => words::minus(&format!("{rounded:e}")),
-    }
-}
-
-fn scientific(p_value: f64) -> String {
-    if p_value >= 1e-3 { number(p_value) } else { words::minus(&format!("{p_value:.0e}")) }
 }

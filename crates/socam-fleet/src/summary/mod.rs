@@ -3,25 +3,23 @@
 //! Three lists are made, each at the stated false discovery rate: machines that lack physics (by the p-values of the screening), trends
 //! of parameters, and machines that differ from their sisters.
 
+mod parameters;
+
 use std::collections::BTreeSet;
 
 use serde::Serialize;
 
+use self::parameters::{Parameters, parameters};
 use crate::collected::{Collected, Counts, Found, Member, Trouble};
 use crate::error::Result;
 use crate::row::Row;
 use crate::statistics::{
     discovery::{adjusted, simes},
     median,
-    sisters::{self, Value},
-    trend::{self, Point, Slope},
 };
 
 /// Version of [`Summary`]'s JSON form.
 pub const SUMMARY_SCHEMA: &str = "socam.fleet-summary/1";
-
-/// Days of a year.
-const YEAR_DAYS: f64 = 365.25;
 
 /// What a fleet's rows say together.
 #[derive(Debug, Clone, Serialize)]
@@ -233,84 +231,4 @@ fn grouped((effect, place): (String, String), found: Found, listed: &BTreeSet<&s
     let mut sizes: Vec<f64> = members.iter().filter_map(|member| member.size).collect();
     let median = Some(median(&mut sizes)).filter(|median| median.is_finite());
     (machines > 0).then_some(Group { effect, place, parameter, unit, machines, median, members })
-}
-
-/// What is said of parameters, before any choice among it.
-struct Parameters {
-    trends: Vec<Trend>,
-    differences: Vec<Different>,
-    spreads: Vec<Spread>,
-}
-
-fn parameters(all: &Collected) -> Parameters {
-    let mut found = Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new() };
-    for (index, (name, unit)) in all.parameters.iter().enumerate() {
-        let own: Vec<(&String, &Vec<Point>)> = all
-            .machines
-            .iter()
-            .filter_map(|(machine, known)| Some((machine, known.estimates.get(&index)?)))
-            .collect();
-        let points: Vec<Vec<Point>> = own.iter().map(|(_, points)| (*points).clone()).collect();
-        let (slopes, dispersion) = trend::slopes(&points);
-        let trends = own.iter().zip(&slopes).filter_map(|((machine, points), slope)| {
-            Some(trend(machine, (name, unit), points.len(), slope.as_ref()?))
-        });
-        found.trends.extend(trends);
-        let means: Vec<(&String, Value)> = own
-            .iter()
-            .filter_map(|(machine, points)| {
-                let values: Vec<(f64, f64)> = points.iter().map(|point| (point.value, point.std)).collect();
-                Some((*machine, Value::of(&values, dispersion)?))
-            })
-            .collect();
-        let values: Vec<Value> = means.iter().map(|(_, value)| *value).collect();
-        let each = means.iter().zip(sisters::differences(&values));
-        found.differences.extend(each.filter_map(|((machine, value), difference)| {
-            Some(different(machine, (name, unit), *value, difference?))
-        }));
-        let mut middle: Vec<f64> = values.iter().map(|value| value.mean).collect();
-        found.spreads.push(Spread {
-            parameter: name.clone(),
-            unit: unit.clone(),
-            machines: values.len(),
-            median: median(&mut middle),
-            repeatability: dispersion.sqrt(),
-        });
-    }
-    found
-}
-
-fn trend(machine: &str, (name, unit): (&str, &str), recordings: usize, slope: &Slope) -> Trend {
-    Trend {
-        machine: machine.to_owned(),
-        parameter: name.to_owned(),
-        unit: unit.to_owned(),
-        recordings,
-        per_year: YEAR_DAYS * slope.per_day,
-        low: YEAR_DAYS * slope.low,
-        high: YEAR_DAYS * slope.high,
-        change: slope.per_day * slope.span_days / slope.level,
-        p_value: slope.p_value,
-        q_value: 1.0,
-    }
-}
-
-fn different(
-    machine: &str,
-    (name, unit): (&str, &str),
-    value: Value,
-    difference: sisters::Difference,
-) -> Different {
-    Different {
-        machine: machine.to_owned(),
-        parameter: name.to_owned(),
-        unit: unit.to_owned(),
-        value: value.mean,
-        std: value.std,
-        median: difference.median,
-        between_std: difference.between_std,
-        z: difference.z,
-        p_value: difference.p_value,
-        q_value: 1.0,
-    }
 }
