@@ -47,10 +47,10 @@ impl Changes {
         changed
     }
 
-    /// `3 of 12 parameters fixed`
+    /// `Start values: 3 of 12 parameters are fixed`
     pub(super) fn summary(&self, model: &Model) -> String {
         let fixed = self.applied(model).parameters.iter().filter(|parameter| parameter.fixed).count();
-        format!("{fixed} of {} parameters fixed", model.parameters.len())
+        format!("Start values: {fixed} of {} parameters are fixed", model.parameters.len())
     }
 
     /// Draws all parameters of the model with a tick for those that are fixed.

@@ -75,7 +75,7 @@ impl ViewPanel for Identify {
                 "the model, and the recordings that are fitted to it together; those that are held out are only predicted, as a proof; the diagnosis has the same set-up",
             ),
             (
-                "...: fixed; ...: start value; Values of the model; start values; ... parameters fixed",
+                "Start values: ...; ...: fixed; ...: start value; Values of the model",
                 "parameters that are known and not fitted, and where the others start, SI; with bounds of the model file",
             ),
             (

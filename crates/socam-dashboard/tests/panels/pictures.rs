@@ -18,7 +18,7 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// How each state is drawn here; example `gallery` draws all of them in all looks.
-const DRAWN: [(&str, Look, Viewport); 27] = [
+const DRAWN: [(&str, Look, Viewport); 28] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),
@@ -35,6 +35,7 @@ const DRAWN: [(&str, Look, Viewport); 27] = [
     ("identify", Look::Light, SMALL),
     ("identify-setup", Look::Dark, NARROW),
     ("diagnosis", Look::Light, SMALL),
+    ("diagnosis-signals", Look::Light, SMALL),
     ("diagnosis-torque", Look::Dark, LARGE),
     ("diagnosis-frequency", Look::Dark, SMALL),
     ("diagnosis-time", Look::Dark, SMALL),

@@ -6,20 +6,19 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use socam_answer::Evidence;
+use socam_answer::document::Overlay;
 use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
 use socam_dashboard::diagnosis::Over;
-use socam_dashboard::document::parse;
+use socam_dashboard::document::{Document, parse};
 use socam_dashboard::recording::{About, Happening, Recording};
 use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
 use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View};
-use socam_identify::{Intersample, Predictor, Start};
-use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
 
 /// Numbers without pattern, the same on every machine.
-pub(crate) struct Noise(u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
     pub(crate) fn next(&mut self) -> f64 {
@@ -61,7 +60,12 @@ pub(crate) fn of(name: &str, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Record
     with_channels(name, channels, time_s, columns)
 }
 
-fn with_channels(name: &str, channels: Vec<Channel>, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Recording {
+pub(crate) fn with_channels(
+    name: &str,
+    channels: Vec<Channel>,
+    time_s: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+) -> Recording {
     let data = Dataset::from_columns(name, channels.clone(), time_s.clone(), columns.clone()).unwrap();
     let about =
         About { name: name.into(), channels, sample_time_s: data.sample_time_s(), ..About::default() };
@@ -70,31 +74,6 @@ fn with_channels(name: &str, channels: Vec<Channel>, time_s: Vec<f64>, columns: 
         samples: Arc::new(Samples::in_memory(time_s, &columns, data.segments().to_vec())),
         path: None,
     }
-}
-
-/// Stiffness of the shaft of [`two_mass`], N m/rad; another than that of the model's file.
-pub(crate) const STIFFNESS: f64 = 160.0;
-
-/// A run of the model `two-mass` for 2 s at 500 Hz, with another stiffness, dry friction at the load, and noise.
-pub(crate) fn two_mass(number: u32, friction_nm: f64) -> Recording {
-    let base = Model::builtin("two-mass").unwrap();
-    let truth = match friction_nm {
-        0.0 => base,
-        torque => base.with_effect("coulomb_friction", "load_bearing", &[("torque", torque)]).unwrap(),
-    };
-    let mut values = truth.values();
-    values[truth.parameter("stiffness").unwrap()] = STIFFNESS;
-    let mut noise = Noise(u64::from(number) + 17);
-    let slow = 0.6 + 0.3 * f64::from(number);
-    let time_s: Vec<f64> = (0..1000).map(|row| f64::from(row) * 2e-3).collect();
-    let torque: Vec<f64> = time_s.iter().map(|t| 1.5 * (TAU * slow * t).sin() + 2.0 * noise.next()).collect();
-    let predictor = Predictor::new(&truth, &values, 2e-3).unwrap();
-    let simulated = predictor.run(&[&torque], &[Intersample::Linear], Start::Equilibrium).unwrap();
-    let noisy = |signal: &Vec<f64>| signal.iter().map(|value| value + 0.2 * noise.next()).collect();
-    let outputs: Vec<Vec<f64>> = simulated.outputs.iter().map(noisy).collect();
-    let units = [("motor_torque", Unit::Nm), ("motor_speed", Unit::RadPerS), ("load_speed", Unit::RadPerS)];
-    let channels = units.map(|(name, unit)| Channel::new(name, unit)).to_vec();
-    with_channels(&format!("runs/two-mass-{number}.csv"), channels, time_s, [vec![torque], outputs].concat())
 }
 
 /// With a gap, missing values, a spike, events, notes and warnings.
@@ -210,9 +189,38 @@ fn with_spectra(look: Look, kind: Kind, runs: u32) -> Dashboard {
     dashboard
 }
 
+/// Speeds of which the model misses the reversals.
+fn overlay() -> Overlay {
+    let mut noise = Noise(9);
+    let mut shown = Overlay {
+        channel: "output_speed".into(),
+        unit: "rad/s".into(),
+        recording: "runs/reversals-1.mcap".into(),
+        held_out: true,
+        ..Overlay::default()
+    };
+    for row in 0..1500 {
+        let t = f64::from(row) * 1e-3;
+        let speed = 4.0 * (TAU * 1.3 * t).sin() + 0.6 * (TAU * 6.0 * t).sin();
+        let missed = 0.5 * speed.signum();
+        let measured = speed + 0.1 * noise.next();
+        shown.time_s.push(2.0 + t);
+        shown.measured.push(Some(measured));
+        shown.before.push(Some(speed + missed));
+        shown.after.push(Some(speed));
+        shown.residual_before.push(Some(measured - speed - missed));
+        shown.residual_after.push(Some(measured - speed));
+    }
+    shown
+}
+
 fn diagnosed(look: Look, over: Over) -> Dashboard {
     let mut dashboard = dashboard(look, View::Diagnosis);
-    dashboard.show(parse("diagnosis.json", DIAGNOSIS).unwrap());
+    let mut document = parse("diagnosis.json", DIAGNOSIS).unwrap();
+    if let Document::Diagnosis(diagnosis, _) = &mut document {
+        diagnosis.overlay = Some(overlay());
+    }
+    dashboard.show(document);
     dashboard.show_evidence(evidence());
     dashboard.views.diagnosis.over = over;
     dashboard
@@ -220,7 +228,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 30] = [
+pub(crate) const STATES: [&str; 31] = [
     "time",
     "time-trouble",
     "time-one-sample",
@@ -240,6 +248,7 @@ pub(crate) const STATES: [&str; 30] = [
     "identify-empty",
     "identify-setup",
     "diagnosis",
+    "diagnosis-signals",
     "diagnosis-torque",
     "diagnosis-frequency",
     "diagnosis-time",
@@ -270,6 +279,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "identify-setup" => with_runs(look, View::Identify, 3),
         "check-twelve" => with_runs(look, View::Check, 12),
         "diagnosis" => diagnosed(look, Over::Speed),
+        "diagnosis-signals" => diagnosed(look, Over::Signals),
         "diagnosis-torque" => diagnosed(look, Over::Torque),
         "diagnosis-frequency" => diagnosed(look, Over::Frequency),
         "diagnosis-time" => diagnosed(look, Over::Time),
