@@ -7,10 +7,11 @@ use crate::view::View;
 use crate::{live, theme};
 
 /// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
-const ONE_ROW: f32 = 1060.0;
+const ONE_ROW: f32 = 1140.0;
 
 impl Dashboard {
-    /// Menus and tabs at the left, the emergency stop at the right; in two rows where there is no room for one.
+    /// Menus and tabs at the left, the state of the bench and the emergency stop at the right; the tabs are a row of their own where there
+    /// is no room. The height depends on the width only, so that no button moves while a bench runs.
     pub(super) fn bar(&mut self, ui: &mut Ui) {
         let is_one_row = ui.available_width() >= ONE_ROW;
         ui.horizontal(|ui| {
@@ -29,19 +30,11 @@ impl Dashboard {
                 if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
                     self.views.live.emergency_stop();
                 }
-                if is_one_row {
-                    self.views.live.lamp(ui);
-                }
+                self.views.live.lamp(ui);
             });
         });
         if !is_one_row {
-            ui.horizontal_wrapped(|ui| {
-                self.tabs(ui);
-                if live::REACHABLE {
-                    ui.separator();
-                    self.views.live.lamp(ui);
-                }
-            });
+            ui.horizontal_wrapped(|ui| self.tabs(ui));
         }
     }
 

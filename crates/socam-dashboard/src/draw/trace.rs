@@ -29,6 +29,10 @@ pub(super) struct Pen {
 impl Pen {
     /// Adds the line through points on the screen, of which only those near `clip` are drawn.
     pub(super) fn draw(self, points: &[[f64; 2]], clip: Rect, shapes: &mut Vec<Shape>) {
+        // A chart that is scrolled out of sight.
+        if !clip.is_positive() {
+            return;
+        }
         let is_ordered = points.is_sorted_by(|a, b| a[0] <= b[0]);
         let points = if is_ordered { within(points, clip) } else { points };
         if !is_ordered || self.is_dashed {

@@ -83,7 +83,7 @@ impl ViewPanel for Identify {
                 "how it is fitted: by the errors of the simulated outputs, or, for an axis with one coordinate, by linear regression of the force on the motion",
             ),
             (
-                "Identify",
+                "Identify parameters",
                 "fits the free parameters to all recordings together, in the background; Cancel gives it up",
             ),
             ("Use as model", "what was found becomes the model of all views"),

@@ -149,6 +149,8 @@ fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     for tab in ["over frequency", "over time", "measured shape", "fit", "after", "before"] {
         click(&mut window, tab);
     }
+    window.get_by_label("Make it the input signal").scroll_to_me();
+    window.run_steps(40);
     click(&mut window, "Make it the input signal");
     assert_eq!(window.state().layout.view, View::Live);
     assert!(
