@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_model::{Intersample, Model};
-use socam_recording::{Carry, Channel, Dataset, OutputFile, RecordingError};
+use socam_model::Model;
+use socam_recording::{Carry, Dataset, OutputFile, RecordingError};
 
 /// Arguments that no command can work with; ends with exit code 2.
 #[derive(Debug)]
@@ -101,29 +101,9 @@ pub(crate) const GRID_PARTS: u32 = 4;
 /// The same for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
 /// that bend at their samples.
 pub(crate) fn open_for(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let data = socam_import::open(run)?;
-    let data = if data.steps()?.are_irregular() { on_regular_grid(&data, model, parts)? } else { data };
+    let data = socam_expectation::regular(socam_import::open(run)?, model, parts)?;
     say_warnings(run, &data);
     Ok(data)
-}
-
-fn on_regular_grid(data: &Dataset, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let inputs: Vec<_> = model
-        .inputs()
-        .filter(|input| !input.quantity.is_clock())
-        .filter_map(|input| Some((data.channel_index(&input.column).ok()?, input.intersample())))
-        .collect();
-    let bends = inputs.iter().any(|(_, kind)| *kind != Intersample::BandLimited);
-    let carry = |channel: &Channel| {
-        let input = inputs.iter().find(|(column, _)| data.channels()[*column] == *channel);
-        match input.map(|(_, kind)| *kind) {
-            None => Carry::Sampled,
-            Some(Intersample::Hold) => Carry::Hold,
-            Some(Intersample::Linear) => Carry::Linear,
-            Some(Intersample::BandLimited) => Carry::Smooth,
-        }
-    };
-    Ok(data.on_regular_grid(if bends { parts } else { 1 }, carry)?)
 }
 
 /// Says a recording's warnings.

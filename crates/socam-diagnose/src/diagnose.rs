@@ -21,9 +21,9 @@ use crate::{
 
 /// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing
 /// physics, further iterations move parameters that the recordings hardly determine.
-const BASE_ITERATIONS: usize = 20;
+pub(crate) const BASE_ITERATIONS: usize = 20;
 /// Attempted integration steps per sample beyond which a candidate's prediction is given up. Rattling teeth take a few.
-const MOST_STEPS: usize = 64;
+pub(crate) const MOST_STEPS: usize = 64;
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone)]
@@ -210,7 +210,7 @@ fn refuse_shared_samples(training: &[Dataset], holdout: &[Dataset]) -> Result<()
 }
 
 /// Noise levels of outputs and inputs that a fit estimated, SI.
-fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
+pub(crate) fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     let outputs = fit.fit.channels.iter().map(|(_, channel)| channel.noise_std).collect();
     let own =
         |name: &str| fit.input_noise_std.iter().find(|(known, _)| known == name).map_or(0.0, |(_, std)| *std);

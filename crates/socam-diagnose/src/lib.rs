@@ -4,6 +4,7 @@
 //! * [`diagnose`](fn@diagnose) compares a [`socam_model::Model`] with recordings. Its stages are the modules `preprocessing`, `context`
 //!   (cross-validation), `score_test`, `forward` (selection, with `shortlist`, `halving`, `choice` and `criterion`), `nonparametric`,
 //!   `elimination`, `intervals`, `materiality`, `proof` and `answer`.
+//! * [`screen`] says of one recording whether a diagnosis would find anything, at a fraction of its cost.
 //! * [`diagnose_steady`] compares it with tables of steady operating points ([`steady`]).
 //! * [`Options`] and [`SteadyOptions`] hold the false-alarm rate and the limits of the search.
 //! * [`Answer`] holds the [`Diagnosis`], which scripts read ([`document`]), the [`Evidence`] for pictures ([`evidence`]) and the corrected
@@ -61,6 +62,7 @@ mod region;
 pub mod report;
 mod scales;
 mod score_test;
+mod screening;
 mod selection;
 mod sensor_left_out;
 mod shortlist;
@@ -70,5 +72,6 @@ mod words;
 
 pub use diagnose::{Answer, DiagnoseError, diagnose};
 pub use options::Options;
+pub use screening::{Frozen, Screening, Suspect, screen};
 pub use socam_answer::{Diagnosis, Evidence, document, evidence};
 pub use steady::{SteadyOptions, diagnose_steady};

@@ -32,6 +32,8 @@ const BATCH: usize = 10;
 const SENSOR_BATCH: usize = 18;
 /// Draws of the bootstrap. Its smallest p-value is one over this number plus one.
 const DRAWS: usize = 1999;
+/// Draws where a p-value is compared with those of many recordings, and the first draws have no larger statistic.
+const MORE_DRAWS: usize = 39_999;
 /// Largest ratio of the noise power in the direction in which a candidate acts to that of the noise model, 1.
 const INFLATION: f64 = 8.0;
 
@@ -100,11 +102,26 @@ fn set_p_values(all: &mut [RankedCandidate]) {
     all.iter_mut().zip(p_values).for_each(|(one, p_value)| one.p_value = p_value);
 }
 
+/// Smallest p-value of all candidates whose amplitude is possible, as finely as many recordings need.
+pub(crate) fn least_p_value(all: &[RankedCandidate]) -> f64 {
+    let least = |p_values: &mut dyn Iterator<Item = f64>| p_values.fold(1.0, f64::min);
+    let first = least(&mut all.iter().filter(|one| one.possible).map(|one| one.p_value));
+    if first > 2.0 / (1 + DRAWS) as f64 {
+        return first;
+    }
+    let finer = family_wise_by(MORE_DRAWS, &all.iter().map(|one| &one.score).collect::<Vec<_>>());
+    least(&mut all.iter().zip(finer).filter(|(one, _)| one.possible).map(|(_, p_value)| p_value))
+}
+
 /// Family-wise p-value of each of several tests on the same blocks: the chance that any of them has as large a statistic where nothing is
 /// missing.
 pub(crate) fn family_wise(all: &[&CandidateScore]) -> Vec<f64> {
+    family_wise_by(DRAWS, all)
+}
+
+fn family_wise_by(draws: usize, all: &[&CandidateScore]) -> Vec<f64> {
     let statistics: Vec<Option<Statistic>> = all.iter().map(|one| Statistic::new(&one.scores)).collect();
-    let largest = largest_by_chance(&statistics);
+    let largest = largest_by_chance(draws, &statistics);
     let count = all.len().max(1) as f64;
     let each = all.iter().zip(&statistics).map(|(one, statistic)| {
         let robust = statistic.as_ref().map_or(1.0, |statistic| {
@@ -148,7 +165,7 @@ impl Statistic {
 }
 
 /// The largest surprise of all candidates, for each draw of the blocks' signs.
-fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
+fn largest_by_chance(draws: usize, statistics: &[Option<Statistic>]) -> Vec<f64> {
     let blocks = statistics.iter().flatten().map(|s| s.scores.len()).max().unwrap_or(0);
     let draw = |number: usize| {
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);
@@ -164,7 +181,7 @@ fn largest_by_chance(statistics: &[Option<Statistic>]) -> Vec<f64> {
         });
         each.fold(0.0, f64::max)
     };
-    (0..DRAWS).into_par_iter().map(draw).collect()
+    (0..draws).into_par_iter().map(draw).collect()
 }
 
 /// Chance that a chi-square variable with this many degrees of freedom exceeds `value`.

@@ -1,5 +1,9 @@
 //! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser.
 
+mod grid;
+
+pub use grid::regular;
+
 use socam_model::{
     Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,
 };

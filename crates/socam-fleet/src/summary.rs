@@ -1,0 +1,316 @@
+//! What the rows of a fleet say together, `socam.fleet-summary/1`.
+//!
+//! Three lists are made, each at the stated false discovery rate: machines that lack physics (by the p-values of the screening), trends
+//! of parameters, and machines that differ from their sisters.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+
+use crate::collected::{Collected, Counts, Found, Member, Trouble};
+use crate::error::Result;
+use crate::row::Row;
+use crate::statistics::{
+    discovery::{adjusted, simes},
+    median,
+    sisters::{self, Value},
+    trend::{self, Point, Slope},
+};
+
+/// Version of [`Summary`]'s JSON form.
+pub const SUMMARY_SCHEMA: &str = "socam.fleet-summary/1";
+
+/// Days of a year.
+const YEAR_DAYS: f64 = 365.25;
+
+/// What a fleet's rows say together.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// [`SUMMARY_SCHEMA`].
+    pub schema: &'static str,
+    /// False discovery rate of each list, 1.
+    pub fdr: f64,
+    /// Counts of recordings.
+    pub counts: Counts,
+    /// Number of machines.
+    pub machines: usize,
+    /// Machines that stand out in the screening, the smallest p-value first.
+    pub faulty: Vec<Faulty>,
+    /// Their findings by effect and place, those on the most machines first.
+    pub groups: Vec<Group>,
+    /// Recordings with a finding on machines that are no discovery: chance makes so many.
+    pub by_chance: usize,
+    /// Parameters that change over the dates, the smallest p-value first.
+    pub trends: Vec<Trend>,
+    /// Number of trends that were tested.
+    pub trends_tested: usize,
+    /// Machines that differ from their sisters, the smallest p-value first.
+    pub differences: Vec<Different>,
+    /// Number of differences that were tested.
+    pub differences_tested: usize,
+    /// How the parameters are spread over the fleet.
+    pub parameters: Vec<Spread>,
+    /// Recordings without a verdict, the first thousand.
+    pub troubles: Vec<Trouble>,
+}
+
+/// A machine that stands out in the screening.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Faulty {
+    /// Machine.
+    pub machine: String,
+    /// Its recordings.
+    pub recordings: u64,
+    /// p-value over its recordings.
+    pub p_value: f64,
+    /// The smallest false discovery rate at which it is listed.
+    pub q_value: f64,
+    /// What is missing, as `EFFECT@PLACE`; empty where it stands out and nothing was found that is material.
+    pub findings: Vec<String>,
+}
+
+/// Findings of one effect at one place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Group {
+    /// Id in the catalogue, or `unexplained`.
+    pub effect: String,
+    /// Place or channel.
+    pub place: String,
+    /// The parameter that is its size.
+    pub parameter: Option<String>,
+    /// Unit of the size.
+    pub unit: String,
+    /// Number of machines.
+    pub machines: usize,
+    /// Median of the sizes.
+    pub median: Option<f64>,
+    /// Its findings, by machine and date.
+    pub members: Vec<Member>,
+}
+
+/// A parameter of a machine that changes over the dates.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trend {
+    /// Machine.
+    pub machine: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Recordings with a date and an estimate.
+    pub recordings: usize,
+    /// Change per year, in the unit.
+    pub per_year: f64,
+    /// 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Change from the first date to the last, as a share of the value in the middle, 1.
+    pub change: f64,
+    /// p-value.
+    pub p_value: f64,
+    /// The smallest false discovery rate at which it is listed.
+    pub q_value: f64,
+}
+
+/// A machine that differs from its sisters in a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Different {
+    /// Machine.
+    pub machine: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Mean of its recordings.
+    pub value: f64,
+    /// Standard error of the mean.
+    pub std: f64,
+    /// Median of the sisters.
+    pub median: f64,
+    /// Standard deviation between them.
+    pub between_std: f64,
+    /// Distance in standard deviations.
+    pub z: f64,
+    /// p-value.
+    pub p_value: f64,
+    /// The smallest false discovery rate at which it is listed.
+    pub q_value: f64,
+}
+
+/// How a parameter is spread over the fleet.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Spread {
+    /// Parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Machines with an estimate.
+    pub machines: usize,
+    /// Median over machines.
+    pub median: f64,
+    /// By how much the scatter of a machine about its own line exceeds what the intervals say, a ratio of standard deviations; at least 1.
+    pub repeatability: f64,
+}
+
+impl Summary {
+    /// Of all rows, at a false discovery rate.
+    ///
+    /// # Errors
+    /// When a row cannot be read.
+    pub fn of(rows: impl Iterator<Item = Result<Row>>, fdr: f64) -> Result<Self> {
+        let mut all = Collected::of(rows)?;
+        let faulty = faulty(&all, fdr);
+        let listed: BTreeSet<&str> = faulty.iter().map(|one| one.machine.as_str()).collect();
+        let found = std::mem::take(&mut all.found);
+        let total: usize = found.values().map(|group| group.members.len()).sum();
+        let mut groups: Vec<Group> =
+            found.into_iter().filter_map(|(key, group)| grouped(key, group, &listed)).collect();
+        groups.sort_by(|a, b| b.machines.cmp(&a.machines).then(a.effect.cmp(&b.effect)));
+        let by_chance = total - groups.iter().map(|group| group.members.len()).sum::<usize>();
+        let Parameters { trends, differences, spreads } = parameters(&all);
+        let (trends_tested, differences_tested) = (trends.len(), differences.len());
+        Ok(Self {
+            schema: SUMMARY_SCHEMA,
+            fdr,
+            counts: all.counts,
+            machines: all.machines.len(),
+            faulty,
+            groups,
+            by_chance,
+            trends: discoveries(trends, fdr, |one| (&mut one.q_value, one.p_value)),
+            trends_tested,
+            differences: discoveries(differences, fdr, |one| (&mut one.q_value, one.p_value)),
+            differences_tested,
+            parameters: spreads,
+            troubles: all.troubles,
+        })
+    }
+
+    /// Machines of all three lists.
+    #[must_use]
+    pub fn notable(&self) -> BTreeSet<&str> {
+        let faulty = self.faulty.iter().map(|one| one.machine.as_str());
+        let trends = self.trends.iter().map(|one| one.machine.as_str());
+        faulty.chain(trends).chain(self.differences.iter().map(|one| one.machine.as_str())).collect()
+    }
+}
+
+/// Sets the adjusted p-values and keeps the discoveries, the smallest p-value first.
+fn discoveries<T>(mut all: Vec<T>, fdr: f64, parts: impl Fn(&mut T) -> (&mut f64, f64)) -> Vec<T> {
+    let p_values: Vec<f64> = all.iter_mut().map(|one| parts(one).1).collect();
+    for (one, q) in all.iter_mut().zip(adjusted(&p_values)) {
+        *parts(one).0 = q;
+    }
+    let mut kept: Vec<(f64, T)> = p_values
+        .into_iter()
+        .zip(all)
+        .filter_map(|(p, mut one)| (*parts(&mut one).0 <= fdr).then_some((p, one)))
+        .collect();
+    kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+    kept.into_iter().map(|(_, one)| one).collect()
+}
+
+fn faulty(all: &Collected, fdr: f64) -> Vec<Faulty> {
+    let screened = all.machines.iter().filter(|(_, machine)| !machine.p_values.is_empty());
+    let machines = screened.map(|(name, machine)| Faulty {
+        machine: name.clone(),
+        recordings: machine.recordings,
+        p_value: simes(&machine.p_values),
+        q_value: 1.0,
+        findings: machine.findings.iter().cloned().collect(),
+    });
+    discoveries(machines.collect(), fdr, |one| (&mut one.q_value, one.p_value))
+}
+
+/// The findings of machines that are listed; `None` where there are none.
+fn grouped((effect, place): (String, String), found: Found, listed: &BTreeSet<&str>) -> Option<Group> {
+    let Found { parameter, unit, mut members } = found;
+    members.retain(|member| listed.contains(member.machine.as_str()));
+    members.sort_by(|a, b| (&a.machine, a.date, &a.recording).cmp(&(&b.machine, b.date, &b.recording)));
+    let machines: BTreeSet<&str> = members.iter().map(|member| member.machine.as_str()).collect();
+    let machines = machines.len();
+    let mut sizes: Vec<f64> = members.iter().filter_map(|member| member.size).collect();
+    let median = Some(median(&mut sizes)).filter(|median| median.is_finite());
+    (machines > 0).then_some(Group { effect, place, parameter, unit, machines, median, members })
+}
+
+/// What is said of parameters, before any choice among it.
+struct Parameters {
+    trends: Vec<Trend>,
+    differences: Vec<Different>,
+    spreads: Vec<Spread>,
+}
+
+fn parameters(all: &Collected) -> Parameters {
+    let mut found = Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new() };
+    for (index, (name, unit)) in all.parameters.iter().enumerate() {
+        let own: Vec<(&String, &Vec<Point>)> = all
+            .machines
+            .iter()
+            .filter_map(|(machine, known)| Some((machine, known.estimates.get(&index)?)))
+            .collect();
+        let points: Vec<Vec<Point>> = own.iter().map(|(_, points)| (*points).clone()).collect();
+        let (slopes, dispersion) = trend::slopes(&points);
+        let trends = own.iter().zip(&slopes).filter_map(|((machine, points), slope)| {
+            Some(trend(machine, (name, unit), points.len(), slope.as_ref()?))
+        });
+        found.trends.extend(trends);
+        let means: Vec<(&String, Value)> = own
+            .iter()
+            .filter_map(|(machine, points)| {
+                let values: Vec<(f64, f64)> = points.iter().map(|point| (point.value, point.std)).collect();
+                Some((*machine, Value::of(&values, dispersion)?))
+            })
+            .collect();
+        let values: Vec<Value> = means.iter().map(|(_, value)| *value).collect();
+        let each = means.iter().zip(sisters::differences(&values));
+        found.differences.extend(each.filter_map(|((machine, value), difference)| {
+            Some(different(machine, (name, unit), *value, difference?))
+        }));
+        let mut middle: Vec<f64> = values.iter().map(|value| value.mean).collect();
+        found.spreads.push(Spread {
+            parameter: name.clone(),
+            unit: unit.clone(),
+            machines: values.len(),
+            median: median(&mut middle),
+            repeatability: dispersion.sqrt(),
+        });
+    }
+    found
+}
+
+fn trend(machine: &str, (name, unit): (&str, &str), recordings: usize, slope: &Slope) -> Trend {
+    Trend {
+        machine: machine.to_owned(),
+        parameter: name.to_owned(),
+        unit: unit.to_owned(),
+        recordings,
+        per_year: YEAR_DAYS * slope.per_day,
+        low: YEAR_DAYS * slope.low,
+        high: YEAR_DAYS * slope.high,
+        change: slope.per_day * slope.span_days / slope.level,
+        p_value: slope.p_value,
+        q_value: 1.0,
+    }
+}
+
+fn different(
+    machine: &str,
+    (name, unit): (&str, &str),
+    value: Value,
+    difference: sisters::Difference,
+) -> Different {
+    Different {
+        machine: machine.to_owned(),
+        parameter: name.to_owned(),
+        unit: unit.to_owned(),
+        value: value.mean,
+        std: value.std,
+        median: difference.median,
+        between_std: difference.between_std,
+        z: difference.z,
+        p_value: difference.p_value,
+        q_value: 1.0,
+    }
+}
