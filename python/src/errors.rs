@@ -33,6 +33,7 @@ raised! {
     socam_diagnose::DiagnoseError => FitError,
     socam_diagnose::report::ReportError => SocamError,
     socam_design::DesignError => SimulationError,
+    socam_fleet::FleetError => SocamError,
     socam_sim::SimError => SimulationError,
     serde_json::Error => SocamError,
 }

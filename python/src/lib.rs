@@ -9,6 +9,7 @@ mod checking;
 mod design;
 mod diagnosis;
 mod errors;
+mod fleet;
 mod identification;
 mod model;
 mod recording;
@@ -25,6 +26,7 @@ mod _socam {
         checking::check,
         design::design,
         diagnosis::{Diagnosis, diagnose},
+        fleet::{FleetPart, FleetRow, FleetTask, fleet_sources},
         identification::{Identification, identify},
         model::Model,
         recording::{Column, Recording},
