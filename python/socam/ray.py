@@ -43,7 +43,7 @@ class Recording:
     date_ms: int | None = None
 
 
-Places: TypeAlias = "str | os.PathLike[str] | Sequence[str | os.PathLike[str] | Recording]"
+Places: TypeAlias = str | os.PathLike[str] | Sequence[str | os.PathLike[str] | Recording]
 
 
 def recordings(places: Places) -> list[Recording]:
@@ -214,6 +214,8 @@ def _rows(
         raise ImportError("socam.ray needs Ray: pip install 'socam[ray]'") from error
     if not ray.is_initialized():
         ray.init(logging_level="warning", include_dashboard=False)
+    # The caller's own line says how far it is.
+    ray.data.DataContext.get_current().enable_progress_bars = False
     known: dict[str, list[str]] = {}
     for name, id_ in part.known():
         known.setdefault(name, []).append(id_)

@@ -163,8 +163,8 @@ class Recording:
         return _display.items([repr(self)[1:-1]]) + _display.table(head, rows) + _display.items(self.warnings)
 
 
-Source: TypeAlias = "str | os.PathLike[str] | bytes | Mapping[str, Any] | Recording | Any"
-Sources: TypeAlias = "Source | Sequence[Source]"
+Source: TypeAlias = str | os.PathLike[str] | bytes | Mapping[str, Any] | Recording | Any
+Sources: TypeAlias = Source | Sequence[Source]
 
 
 def read(source: Source, *, name: str | None = None) -> Recording:
