@@ -133,7 +133,7 @@ fn named(manifest: &Table) -> BTreeSet<String> {
 #[test]
 fn every_direct_dependency_is_used_and_says_what_for() {
     let folders = file("crates").read_dir().unwrap().map(|folder| folder.unwrap().path());
-    let others = ["sim", "host", "tests", "tests/fuzz", "web", "firmware"].map(file);
+    let others = ["sim", "host", "python", "tests", "tests/fuzz", "web", "firmware"].map(file);
     let manifests =
         folders.chain(others).map(|folder| std::fs::read_to_string(folder.join("Cargo.toml")).unwrap());
     let used: BTreeSet<String> = manifests.flat_map(|manifest| named(&manifest.parse().unwrap())).collect();

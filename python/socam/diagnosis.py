@@ -1,0 +1,185 @@
+"""The physics that a model lacks."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Literal
+
+from socam import _display, _socam
+from socam._progress import Progress, reporter
+from socam.identification import HEAD, Parameter
+from socam.model import Fixed, Model
+from socam.recording import Sources, several
+
+__all__ = ["Diagnosis", "Finding", "diagnose"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """An effect that the model lacks, and its place. `entry` is all that the document says about it."""
+
+    effect: str
+    location: str
+    equation: str
+    sentence: str
+    parameters: tuple[Parameter, ...]
+    entry: dict[str, Any]
+
+    @classmethod
+    def of(cls, entry: dict[str, Any]) -> "Finding":
+        """From an entry of a document."""
+        parameters = tuple(map(Parameter.of, entry["parameters"]))
+        return cls(entry["effect"], entry["location"], entry["equation"], entry["sentence"], parameters, entry)
+
+
+class Diagnosis:
+    """The result of `diagnose`."""
+
+    __slots__ = ("_inner", "document")
+
+    def __init__(self, inner: _socam.Diagnosis) -> None:
+        self._inner = inner
+        #: The document `socam.diagnosis/1`.
+        self.document: dict[str, Any] = json.loads(inner.json())
+
+    @property
+    def verdict(self) -> str:
+        """`adequate`, `missing_physics` or `unexplained`."""
+        return str(self.document["verdict"])
+
+    @property
+    def headline(self) -> str:
+        """What was found and where, in one line, with all explanations that tie."""
+        return self._inner.headline()
+
+    @property
+    def certainty(self) -> list[str]:
+        """How sure that is, the most important sentence first."""
+        return self._inner.certainty()
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What is missing, strongest first."""
+        return [Finding.of(entry) for entry in self.document["findings"]]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a careful reader should know."""
+        return list(self.document["warnings"])
+
+    @property
+    def model(self) -> Model:
+        """The corrected model; the model at its best fit where nothing was corrected."""
+        return Model._of(self._inner.model())
+
+    def drawing(self) -> str:
+        """The bench with the places of the findings, as an SVG file."""
+        return self._inner.drawing()
+
+    def picture(self) -> str | None:
+        """The most improved channel, measured and predicted before and after, as an SVG file; `None` without recordings over time."""
+        return self._inner.picture()
+
+    def report(self, folder: str | os.PathLike[str]) -> None:
+        """Writes index.html, diagnosis.json and model.toml into a folder, which is made where it is not there.
+
+        Raises
+        ------
+        SocamError
+            Where they cannot be written.
+        """
+        date = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
+        self._inner.report(os.fspath(folder), date)
+
+    def to_json(self) -> str:
+        """The document, as `socam-host diagnose --json` prints it."""
+        return self._inner.json()
+
+    def __repr__(self) -> str:
+        return f"<Diagnosis of {self.document['model']}: {self.headline}>"
+
+    def _repr_html_(self) -> str:
+        picture = self.picture()
+        found = "".join(
+            _display.items([f"{finding.effect} at {finding.location}: {finding.sentence}"])
+            + _display.table(HEAD, (parameter.row() for parameter in finding.parameters))
+            for finding in self.findings
+        )
+        return (
+            _display.items([self.headline, *self.certainty])
+            + _display.picture(self.drawing())
+            + found
+            + (_display.picture(picture) if picture else "")
+            + _display.items(self.warnings)
+        )
+
+
+def diagnose(
+    recordings: Sources,
+    model: str | os.PathLike[str] | Model = "speed-o-cam",
+    *,
+    holdout: Sources = (),
+    fixed: Fixed = (),
+    between: str | Mapping[str, str] | None = None,
+    false_alarm_rate: float = 0.01,
+    tolerance: float = 0.001,
+    most: int = 3,
+    start: Literal["free", "equilibrium"] = "free",
+    seed: int = 1,
+    progress: Progress = False,
+) -> Diagnosis:
+    """Finds the physics that a model lacks, where it acts, and whether adding it improves predictions.
+
+    Other threads of Python run meanwhile. Ctrl-C ends the call within a second.
+
+    Parameters
+    ----------
+    recordings
+        One recording or several, of whatever `read` takes.
+    model
+        A model, or what `Model` takes.
+    holdout
+        Recordings for validation, used in no fit and in no choice. Without them the result is not validated.
+    fixed
+        Parameters to hold, at given values in SI or, of names, at the model's.
+    between
+        How inputs move between samples; see `Model.between`.
+    false_alarm_rate
+        Share of complete models for which something may be found, between 0 and 1.
+    tolerance
+        Fraction of a channel's standard deviation below which a finding does not count.
+    most
+        Greatest number of effects to add, 1 to 6.
+    start
+        Start state of each recording: estimated, or the equilibrium at the first input.
+    seed
+        Seed of the random start values.
+    progress
+        `True` for a line on stderr, or a function that takes a line of text.
+
+    Raises
+    ------
+    FitError
+        Where recordings and model do not go together.
+    ModelError, RecordingError
+        Where a file cannot be used.
+    ValueError
+        For an option that cannot be meant.
+    """
+    model = Model(model).fix(fixed)
+    if between is not None:
+        model = model.between(between)
+    inner = _socam.diagnose(
+        several(recordings),
+        model._inner,
+        holdout=several(holdout),
+        false_alarm_rate=false_alarm_rate,
+        tolerance=tolerance,
+        most=most,
+        seed=seed,
+        start=start,
+        progress=reporter(progress),
+    )
+    return Diagnosis(inner)

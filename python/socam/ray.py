@@ -1,0 +1,240 @@
+"""A fleet on Ray: many recordings over many processes and machines, with the rows of `socam-host fleet`.
+
+    import socam.ray
+
+    socam.ray.diagnose("s3://bucket/fleet/**/*.mcap", "machine.toml", "fleet.parquet", reference=["healthy.mcap"])
+
+The driver appends each row to a part file beside the table. A run that ended early goes on where it was: a recording whose id (the hash of
+its bytes, the model, the options, the seed and the version) is in the part file, or in an earlier table, is fetched and not diagnosed again.
+The table is sorted, so that its bytes do not depend on workers, on their deaths, or on restarts.
+"""
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from socam import _files, _socam
+from socam._progress import Progress, reporter
+from socam.fleet import task
+from socam.model import Model
+
+if TYPE_CHECKING:
+    import ray.data
+
+__all__ = ["Recording", "diagnose", "recordings"]
+
+# A worker that dies (out of memory, a machine that is taken away) is started again, and its recordings are given to it again, so often.
+_MOST_RESTARTS = 20
+# Rows become visible to the driver block by block: what a dead driver or worker loses is at most this many recordings a worker.
+_BLOCK_ROWS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A recording of a fleet: its name in the table, where it is, its machine's serial number, and its date in ms since 1970 (UTC)."""
+
+    name: str
+    place: str
+    machine: str | None = None
+    date_ms: int | None = None
+
+
+Places: TypeAlias = str | os.PathLike[str] | Sequence[str | os.PathLike[str] | Recording]
+
+
+def recordings(places: Places) -> list[Recording]:
+    """The recordings that are meant.
+
+    Parameters
+    ----------
+    places
+        A folder or a CSV list (columns file, machine, date) of this machine; a pattern in a store, as in `s3://bucket/fleet/**/*.mcap`; or
+        a sequence of paths, URIs and recordings, which are named by what follows the folder that they have in common.
+
+    Raises
+    ------
+    SocamError
+        Where the folder or the list cannot be read.
+    ValueError
+        Where there is no recording, or two have the same name.
+    """
+    if isinstance(places, str) and _files.is_remote(places):
+        found = _matching(places)
+    elif isinstance(places, str | os.PathLike):
+        found = [
+            Recording(name, os.path.abspath(path), machine, date_ms)
+            for name, path, machine, date_ms in _socam.fleet_sources(os.fspath(places))
+        ]
+    else:
+        found = _named(places)
+    found.sort(key=lambda one: one.name)
+    if not found:
+        raise ValueError(f"there is no recording in {places}")
+    for one, other in zip(found, found[1:]):
+        if one.name == other.name:
+            raise ValueError(f"two recordings have the name `{one.name}`; give them names by `socam.ray.Recording`")
+    return found
+
+
+def _matching(pattern: str) -> list[Recording]:
+    """Files of a store by a pattern. Names begin after the last folder without a wildcard."""
+    system, path = _files.file_system(pattern)
+    fixed = path.split("*")[0].rpartition("/")[0]
+    paths: list[str] = system.glob(path)
+    return [Recording(one.removeprefix(fixed).lstrip("/"), system.unstrip_protocol(one)) for one in paths]
+
+
+def _named(places: Iterable[str | os.PathLike[str] | Recording]) -> list[Recording]:
+    listed = list(places)
+    paths = [os.fspath(one) for one in listed if not isinstance(one, Recording)]
+    shared = os.path.commonprefix([path.rpartition("/")[0] + "/" for path in paths]).rpartition("/")[0]
+    named = [
+        Recording(path.removeprefix(shared).lstrip("/"), path if _files.is_remote(path) else os.path.abspath(path))
+        for path in paths
+    ]
+    return named + [one for one in listed if isinstance(one, Recording)]
+
+
+class _Worker:
+    """An actor: makes the rows of recordings, one at a time, on one thread."""
+
+    def __init__(self, model: str, options: str, seed: int, known: "ray.ObjectRef[dict[str, list[str]]]") -> None:
+        import ray
+
+        self._task = _socam.FleetTask(_socam.Model(model), options, seed)
+        self._known: dict[str, list[str]] = ray.get(known)
+
+    def __call__(self, batch: dict[str, Any]) -> dict[str, Any]:
+        results = [self._one(*values) for values in zip(*(batch[name] for name in _COLUMNS), strict=True)]
+        return {"name": batch["name"], "id": [one[0] for one in results], "row": [one[1] for one in results]}
+
+    def _one(self, name: str, place: str, machine: str, date_ms: float) -> tuple[str, bytes]:
+        source = _files.fetched(place) if _files.is_remote(place) else {"path": place}
+        id_, row = self._task.row(
+            str(name),
+            machine=machine or None,
+            date_ms=None if np.isnan(date_ms) else int(date_ms),
+            known=self._known.get(str(name)),
+            **source,
+        )
+        return id_, b"" if row is None else row.to_bytes()
+
+
+_COLUMNS = ("name", "place", "machine", "date_ms")
+
+
+def diagnose(
+    places: Places,
+    model: str | os.PathLike[str] | Model,
+    out: str | os.PathLike[str],
+    *,
+    reference: Sequence[str | os.PathLike[str]] = (),
+    workers: int | None = None,
+    seed: int = 1,
+    progress: Progress = False,
+    **options: Any,
+) -> int:
+    """Diagnoses the recordings of a fleet on Ray, and writes the table that `socam-host fleet` writes, byte for byte.
+
+    Ray is started on this machine, unless it is already, or `RAY_ADDRESS` names a cluster. Each worker takes one processor. Paths must mean
+    the same on all machines.
+
+    Parameters
+    ----------
+    places
+        The recordings; see `recordings`.
+    model
+        A model, or what `Model` takes.
+    out
+        Path of the table, Parquet, on the driver's machine. While the run goes on, `OUT.part` holds its rows.
+    reference
+        Paths of healthy recordings on the driver's machine: their noise is what all others are tested against.
+    workers
+        Number of actors. Default: the processors of the cluster.
+    seed
+        Seed of random start values.
+    progress
+        `True` for a line on stderr, or a function that takes a line of text.
+    **options
+        `false_alarm_rate`, `tolerance`, `most_effects`, `ratio_tolerance`, `frozen`, as in `docs/fleet.md`.
+
+    Returns
+    -------
+    int
+        Number of rows of the table. A recording that cannot be used is a row with its `status` and a sentence.
+
+    Raises
+    ------
+    ImportError
+        Where Ray is not installed.
+    SocamError
+        Where the table or the reference cannot be used.
+    ValueError
+        For options and places that cannot be meant.
+    """
+    found = recordings(places)
+    own = Model(model)
+    made = task(own, seed=seed, **options)
+    if reference:
+        made = _socam.FleetTask(own._inner, _with_reference(made, reference), seed)
+    part = _socam.FleetPart(made, os.fspath(out))
+    report = reporter(progress)
+    wanted = []
+    for name, id_, row in _rows(found, own.text, made.options(), seed, part, workers):
+        wanted.append(part.append(row) if row else (name, id_))
+        if report:
+            report(f"{len(wanted)} of {len(found)} recordings")
+    if len(wanted) != len(found):
+        raise RuntimeError(f"Ray gave {len(wanted)} rows for {len(found)} recordings; run it again to go on")
+    return part.finish(wanted)
+
+
+def _with_reference(made: _socam.FleetTask, reference: Sequence[str | os.PathLike[str]]) -> str:
+    frozen = made.reference([os.fspath(path) for path in reference])
+    return json.dumps(json.loads(made.options()) | {"frozen": None if frozen is None else json.loads(frozen)})
+
+
+def _rows(
+    found: list[Recording],
+    model: str,
+    options: str,
+    seed: int,
+    part: _socam.FleetPart,
+    workers: int | None,
+) -> Iterable[tuple[str, str, bytes]]:
+    """Names, ids and rows as they are made; no row where the part holds it."""
+    try:
+        import ray
+        import ray.data
+    except ImportError as error:
+        raise ImportError("socam.ray needs Ray: pip install 'socam[ray]'") from error
+    if not ray.is_initialized():
+        ray.init(logging_level="warning", include_dashboard=False)
+    # The caller's own line says how far it is.
+    ray.data.DataContext.get_current().enable_progress_bars = False
+    known: dict[str, list[str]] = {}
+    for name, id_ in part.known():
+        known.setdefault(name, []).append(id_)
+    workers = workers or max(1, int(ray.cluster_resources().get("CPU", 1)))
+    workers = min(workers, len(found))
+    blocks = max(-(-len(found) // _BLOCK_ROWS), min(len(found), 4 * workers))
+    items = [
+        {"name": one.name, "place": one.place, "machine": one.machine or "", "date_ms": float("nan") if one.date_ms is None else one.date_ms}
+        for one in found
+    ]
+    rows = ray.data.from_items(items, override_num_blocks=blocks).map_batches(
+        _Worker,
+        fn_constructor_args=(model, options, seed, ray.put(known)),
+        batch_size=1,
+        batch_format="numpy",
+        num_cpus=1,
+        compute=ray.data.ActorPoolStrategy(size=workers),
+        max_restarts=_MOST_RESTARTS,
+        max_task_retries=_MOST_RESTARTS,
+    )
+    for batch in rows.iter_batches(batch_size=None, prefetch_batches=1):
+        yield from zip(map(str, batch["name"]), map(str, batch["id"]), map(bytes, batch["row"]), strict=True)

@@ -1,0 +1,40 @@
+//! `check`.
+
+use pyo3::prelude::*;
+use socam_recording::{
+    Carry,
+    check::{Check, CheckOptions, Document},
+};
+
+use crate::errors::Raised;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::waiting;
+
+/// Checks recordings before any fit: the document `socam.check/1`. Without a model all channels are checked.
+#[pyfunction]
+#[pyo3(signature = (recordings, model = None, *, input = None, ratio_tolerance = 0.01))]
+pub(crate) fn check(
+    py: Python<'_>,
+    recordings: Vec<Py<Recording>>,
+    model: Option<&Model>,
+    input: Option<String>,
+    ratio_tolerance: f64,
+) -> PyResult<String> {
+    let options = match model {
+        Some(model) => socam_expectation::of_model(&model.0, ratio_tolerance),
+        None => CheckOptions { input, ..CheckOptions::default() },
+    };
+    let all: Vec<_> = recordings.iter().map(|recording| recording.get().data.clone()).collect();
+    let checks = waiting::run(py, None, move |_| {
+        let one = |data: &socam_recording::Dataset| {
+            if data.steps()?.are_irregular() {
+                socam_recording::check::check(&data.on_regular_grid(1, |_| Carry::Smooth)?, &options)
+            } else {
+                socam_recording::check::check(data, &options)
+            }
+        };
+        all.iter().map(one).collect::<socam_recording::Result<Vec<Check>>>()
+    })?;
+    serde_json::to_string_pretty(&Document::new(&checks.map_err(Raised::raised)?)).map_err(Raised::raised)
+}

@@ -1,0 +1,105 @@
+//! `diagnose`.
+
+use std::path::PathBuf;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use socam_diagnose::{Answer, Options, report};
+
+use crate::errors::Raised;
+use crate::identification::start_state;
+use crate::model::Model;
+use crate::recording::{self, Recording};
+use crate::waiting;
+
+/// The result of a diagnosis.
+#[pyclass(frozen, module = "socam._socam")]
+pub(crate) struct Diagnosis {
+    answer: Answer,
+    model: socam_model::Model,
+}
+
+#[pymethods]
+impl Diagnosis {
+    /// The document `socam.diagnosis/1`, as `socam-host diagnose --json` prints it.
+    fn json(&self) -> PyResult<String> {
+        serde_json::to_string_pretty(&self.answer.diagnosis).map_err(Raised::raised)
+    }
+
+    /// What was found, in one line.
+    fn headline(&self) -> String {
+        socam_answer::headline(&self.answer.diagnosis).title
+    }
+
+    /// How sure that is, the most important sentence first.
+    fn certainty(&self) -> Vec<String> {
+        socam_answer::headline(&self.answer.diagnosis).certainty
+    }
+
+    /// The corrected model.
+    fn model(&self) -> PyResult<Model> {
+        socam_model::Model::parse(&self.answer.model_toml).map(Model).map_err(Raised::raised)
+    }
+
+    /// The bench with the places of the findings, as SVG.
+    fn drawing(&self) -> String {
+        report::bench_of(&self.answer.diagnosis, &self.model)
+    }
+
+    /// The most improved channel, measured and predicted, as SVG.
+    fn picture(&self) -> Option<String> {
+        report::picture_of(&self.answer.diagnosis)
+    }
+
+    /// Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
+    fn report(&self, py: Python<'_>, folder: PathBuf, date: String) -> PyResult<()> {
+        let Answer { diagnosis, evidence, model_toml } = &self.answer;
+        let made = report::Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };
+        let models = (&self.model, Some(model_toml.as_str()));
+        let written = py.detach(|| report::write(&folder, diagnosis, evidence, models, &made));
+        written.map_err(Raised::raised)
+    }
+}
+
+/// Finds the physics that a model lacks, by recordings.
+#[pyfunction]
+#[pyo3(signature = (recordings, model, *, holdout, false_alarm_rate, tolerance, most, seed, start, progress: "object" = None))]
+#[expect(clippy::too_many_arguments, reason = "the Python half names each of them")]
+pub(crate) fn diagnose(
+    py: Python<'_>,
+    recordings: Vec<Py<Recording>>,
+    model: &Model,
+    holdout: Vec<Py<Recording>>,
+    false_alarm_rate: f64,
+    tolerance: f64,
+    most: usize,
+    seed: u64,
+    start: &str,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Diagnosis> {
+    if !(false_alarm_rate > 0.0 && false_alarm_rate < 1.0) {
+        let message = format!("false_alarm_rate: {false_alarm_rate} is not between 0 and 1");
+        return Err(PyValueError::new_err(message));
+    }
+    if !(1..=6).contains(&most) {
+        return Err(PyValueError::new_err(format!("most: {most} is not 1 to 6")));
+    }
+    let options = Options {
+        false_alarm_rate,
+        most_effects: most,
+        tolerance,
+        seed,
+        start_state: start_state(start)?,
+        ..Options::default()
+    };
+    let model = model.0.clone();
+    // Outputs that are missing at most grid points would have no spectra.
+    let training = recording::for_fit(&recordings, &model, 1)?;
+    let holdout = recording::for_fit(&holdout, &model, 1)?;
+    let own = model.clone();
+    let answer = waiting::run(py, progress.as_ref(), move |shared| {
+        let options = Options { watch: waiting::watch(shared), ..options };
+        socam_diagnose::diagnose(&own, &training, &holdout, &options)
+    })?;
+    Ok(Diagnosis { answer: answer.map_err(Raised::raised)?, model })
+}

@@ -1,0 +1,39 @@
+//! `socam` in Python: the compiled half of the package, `socam._socam`.
+//!
+//! Each file is what one command of `socam-host` does, on values in memory. Recordings and models are classes; results cross the border
+//! as the JSON documents that the commands print, and the Python half makes objects of them. Long calls run on a thread of their own
+//! (`waiting`), without Python's lock.
+
+mod arrow;
+mod checking;
+mod design;
+mod diagnosis;
+mod errors;
+mod fleet;
+mod identification;
+mod model;
+mod recording;
+mod simulation;
+mod waiting;
+
+use pyo3::prelude::*;
+
+/// The compiled half of the package `socam`.
+#[pymodule]
+mod _socam {
+    #[pymodule_export]
+    use crate::{
+        checking::check,
+        design::design,
+        diagnosis::{Diagnosis, diagnose},
+        fleet::{FleetPart, FleetRow, FleetTask, fleet_sources},
+        identification::{Identification, identify},
+        model::Model,
+        recording::{Column, Recording},
+        simulation::{profiles, replay, simulate},
+    };
+
+    /// Version of the package.
+    #[pymodule_export]
+    pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

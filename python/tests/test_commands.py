@@ -1,0 +1,193 @@
+"""The functions are the commands of `socam-host`: the same numbers, and errors that say what is wrong."""
+
+import json
+import pickle
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import run
+
+import socam
+
+# Times of the processor, and names of files.
+_TIMES = {"cpu_s"}
+
+
+def same(ours: Any, theirs: Any) -> None:
+    """Compares two documents, the times that they took aside."""
+    if isinstance(ours, dict):
+        assert ours.keys() == theirs.keys()
+        for key in ours.keys() - _TIMES:
+            same(ours[key], theirs[key])
+    elif isinstance(ours, list):
+        assert len(ours) == len(theirs)
+        for one, other in zip(ours, theirs, strict=True):
+            same(one, other)
+    else:
+        assert ours == theirs
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory, host: Path) -> list[str]:
+    """Two recordings that the command line made."""
+    folder = tmp_path_factory.mktemp("files")
+    paths = []
+    for seed, name in [(1, "one.mcap"), (2, "two.mcap")]:
+        path = str(folder / name)
+        run(host, "simulate", "--profile", "multisine", "--duration", "4s", "--rate", "500", "--seed", str(seed), "-o", path)
+        paths.append(path)
+    return paths
+
+
+def test_simulate_is_that_of_the_command_line(files: list[str]) -> None:
+    ours = socam.simulate("speed-o-cam", "multisine", duration_s=4.0, rate_hz=500.0, seed=1)
+    theirs = socam.read(files[0])
+    assert ours.channels == theirs.channels
+    for column in ours.keys():
+        np.testing.assert_array_equal(ours[column], theirs[column], err_msg=column)
+
+
+def test_identify_is_that_of_the_command_line(files: list[str], host: Path) -> None:
+    one, two = files
+    options = ["--fix", "k3=52485", "--starts", "2", "--validate", two, "--band", "1..50", "--json"]
+    theirs = json.loads(run(host, "identify", one, *options))
+    recordings = [socam.read(path) for path in files]
+    ours = socam.identify(recordings[0], fixed={"k3": 52485.0}, starts=2, holdout=recordings[1], band=(1.0, 50.0))
+    same(json.loads(ours.to_json()), theirs)
+    assert ours.converged and ours["k4"].value == theirs["parameters"][3]["value"]
+    assert ours.parameters["k3"].source == "fixed"
+    assert ours.to_pandas().loc["k4", "unit"] == "N m/rad"
+    assert ours.model.parameters["k4"].value == pytest.approx(ours["k4"].value)
+    assert "k4" in ours._repr_html_() and "k4" in repr(ours)
+
+
+def test_check_is_that_of_the_command_line(files: list[str], host: Path) -> None:
+    theirs = json.loads(run(host, "check", files[0], "--json"))
+    ours = socam.check(files[0], "speed-o-cam")
+    same(json.loads(ours.to_json()), theirs)
+    assert ours.verdict == theirs["recordings"][0]["verdict"] and ours._repr_html_()
+
+
+def test_a_replay_is_that_of_the_command_line(files: list[str], host: Path) -> None:
+    theirs = json.loads(run(host, "simulate", "--input", files[0], "--set", "k4=120", "--json"))
+    ours = socam.simulate(inputs=files[0], values={"k4": 120.0})
+    same(ours.document, theirs)
+    assert len(ours.recording) == theirs["rows"] and ours._repr_html_()
+
+
+def test_diagnose_is_that_of_the_command_line(host: Path, tmp_path: Path) -> None:
+    path, folder = str(tmp_path / "run.mcap"), tmp_path / "report"
+    hide = "coulomb_friction@load_bearing:torque=0.4"
+    run(host, "simulate", "--profile", "reversals", "--duration", "3s", "--rate", "250", "--hide", hide, "-o", path)
+    theirs = json.loads(run(host, "diagnose", path, "--most", "1", "--json"))
+    ours = socam.diagnose(path, most=1)
+    same(json.loads(ours.to_json()), theirs)
+    assert ours.verdict == theirs["verdict"]
+    assert len(ours.findings) == len(theirs["findings"])
+    ours.report(folder)
+    assert ours.headline in (folder / "index.html").read_text()
+    html = ours._repr_html_()
+    assert html.count("<img") == 2 and ours.headline in html
+
+
+def test_design_is_that_of_the_command_line(host: Path) -> None:
+    theirs = json.loads(run(host, "design", "--model", "two-mass", "--duration", "3s", "--json"))
+    ours = socam.design("two-mass", duration_s=3.0)
+    same(json.loads(ours.to_json()), theirs)
+    assert len(socam.simulate("two-mass", ours.profile, rate_hz=200.0)) > 100
+    assert ours._repr_html_()
+
+
+def test_models() -> None:
+    model = socam.Model("two-mass")
+    assert "two-mass" in socam.Model.embedded() and model == socam.Model(model.text)
+    held = model.fix({"stiffness": 150.0})
+    assert held.parameters["stiffness"] == socam.ModelParameter(
+        "stiffness", 150.0, "N m/rad", True, model.parameters["stiffness"].source
+    )
+    assert held != model and pickle.loads(pickle.dumps(held)) == held
+    assert not model.set({"stiffness": 150.0}).parameters["stiffness"].fixed
+    assert "hold" in model.between("hold").text
+    assert model.with_effect("coulomb_friction", "load_bearing", torque=0.1).text.count("coulomb_friction") > 0
+    assert model.drawing().startswith("<svg") and "stiffness" in model._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda r: socam.Model("absent.toml"), socam.ModelError, "embedded models are"),
+        (lambda r: socam.Model("schema = 3\n"), socam.ModelError, "line 1"),
+        (lambda r: socam.Model("two-mass").fix(["stifness"]), socam.ModelError, "has no parameter stifness"),
+        (lambda r: socam.Model("two-mass").between("cubic"), ValueError, "none of auto"),
+        (lambda r: socam.identify(r, "emps"), socam.FitError, "force"),
+        (lambda r: socam.identify(r, method="magic"), ValueError, "neither output-error"),
+        (lambda r: socam.identify([r, r]), ValueError, "named twice"),
+        (lambda r: socam.identify([]), socam.FitError, "no recording"),
+        (lambda r: socam.identify(r, noise={"torque_in": -1.0}), ValueError, "torque_in=-1"),
+        (lambda r: socam.diagnose(r, false_alarm_rate=2.0), ValueError, "between 0 and 1"),
+        (lambda r: socam.simulate(profile="wobble"), ValueError, "neither a file nor built in"),
+        (lambda r: socam.simulate(duration_s=0.1), ValueError, "too short"),
+        (lambda r: socam.simulate(rate_hz=3e5), ValueError, "1 to 20000 Hz"),
+        (lambda r: socam.simulate(hide=["rust@load"]), ValueError, "rust"),
+        (lambda r: socam.simulate(duration_s="long"), TypeError, "duration_s"),
+        (lambda r: socam.design(duration_s=1.0), ValueError, "2 to 600 s"),
+    ],
+)
+def test_mistakes_are_said(recording: socam.Recording, call: Any, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        call(recording)
+
+
+def test_progress_is_told_and_its_exception_cancels(recording: socam.Recording) -> None:
+    told: list[str] = []
+    socam.identify(recording, starts=1, progress=told.append)
+    assert any("step" in text for text in told)
+
+    class Enough(Exception):
+        pass
+
+    def stop(text: str) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        socam.identify(recording, starts=50, progress=stop)
+
+
+@pytest.mark.parametrize("call", [socam.identify, socam.diagnose])
+def test_ctrl_c_ends_a_call_within_a_second(call: Any) -> None:
+    data = socam.simulate(duration_s=20.0, hide=["coulomb_friction@load_bearing:torque=0.4"])
+    pressed = []
+
+    def press() -> None:
+        pressed.append(time.monotonic())
+        signal.raise_signal(signal.SIGINT)
+
+    timer = threading.Timer(0.3, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call(data)
+        time.sleep(5.0)
+    assert time.monotonic() - pressed[0] < 1.0
+
+
+def test_other_threads_run_during_a_fit(recording: socam.Recording) -> None:
+    counts, done = [0], threading.Event()
+
+    def count() -> None:
+        while not done.is_set():
+            counts[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.monotonic()
+    socam.identify(recording)
+    elapsed = time.monotonic() - start
+    done.set()
+    thread.join()
+    assert counts[0] > 20 * elapsed
