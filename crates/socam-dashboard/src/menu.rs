@@ -261,7 +261,7 @@ fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Ve
     };
     match extension.as_str() {
         "csv" => Ok(export::csv(&dashboard.workspace.seen).into_bytes()),
-        "svg" => Ok(svg::svg(&shapes(), part, ground).into_bytes()),
+        "svg" => svg::svg(&dashboard.workspace.seen, ctx.global_style().visuals.dark_mode).map(String::into_bytes),
         "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),
         _ => Err(format!("{}: what is seen is exported as .png, .svg or .csv", path.display())),
     }

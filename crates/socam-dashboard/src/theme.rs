@@ -56,6 +56,26 @@ pub fn line(ui: &Ui, number: usize) -> Color32 {
     colours[number % colours.len()]
 }
 
+/// A colour of the window, which is dark or light, as it is on white paper: red, green and blue in hexadecimal, and its opacity. Lines
+/// have the colours of the light appearance, and text that is light is dark.
+#[must_use]
+pub fn on_paper(colour: Color32, is_dark: bool) -> (String, f32) {
+    let [r, g, b, a] = colour.to_srgba_unmultiplied();
+    // Rounding of translucent colours changes a shade by up to this much.
+    let slack = if a == 0 { 255 } else { (255 / u16::from(a) + 1).min(40) };
+    let is = |other: &Color32| {
+        let pairs = [r, g, b].into_iter().zip([other.r(), other.g(), other.b()]);
+        pairs.into_iter().all(|(own, other)| u16::from(own.abs_diff(other)) <= slack)
+    };
+    let on_dark = LINES_DARK.iter().position(is).filter(|_| is_dark);
+    let [r, g, b] = match on_dark {
+        Some(number) => [LINES_LIGHT[number].r(), LINES_LIGHT[number].g(), LINES_LIGHT[number].b()],
+        None if is_dark && r.min(g).min(b) > 150 => [255 - r, 255 - g, 255 - b],
+        None => [r, g, b],
+    };
+    (format!("{r:02x}{g:02x}{b:02x}"), f32::from(a) / 255.0)
+}
+
 /// The marker that distinguishes the line of this number from another one of its colour.
 #[must_use]
 pub fn marker(number: usize) -> Option<MarkerShape> {

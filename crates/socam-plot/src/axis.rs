@@ -39,6 +39,8 @@ pub(crate) struct Scale {
     /// Range in the view box.
     from: f64,
     to: f64,
+    /// Places of values beyond the range: at most this many lengths of the scale beyond its ends.
+    beyond: f64,
     /// Tick values in units of 10^`exponent`, with digits behind the point.
     values: Vec<f64>,
     exponent: i32,
@@ -47,6 +49,8 @@ pub(crate) struct Scale {
 
 /// Greatest number of decades on an axis; smaller values are not drawn.
 const MOST_DECADES: f64 = 8.0;
+/// Lengths of an axis beyond its ends up to which lines that leave a clipped plot keep their slopes.
+const MOST_BEYOND: f64 = 1e4;
 /// Desired distance between ticks, units of the view box.
 const TICK_SPACING: f64 = 62.0;
 
@@ -89,6 +93,16 @@ impl Axis {
     pub(crate) fn exact(&self, ends: [f64; 2], (from, to): (f64, f64)) -> Scale {
         Scale::linear(ends.into_iter(), (from, to), ticks(from, to), 0.0)
     }
+
+    /// The scale with a given range, which gives values beyond it places beyond its ends.
+    pub(crate) fn open(&self, [low, high]: [f64; 2], (from, to): (f64, f64)) -> Scale {
+        let scale = if self.logarithmic {
+            Scale::decades([low.log10(), high.log10()], (from, to), ticks(from, to))
+        } else {
+            self.exact([low, high], (from, to))
+        };
+        Scale { beyond: MOST_BEYOND, ..scale }
+    }
 }
 
 impl Scale {
@@ -109,13 +123,18 @@ impl Scale {
         let last = (high / step).floor() as i64;
         let digits = (-(step / unit).log10().floor() + extra_digit(step)).max(0.0) as usize;
         let values = (first..=last).map(|index| index as f64 * step / unit).collect();
-        Self { logarithmic: false, low, high, from, to, values, exponent, digits }
+        Self { logarithmic: false, low, high, from, to, beyond: 0.0, values, exponent, digits }
     }
 
     fn logarithmic(values: impl Iterator<Item = f64>, (from, to): (f64, f64), ticks: f64) -> Self {
         let (low, high) = range(values.filter(|value| *value > 0.0).map(f64::log10));
         let (low, high) = if low <= high { (low.max(high - MOST_DECADES), high) } else { (0.0, 1.0) };
         let (low, high) = if high - low < 0.3 { (low - 0.15, high + 0.15) } else { (low, high) };
+        Self::decades([low, high], (from, to), ticks)
+    }
+
+    /// The logarithmic scale between two powers of ten.
+    fn decades([low, high]: [f64; 2], (from, to): (f64, f64), ticks: f64) -> Self {
         let step = ((high - low) / ticks).ceil().max(1.0) as usize;
         let decades = (low.ceil() as i32..=high.floor() as i32).step_by(step);
         let mut values: Vec<f64> = decades.map(f64::from).collect();
@@ -124,7 +143,7 @@ impl Scale {
                 .flat_map(|decade| [0.0, 2_f64.log10(), 5_f64.log10()].map(|part| f64::from(decade) + part));
             values = fine.filter(|value| (low..=high).contains(value)).collect();
         }
-        Self { logarithmic: true, low, high, from, to, values, exponent: 0, digits: 0 }
+        Self { logarithmic: true, low, high, from, to, beyond: 0.0, values, exponent: 0, digits: 0 }
     }
 
     /// Values of the ticks.
@@ -148,7 +167,8 @@ impl Scale {
             return None;
         }
         let value = if self.logarithmic { value.log10() } else { value };
-        Some(self.from + self.share(value) * (self.to - self.from))
+        let share = (value - self.low) / (self.high - self.low);
+        Some(self.from + share.clamp(-self.beyond, 1.0 + self.beyond) * (self.to - self.from))
     }
 
     pub(crate) fn ticks(&self) -> impl Iterator<Item = Tick> {

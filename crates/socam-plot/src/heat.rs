@@ -16,7 +16,7 @@ const COLOURS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 /// Room for the bar and its numbers.
-const RIGHT: f64 = 70.0;
+pub(crate) const RIGHT: f64 = 70.0;
 const BAR: f64 = 12.0;
 /// Steps of the bar.
 const STEPS: usize = 50;
@@ -92,12 +92,12 @@ impl Heat<'_> {
                 @for cell in self.cells.iter().filter(|cell| usable(cell.value)) {
                     rect x=(format!("{:.1}", left + cell.column as f64 * width))
                         y=(format!("{:.1}", HEIGHT - BOTTOM - (cell.row + 1) as f64 * height))
-                        width=(format!("{width:.1}")) height=(format!("{height:.1}")) fill=(colour(bar.share(cell.value))) {}
+                        width=(format!("{width:.1}")) height=(format!("{height:.1}")) fill=(written(bar.share(cell.value))) {}
                 }
             }
             (self.lines(&frame, &bar))
             path class="speck" d=(self.specks(&frame)) {}
-            (self.legend(&bar, left, right))
+            (legend(&self.value, &bar, left, right))
         })
     }
 
@@ -141,34 +141,39 @@ impl Heat<'_> {
         }
         path
     }
+}
 
-    /// The colour bar with its title.
-    fn legend(&self, bar: &Scale, left: f64, right: f64) -> Markup {
-        let step = (HEIGHT - BOTTOM - TOP) / STEPS as f64;
-        html! {
-            text class="title" x=(format!("{left:.1}")) y="14" { (self.value.title(bar)) }
-            @for k in 0..STEPS {
-                rect x=(right + 12.0) y=(format!("{:.1}", HEIGHT - BOTTOM - (k + 1) as f64 * step)) width=(BAR)
-                    height=(format!("{:.1}", step + 0.5)) fill=(colour((k as f64 + 0.5) / STEPS as f64)) {}
-            }
-            @for tick in bar.ticks() {
-                text class="tick" x=(right + 12.0 + BAR + 5.0) y=(format!("{:.1}", tick.place + 3.5)) { (tick.label) }
-            }
+/// The colour bar with its title.
+pub(crate) fn legend(value: &Axis, bar: &Scale, left: f64, right: f64) -> Markup {
+    let step = (HEIGHT - BOTTOM - TOP) / STEPS as f64;
+    html! {
+        text class="title" x=(format!("{left:.1}")) y="14" { (value.title(bar)) }
+        @for k in 0..STEPS {
+            rect x=(right + 12.0) y=(format!("{:.1}", HEIGHT - BOTTOM - (k + 1) as f64 * step)) width=(BAR)
+                height=(format!("{:.1}", step + 0.5)) fill=(written((k as f64 + 0.5) / STEPS as f64)) {}
+        }
+        @for tick in bar.ticks() {
+            text class="tick" x=(right + 12.0 + BAR + 5.0) y=(format!("{:.1}", tick.place + 3.5)) { (tick.label) }
         }
     }
 }
 
-fn bar(colours: [f64; 2]) -> Scale {
+pub(crate) fn bar(colours: [f64; 2]) -> Scale {
     Axis::new("", "").exact(colours, (HEIGHT - BOTTOM, TOP))
 }
 
-/// From 0 to 1.
-fn colour(share: f64) -> String {
+/// The colour, red, green and blue, of a value's share of the range, 0 to 1.
+#[must_use]
+pub fn colour(share: f64) -> [u8; 3] {
     let place = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
     let index = (place as usize).min(COLOURS.len() - 2);
     let part = place - index as f64;
-    let [red, green, blue] = std::array::from_fn(|k| {
+    std::array::from_fn(|k| {
         (COLOURS[index][k] + part * (COLOURS[index + 1][k] - COLOURS[index][k])).round() as u8
-    });
+    })
+}
+
+fn written(share: f64) -> String {
+    let [red, green, blue] = colour(share);
     format!("#{red:02x}{green:02x}{blue:02x}")
 }

@@ -8,6 +8,7 @@ mod axis;
 mod heat;
 mod path;
 mod sheet;
+mod view;
 pub mod words;
 
 #[cfg(test)]
@@ -17,8 +18,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 pub use axis::Axis;
 use axis::Scale;
-pub use heat::{Cell, Contour, Heat};
+pub use heat::{Cell, Contour, Heat, colour};
 pub use sheet::{Panel, Row, drawing, sheet, standalone};
+pub use view::{Flag, Image, View, views};
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,17 +1,22 @@
 //! One chart: curves, bands, shaded ranges and flags on a pair of axes.
 
-mod axes;
+pub(super) mod axes;
+mod box_zoom;
 mod empty;
+mod grid;
+pub mod hover;
+mod layer;
 mod marks;
+mod picture;
 mod wheel;
 
-use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2b, WidgetInfo};
-use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, uniform_grid_spacer};
+use egui::{Align2, Color32, FontId, Rect, Response, Role, Ui, WidgetInfo};
 
 pub use super::curve::{Curve, Flag, Scale};
 pub use super::style::{MarkerShape, Style};
+use super::{heat::Heat, xy::Cloud};
 use crate::theme;
-use axes::{at_an_end, decade, decades, moved, number, padded, scaled, small, steps, unscaled};
+use axes::{moved, padded, scaled, unscaled};
 pub use axes::{range_of, with_room};
 pub use empty::empty_state;
 use wheel::after_wheel;
@@ -21,7 +26,7 @@ use wheel::after_wheel;
 pub struct Chart {
     /// Identity, unique among all charts.
     pub id: egui::Id,
-    /// Title at the top left: quantity and unit.
+    /// Title at the top left: quantity and unit, separated by a comma and a space.
     pub title: String,
     /// Quantity and unit of the horizontal axis; if empty, its numbers are not shown.
     pub x_label: String,
@@ -35,6 +40,12 @@ pub struct Chart {
     pub scales: [Scale; 2],
     /// Lines.
     pub curves: Vec<Curve>,
+    /// The curve that is highlighted: it is drawn on top, the others are dimmed.
+    pub lit: Option<usize>,
+    /// Opacity of curves, 0 to 1; less than 1 where many lie on each other, see [`opacity`].
+    pub opacity: f32,
+    /// What is drawn below the curves, with a colour bar.
+    pub backdrop: Option<Backdrop>,
     /// Shaded ranges of the horizontal axis, such as gaps.
     pub shaded: Vec<([f64; 2], Color32)>,
     /// Bands between two lines: low and high at each x.
@@ -43,8 +54,23 @@ pub struct Chart {
     pub flags: Vec<Flag>,
     /// Whether the texts of the flags are drawn, not only their lines.
     pub flag_words: bool,
+    /// Position on the horizontal axis at which values are read, as [`hover::Linked`] gives it to all charts of a stack.
+    pub hover: Option<f64>,
+    /// The samples of the curves that are nearest to `hover`; empty: the drawn points are read, which may be extremes of many samples.
+    pub readings: Vec<Option<[f64; 2]>>,
+    /// Whether the menu of the chart offers to save a picture, which is then in [`Shown::to_save`].
+    pub can_save: bool,
     /// Text that is shown if there is nothing to draw.
     pub when_empty: &'static str,
+}
+
+/// What is drawn below the curves.
+#[derive(Debug, Clone)]
+pub enum Backdrop {
+    /// Dots with colours, on linear axes.
+    Cloud(Cloud),
+    /// A field of colours, on linear axes.
+    Heat(Heat),
 }
 
 /// A chart after it was drawn.
@@ -64,6 +90,10 @@ pub struct Shown {
     pub pointer_x: Option<f64>,
     /// The area of the data.
     pub frame: Rect,
+    /// The area of the chart with its axes.
+    pub whole: Rect,
+    /// The picture that the user asked to save.
+    pub to_save: Option<egui::ColorImage>,
 }
 
 /// Contents of a drawn chart, for exports.
@@ -73,22 +103,34 @@ pub struct Seen {
     pub title: String,
     /// Its horizontal axis.
     pub x_label: String,
+    /// Ranges of its axes, horizontal and vertical.
+    pub ranges: [[f64; 2]; 2],
+    /// Scales of its axes.
+    pub scales: [Scale; 2],
     /// Its lines.
     pub curves: Vec<Curve>,
+    /// What is below the lines.
+    pub backdrop: Option<Backdrop>,
+    /// Its shaded ranges.
+    pub shaded: Vec<([f64; 2], Color32)>,
+    /// Its bands.
+    pub bands: Vec<(Vec<[f64; 3]>, Color32)>,
+    /// Its vertical lines.
+    pub flags: Vec<Flag>,
 }
 
-/// Width of the numbers beside the vertical axis, points: the same for all charts, so that stacked ones align.
-const AXIS_WIDTH: f32 = 58.0;
-/// Least distance between lines of the grid, points.
-const LINES_APART: f32 = 14.0;
-/// Height from which on numbers beside the vertical axis stand farther apart, points.
-const TALL: f32 = 260.0;
-/// Distance between markers on a marked line, points.
-const MARKERS_APART: f64 = 160.0;
 /// Height of the horizontal axis with its numbers and label, points.
 pub const X_AXIS: f32 = 34.0;
 /// Height of the title, points.
 const TITLE_STRIP: f32 = 20.0;
+/// Opacity of curves beside a highlighted one.
+const DIMMED: f32 = 0.22;
+
+/// Opacity of many curves on each other: where more of them meet, the picture is darker.
+#[must_use]
+pub fn opacity(curves: usize) -> f32 {
+    (6.0 / curves.max(1) as f32).sqrt().clamp(0.2, 1.0)
+}
 
 impl Chart {
     /// A chart without lines.
@@ -107,10 +149,16 @@ impl Chart {
             y: [0.0, 1.0],
             scales: [Scale::Linear; 2],
             curves: Vec::new(),
+            lit: None,
+            opacity: 1.0,
+            backdrop: None,
             shaded: Vec::new(),
             bands: Vec::new(),
             flags: Vec::new(),
             flag_words: true,
+            hover: None,
+            readings: Vec::new(),
+            can_save: false,
             when_empty: "nothing to draw here",
         }
     }
@@ -119,32 +167,39 @@ impl Chart {
     #[must_use]
     pub fn fitted(&self, range: Option<[f64; 2]>) -> [f64; 2] {
         let Some(range) = range else { return [0.0, 1.0] };
-        let log = self.scales[1] == Scale::Log;
+        let log = self.is_log()[1];
         let [low, high] = with_room(scaled(range, log));
         let axis = if self.x_label.is_empty() { 0.0 } else { X_AXIS };
         let strip = f64::from(TITLE_STRIP / (self.size.y - axis - TITLE_STRIP).max(TITLE_STRIP));
         unscaled([low, high + strip * (high - low)], log)
     }
 
+    /// Whether the axes are logarithmic.
+    fn is_log(&self) -> [bool; 2] {
+        self.scales.map(|scale| scale == Scale::Log)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.backdrop.is_none() && self.curves.iter().all(|curve| curve.parts.iter().all(Vec::is_empty))
+    }
+
     /// Draws the chart and adds its contents to `seen`.
     pub fn show(self, ui: &mut Ui, seen: &mut Vec<Seen>) -> Shown {
-        let [log_x, log_y] = self.scales.map(|scale| scale == Scale::Log);
+        let [log_x, log_y] = self.is_log();
         let (x, y) = (padded(scaled(self.x, log_x)), padded(scaled(self.y, log_y)));
+        let corner = ui.cursor().min;
         let answer = self.plot(ui, x, y);
         let transform = answer.transform;
         let frame = *transform.frame();
+        let whole = Rect::from_min_size(corner, self.size);
         let painter = ui.painter_at(frame.intersect(ui.clip_rect()));
         let at = |value: f64| transform.position_from_point_x(if log_x { value.log10() } else { value });
-        for ([from, to], colour) in &self.shaded {
-            let rect = Rect::from_x_y_ranges(at(*from)..=at(*to).max(at(*from) + 1.0), frame.y_range());
-            painter.rect_filled(rect, 0.0, *colour);
-        }
-        for (band, colour) in &self.bands {
-            marks::band(&painter, &transform, [log_x, log_y], band, *colour);
-        }
         marks::flags(ui, &painter, frame, (&self.flags, self.flag_words), at);
         marks::title(ui, &painter, frame, &self.title);
-        if self.curves.iter().all(|curve| curve.parts.iter().all(Vec::is_empty)) {
+        if let Some(backdrop) = &self.backdrop {
+            backdrop.colours().bar(ui, &ui.painter_at(whole.intersect(ui.clip_rect())), frame);
+        }
+        if self.is_empty() {
             let font = FontId::proportional(12.5);
             painter.text(frame.center(), Align2::CENTER_CENTER, self.when_empty, font, theme::weak(ui));
         }
@@ -152,17 +207,21 @@ impl Chart {
         answer.response.widget_info(|| WidgetInfo::labeled(Role::Figure, true, format!("Chart {title}")));
         let pointer = answer.response.hover_pos().filter(|pos| frame.contains(*pos));
         let pointer_at = pointer.map(|pos| transform.value_from_position(pos).x);
-        let x_now = after_wheel(ui, frame, transform.bounds().range_x(), pointer_at);
+        let mut x_now = after_wheel(ui, frame, transform.bounds().range_x(), pointer_at);
         let y_now = transform.bounds().range_y();
-        let y_now = [*y_now.start(), *y_now.end()];
+        let mut y_now = [*y_now.start(), *y_now.end()];
+        if let Some([across, up]) = box_zoom::after_box(ui, &painter, &answer.response, &transform) {
+            (x_now, y_now) = (across.unwrap_or(x_now), up.unwrap_or(y_now));
+        }
+        // Taken before the values at the pointer are drawn.
+        let (response, to_save) = picture::menu(ui, answer.response, whole, self.can_save);
+        hover::show(ui, &painter, &transform, &self, pointer);
         let beside = |flag: &&Flag| pointer.is_some_and(|pos| (at(flag.x) - pos.x).abs() < 4.0);
         let told: Vec<&str> = self.flags.iter().filter(beside).map(|flag| flag.text.as_str()).collect();
-        let response = if told.is_empty() {
-            answer.response
-        } else {
-            answer.response.on_hover_text_at_pointer(told.join("\n"))
-        };
-        seen.push(Seen { title: self.title, x_label: self.x_label, curves: self.curves });
+        let response =
+            if told.is_empty() { response } else { response.on_hover_text_at_pointer(told.join("\n")) };
+        let ranges = [unscaled(x, log_x), unscaled(y, log_y)];
+        seen.push(self.seen(ranges));
         Shown {
             response,
             x_moved: moved(x, x_now),
@@ -171,84 +230,25 @@ impl Chart {
             y: unscaled(y_now, log_y),
             pointer_x: pointer_at.map(|x| if log_x { 10_f64.powf(x) } else { x }),
             frame,
+            whole,
+            to_save,
         }
     }
 
-    /// Axes, grid and lines.
-    fn plot(&self, ui: &mut Ui, x: [f64; 2], y: [f64; 2]) -> PlotResponse<()> {
-        let scales = self.scales.map(|scale| scale == Scale::Log);
-        let apart = self.numbers_apart();
-        let [x_axis, y_axis] = self.axes(scales, apart);
-        let spacer = |side: usize| {
-            let numbers = apart[side] / LINES_APART;
-            let even = uniform_grid_spacer(move |input| steps(input, numbers));
-            let by_decades = Box::new(move |input: GridInput| decades(&input, numbers));
-            if scales[side] { by_decades } else { even }
-        };
-        let plot = Plot::new(self.id)
-            .x_grid_spacer(spacer(0))
-            .y_grid_spacer(spacer(1))
-            .width(self.size.x)
-            .height(self.size.y)
-            .show_axes(Vec2b::new(!self.x_label.is_empty(), true))
-            .custom_x_axes(vec![x_axis])
-            .custom_y_axes(vec![y_axis])
-            .show_x(false)
-            .show_y(false)
-            .label_formatter(|_| None)
-            .allow_scroll(false)
-            .allow_double_click_reset(false)
-            .allow_drag(Vec2b::new(true, false))
-            .allow_zoom(Vec2b::new(true, false))
-            .grid_spacing(egui::Rangef::new(LINES_APART, 160.0))
-            .grid_color(theme::grid(ui))
-            .grid_fade(0.6)
-            .sense(Sense::click_and_drag());
-        let per_point = (x[1] - x[0]) / f64::from(self.size.x.max(1.0));
-        plot.show(ui, |plot| {
-            plot.set_plot_bounds_x(x[0]..=x[1]);
-            plot.set_plot_bounds_y(y[0]..=y[1]);
-            for (number, curve) in self.curves.iter().enumerate() {
-                for part in &curve.parts {
-                    marks::draw(plot, curve, part, scales);
-                }
-                if let Style::Marked(shape) = curve.style {
-                    let every = MARKERS_APART * per_point;
-                    let first = x[0] + every * (0.2 + 0.13 * number as f64).fract();
-                    plot.points(marks::markers(curve, shape, [first, every], scales));
-                }
-            }
-        })
-    }
-
-    /// Least distances between the numbers of the two axes, points.
-    fn numbers_apart(&self) -> [f32; 2] {
-        [56.0, if self.size.y < TALL { 17.5 } else { 32.0 }]
-    }
-
-    /// The horizontal and the vertical axis with their numbers.
-    fn axes(&self, scales: [bool; 2], apart: [f32; 2]) -> [AxisHints<'static>; 2] {
-        let text = |log: bool, mark: GridMark| if log { decade(mark) } else { number(mark) };
-        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
-        // The last number is left out near the right end: it would be cut off, or touch the numbers of the next chart.
-        let width = self.size.x - AXIS_WIDTH;
-        let below = move |mark: GridMark, range: &_| {
-            if at_an_end(mark.value, range, width, [0.0, 14.0]) {
-                String::new()
-            } else {
-                text(scales[0], mark)
-            }
-        };
-        let mut x_axis = AxisHints::new_x().formatter(below).label_spacing(spacing[0]);
-        if !self.x_label.is_empty() {
-            x_axis = x_axis.label(small(&self.x_label));
+    fn seen(self, ranges: [[f64; 2]; 2]) -> Seen {
+        Seen {
+            title: self.title,
+            x_label: self.x_label,
+            ranges,
+            scales: self.scales,
+            curves: self.curves,
+            backdrop: self.backdrop,
+            shaded: self.shaded,
+            bands: self.bands,
+            flags: self.flags,
         }
-        let length = self.size.y - if self.x_label.is_empty() { 0.0 } else { X_AXIS };
-        // The lowest and highest numbers are left out near the ends, where those of the other axis or of the next chart are.
-        let beside = move |mark: GridMark, range: &_| {
-            if at_an_end(mark.value, range, length, [7.0; 2]) { String::new() } else { text(scales[1], mark) }
-        };
-        let y_axis = AxisHints::new_y().formatter(beside).min_thickness(AXIS_WIDTH).label_spacing(spacing[1]);
-        [x_axis, y_axis]
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -1,10 +1,15 @@
 //! A picture of the window without a display: egui's triangles, filled in software. The same input gives the same bytes on every
 //! machine.
 
+mod file;
+
 use egui::epaint::ClippedShape;
 use egui::epaint::{Primitive, Vertex};
 use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 use std::collections::HashMap;
+
+pub use file::png;
+pub(super) use file::png_with_holes;
 
 /// Textures of the window, collected from its output.
 #[derive(Debug, Default)]
@@ -251,29 +256,25 @@ fn blend(pixel: &mut Color32, source: [f32; 4]) {
     *pixel = Color32::from_rgba_premultiplied(over[0], over[1], over[2], over[3]);
 }
 
-/// A picture as PNG.
-///
-/// # Errors
-/// When the picture has no pixels.
-pub fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.size[0] as u32, image.size[1] as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
-    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(&pixels).map_err(|error| error.to_string())?;
-    writer.finish().map_err(|error| error.to_string())?;
-    Ok(bytes)
-}
-
-/// Draws shapes before they have become a window's output, with the fonts as they are now.
+/// Draws a part of the window before its shapes have become the window's output, with the fonts as they are now.
 #[must_use]
-pub fn of_shapes(ctx: &egui::Context, shapes: Vec<ClippedShape>, part: Rect, ground: Color32) -> ColorImage {
+pub fn of_shapes(
+    ctx: &egui::Context,
+    mut shapes: Vec<ClippedShape>,
+    part: Rect,
+    ground: Color32,
+) -> ColorImage {
     let scale = ctx.pixels_per_point();
     let fonts = ctx.fonts(|fonts| fonts.image());
-    let raster = Raster { textures: [(TextureId::default(), fonts)].into() };
+    let mut raster = Raster { textures: [(TextureId::default(), fonts)].into() };
+    let pictures = super::texture::known(ctx).into_iter();
+    raster.textures.extend(pictures.map(|(id, image)| (id, ColorImage::clone(&image))));
+    if part.min != Pos2::ZERO {
+        for clipped in &mut shapes {
+            clipped.clip_rect = clipped.clip_rect.translate(-part.min.to_vec2());
+            clipped.shape.translate(-part.min.to_vec2());
+        }
+    }
     let size = [part.width(), part.height()].map(|points| (points * scale).round() as usize);
     raster.draw(ctx, shapes, scale, size, ground)
 }

@@ -5,7 +5,7 @@ use std::io;
 use std::ops::Range;
 
 /// The last bytes of every index file; they change with its format.
-pub(super) const MAGIC: [u8; 8] = *b"socamix1";
+pub(super) const MAGIC: [u8; 8] = *b"socamix2";
 /// Number of rows in a group of the file: their times, then the values of each column.
 pub(super) const GROUP: usize = 1 << 16;
 

@@ -10,7 +10,8 @@ use socam_recording::Segment;
 
 pub use super::cache::{path_of, prune};
 use super::groups::{GROUP, Groups, MAGIC};
-use super::pyramid::{self, BASE, Extremes, Pyramid};
+use super::moments::Moments;
+use super::pyramid::{self, BASE, Extremes, MOMENTS_BASE, Pyramid};
 use super::stored::{Samples, Store};
 use crate::about::About;
 
@@ -33,6 +34,7 @@ pub struct Writer {
     time_s: Vec<f64>,
     columns: Vec<Vec<f32>>,
     blocks: Vec<Vec<Extremes>>,
+    moments: Vec<Vec<Moments>>,
     knots: Vec<f64>,
 }
 
@@ -53,6 +55,7 @@ impl Writer {
             time_s: Vec::with_capacity(GROUP),
             columns: vec![Vec::with_capacity(GROUP); columns],
             blocks: vec![Vec::new(); columns],
+            moments: vec![Vec::new(); columns],
             knots: Vec::new(),
             middles,
         })
@@ -84,6 +87,9 @@ impl Writer {
         for (column, blocks) in self.columns.iter().zip(&mut self.blocks) {
             blocks.extend(column.chunks(BASE).map(pyramid::of));
         }
+        for (column, moments) in self.columns.iter().zip(&mut self.moments) {
+            moments.extend(column.chunks(MOMENTS_BASE).map(Moments::of));
+        }
         self.time_s.resize(GROUP, f64::NAN);
         write_f64(&mut self.file, &self.time_s)?;
         self.time_s.clear();
@@ -108,6 +114,11 @@ impl Writer {
         for blocks in &self.blocks {
             write_f32(&mut self.file, blocks.as_flattened())?;
         }
+        for moments in &self.moments {
+            let numbers: Vec<f64> =
+                moments.iter().flat_map(|own| [own.count, own.mean, own.squares]).collect();
+            write_f64(&mut self.file, &numbers)?;
+        }
         let tail = Tail {
             about: about.clone(),
             rows: self.rows,
@@ -126,6 +137,7 @@ impl Writer {
             store: Store::File(Groups { file, columns: self.middles.len() }),
             middles: self.middles,
             pyramids: self.blocks.into_iter().map(Pyramid::new).collect(),
+            moments: self.moments.into_iter().map(Pyramid::new).collect(),
             knots: self.knots,
             segments: segments.to_vec(),
         })
@@ -153,10 +165,12 @@ pub fn open(path: &Path) -> io::Result<(About, Samples)> {
     let tail: Tail = serde_json::from_slice(&text)?;
     let blocks = tail.rows.div_ceil(BASE);
     let columns = tail.middles.len();
-    if numbers.len() != 8 * blocks * (1 + columns) {
+    let of_moments = 24 * tail.rows.div_ceil(MOMENTS_BASE);
+    if numbers.len() != 8 * blocks * (1 + columns) + of_moments * columns {
         return Err(foreign());
     }
     let (knots, rest) = numbers.split_at(8 * blocks);
+    let (rest, moments) = rest.split_at(8 * blocks * columns);
     let knots = knots.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect();
     let pyramids = rest.chunks_exact((8 * blocks).max(1)).map(|column| {
         let pairs = column.as_chunks::<8>().0.iter();
@@ -168,9 +182,19 @@ pub fn open(path: &Path) -> io::Result<(About, Samples)> {
                 .collect(),
         )
     });
+    let moments = moments.chunks_exact(of_moments.max(1)).map(|column| {
+        let numbers: Vec<f64> = column.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let whole = numbers.as_chunks::<3>().0.iter();
+        Pyramid::new(
+            whole
+                .map(|[count, mean, squares]| Moments { count: *count, mean: *mean, squares: *squares })
+                .collect(),
+        )
+    });
     let samples = Samples {
         rows: tail.rows,
         pyramids: pyramids.collect(),
+        moments: moments.collect(),
         knots,
         middles: tail.middles,
         segments: tail.segments.into_iter().map(segment).collect(),

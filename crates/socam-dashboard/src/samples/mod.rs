@@ -10,11 +10,14 @@ mod envelope;
 mod groups;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod index;
+mod moments;
 mod pyramid;
+mod stats;
 mod stored;
 
 pub use envelope::{Envelope, envelope};
 pub use pyramid::{BASE, Extremes};
+pub use stats::{Stats, stats};
 pub use stored::Samples;
 
 #[cfg(test)]

@@ -1,9 +1,14 @@
-//! Least and greatest values of blocks of a column, in levels: each level joins pairs of blocks of the level below.
+//! What is known of blocks of a column, such as their least and greatest values, in levels: each level joins pairs of blocks of the
+//! level below.
 //!
 //! A picture reads about as many blocks as it has pixels, for recordings of any length, and a spike of one sample remains visible.
 
-/// Samples of a block of the lowest level.
+use super::moments::Moments;
+
+/// Samples of a block of the lowest level of extremes.
 pub const BASE: usize = 64;
+/// Samples of a block of the lowest level of moments, which take three times the memory and are not drawn.
+pub(crate) const MOMENTS_BASE: usize = 1024;
 
 /// Least and greatest value; both NaN where there is no value.
 pub type Extremes = [f32; 2];
@@ -32,39 +37,64 @@ pub(crate) fn of(values: &[f32]) -> Extremes {
     rest.iter().map(|value| [*value; 2]).chain(lanes).fold(NOTHING, join)
 }
 
-/// The levels of one column; level 0 has blocks of [`BASE`] samples, each further one of twice as many.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Pyramid {
-    levels: Vec<Vec<Extremes>>,
+/// What blocks hold, and how two of them join.
+pub(crate) trait Block: Copy {
+    /// Of no values: the neutral element of [`Block::join`].
+    const NOTHING: Self;
+
+    /// Of both.
+    fn join(self, other: Self) -> Self;
 }
 
-impl Pyramid {
+impl Block for Extremes {
+    const NOTHING: Self = NOTHING;
+
+    fn join(self, other: Self) -> Self {
+        join(self, other)
+    }
+}
+
+impl Block for Moments {
+    const NOTHING: Self = Self { count: 0.0, mean: 0.0, squares: 0.0 };
+
+    fn join(self, other: Self) -> Self {
+        Self::join(self, other)
+    }
+}
+
+/// The levels of one column; level 0 has blocks of a fixed number of samples, each further one of twice as many.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Pyramid<B = Extremes> {
+    levels: Vec<Vec<B>>,
+}
+
+impl<B: Block> Pyramid<B> {
     /// A pyramid on the blocks of the lowest level.
-    pub(crate) fn new(blocks: Vec<Extremes>) -> Self {
+    pub(crate) fn new(blocks: Vec<B>) -> Self {
         let mut levels = vec![blocks];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {
-            let pairs = last.chunks(2).map(|pair| pair.iter().copied().fold(NOTHING, join));
+            let pairs = last.chunks(2).map(|pair| pair.iter().copied().fold(B::NOTHING, B::join));
             levels.push(pairs.collect());
         }
         Self { levels }
     }
 
-    /// Extremes of blocks of the lowest level, by index.
-    pub(crate) fn of_blocks(&self, mut from: usize, mut to: usize) -> Extremes {
-        let mut result = NOTHING;
+    /// What blocks of the lowest level hold, by index.
+    pub(crate) fn of_blocks(&self, mut from: usize, mut to: usize) -> B {
+        let mut result = B::NOTHING;
         for level in &self.levels {
             to = to.min(level.len().max(from));
             if from >= to {
                 break;
             }
             if from % 2 == 1 {
-                result = join(result, level[from]);
+                result = result.join(level[from]);
                 from += 1;
             }
             if to % 2 == 1 && from < to {
                 // An odd last block has no partner on the next level.
                 to -= 1;
-                result = join(result, level[to]);
+                result = result.join(level[to]);
             }
             (from, to) = (from / 2, to / 2);
         }
@@ -112,6 +142,6 @@ mod tests {
     fn missing_values_are_passed_over_and_nothing_stays_nothing() {
         assert_eq!(of(&[f32::NAN, 2.0, f32::NAN, -1.0]), [-1.0, 2.0]);
         assert!(of(&[f32::NAN; 100])[0].is_nan());
-        assert!(Pyramid::new(Vec::new()).of_blocks(0, 0)[0].is_nan());
+        assert!(Pyramid::<Extremes>::new(Vec::new()).of_blocks(0, 0)[0].is_nan());
     }
 }

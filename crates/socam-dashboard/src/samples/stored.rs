@@ -4,7 +4,8 @@ use std::ops::Range;
 
 #[cfg(not(target_arch = "wasm32"))]
 use super::groups::Groups;
-use super::pyramid::{self, BASE, Extremes, Pyramid};
+use super::moments::Moments;
+use super::pyramid::{self, BASE, Block, Extremes, MOMENTS_BASE, Pyramid};
 use socam_recording::Segment;
 
 /// Storage of the samples.
@@ -26,6 +27,7 @@ pub struct Samples {
     /// Middle of each channel's range, which is added to the stored values.
     pub(super) middles: Vec<f64>,
     pub(super) pyramids: Vec<Pyramid>,
+    pub(super) moments: Vec<Pyramid<Moments>>,
     /// Time of each block's first row, s.
     pub(super) knots: Vec<f64>,
     pub(super) segments: Vec<Segment>,
@@ -42,10 +44,13 @@ impl Samples {
         let columns: Vec<Vec<f32>> = columns.iter().zip(&middles).map(narrow).collect();
         let pyramids =
             columns.iter().map(|column| Pyramid::new(column.chunks(BASE).map(pyramid::of).collect()));
+        let moments =
+            columns.iter().map(|column| Pyramid::new(column.chunks(MOMENTS_BASE).map(Moments::of).collect()));
         let knots = time_s.iter().step_by(BASE).copied().collect();
         Self {
             rows: time_s.len(),
             pyramids: pyramids.collect(),
+            moments: moments.collect(),
             knots,
             middles,
             segments,
@@ -85,7 +90,8 @@ impl Samples {
             #[cfg(not(target_arch = "wasm32"))]
             Store::File(_) => 0,
         };
-        raw + 8 * self.knots.len() + self.pyramids.iter().map(Pyramid::bytes).sum::<usize>()
+        let moments: usize = self.moments.iter().map(Pyramid::bytes).sum();
+        raw + 8 * self.knots.len() + self.pyramids.iter().map(Pyramid::bytes).sum::<usize>() + moments
     }
 
     /// Times of rows, s; NaN for rows that cannot be read any more.
@@ -157,17 +163,34 @@ impl Samples {
     }
 
     fn stored_extremes(&self, channel: usize, rows: Range<usize>) -> Extremes {
+        self.joined(channel, rows, (&self.pyramids[channel], BASE), pyramid::of)
+    }
+
+    /// Moments of some rows of a channel, in its unit.
+    pub(super) fn moments(&self, channel: usize, rows: Range<usize>) -> Moments {
+        let stored = self.joined(channel, rows, (&self.moments[channel], MOMENTS_BASE), Moments::of);
+        Moments { mean: stored.mean + self.middles[channel], ..stored }
+    }
+
+    /// What some rows of a channel hold: whole blocks of `base` samples from the pyramid, the ends from the samples.
+    fn joined<B: Block>(
+        &self,
+        channel: usize,
+        rows: Range<usize>,
+        (pyramid, base): (&Pyramid<B>, usize),
+        of: impl Fn(&[f32]) -> B,
+    ) -> B {
         let rows = self.inside(rows);
-        let (from, to) = (rows.start.div_ceil(BASE), rows.end / BASE);
-        let mut result = pyramid::NOTHING;
+        let (from, to) = (rows.start.div_ceil(base), rows.end / base);
+        let mut result = B::NOTHING;
         if from >= to {
-            self.with_stored(channel, rows, |values| result = pyramid::of(values));
+            self.with_stored(channel, rows, |values| result = of(values));
             return result;
         }
-        result = self.pyramids[channel].of_blocks(from, to);
-        for edge in [rows.start..from * BASE, to * BASE..rows.end] {
+        result = pyramid.of_blocks(from, to);
+        for edge in [rows.start..from * base, to * base..rows.end] {
             if !edge.is_empty() {
-                self.with_stored(channel, edge, |values| result = pyramid::join(result, pyramid::of(values)));
+                self.with_stored(channel, edge, |values| result = result.join(of(values)));
             }
         }
         result

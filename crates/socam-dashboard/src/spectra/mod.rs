@@ -3,6 +3,7 @@
 mod legend;
 mod model_response;
 mod poles;
+pub mod spectrogram;
 mod welch;
 
 use std::sync::Arc;

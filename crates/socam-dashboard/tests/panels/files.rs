@@ -65,7 +65,7 @@ fn what_is_seen_is_exported() {
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert!(read("view.png").starts_with(b"\x89PNG") && read("view.png").len() > 20_000);
     let svg = String::from_utf8(read("view.svg")).unwrap();
-    assert!(svg.contains(">motor_speed, rad/s</text>") && svg.ends_with("</svg>\n"));
+    assert!(svg.contains(">motor_speed (rad/s)</text>") && svg.ends_with("</svg>\n"));
     let csv = String::from_utf8(read("view.csv")).unwrap();
     assert!(
         csv.lines().count() > 5000 && csv.contains("\"motor_speed, rad/s\",runs/multisine-0.mcap,,"),

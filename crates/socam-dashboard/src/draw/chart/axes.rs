@@ -1,6 +1,7 @@
 //! Ranges of axes, and the numbers beside them.
 
-use egui_plot::{GridInput, GridMark};
+use egui::{Color32, TextStyle, Ui};
+use egui_plot::{GridInput, GridMark, uniform_grid_spacer};
 
 /// Makes a range finite and not empty, so that it can be drawn.
 pub(super) fn padded([low, high]: [f64; 2]) -> [f64; 2] {
@@ -29,7 +30,7 @@ pub(super) fn small(text: &str) -> egui::RichText {
 }
 
 /// A number beside an axis, with as many digits as the step of the grid needs.
-pub(super) fn number(mark: GridMark) -> String {
+pub(in crate::draw) fn number(mark: GridMark) -> String {
     let step = mark.step_size.abs();
     if mark.value.abs() < 1e-9 * step {
         return "0".into();
@@ -47,7 +48,7 @@ pub(super) fn number(mark: GridMark) -> String {
 
 /// Steps of an even grid: the middle one, which has numbers, is the least of 1, 2, 5, 10 and so on that leaves them `apart` times as
 /// much room as there is between lines at least.
-pub(super) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
+pub(in crate::draw) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
     let least = input.base_step_size * f64::from(apart.max(1.0));
     let decade = 10_f64.powf(least.log10().floor());
     let steps = match least / decade {
@@ -57,6 +58,49 @@ pub(super) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
         _ => [5.0, 10.0, 100.0],
     };
     steps.map(|step| step * decade)
+}
+
+/// Lines of an even grid.
+pub(super) fn even(input: GridInput, apart: f32) -> Vec<GridMark> {
+    uniform_grid_spacer(move |input| steps(input, apart))(input)
+}
+
+/// Least width of the numbers beside a vertical axis, points: charts align while numbers are short.
+const AXIS_WIDTH: f32 = 58.0;
+/// Room that `egui_plot` leaves at both sides of a number, points.
+const BESIDE_NUMBERS: f32 = 8.0;
+
+/// Width of the widest of these numbers, with room, points.
+pub(super) fn width_of_numbers(ui: &Ui, numbers: impl Iterator<Item = String>) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    let width = |text: String| ui.painter().layout_no_wrap(text, font.clone(), Color32::PLACEHOLDER).size().x;
+    (numbers.map(width).fold(0.0, f32::max) + BESIDE_NUMBERS).max(AXIS_WIDTH).ceil()
+}
+
+/// Widths in a stack of charts: of this pass so far, and of the last one.
+#[derive(Clone, Copy, Default)]
+struct Widths {
+    pass: u64,
+    now: f32,
+    last: f32,
+}
+
+/// Width of the vertical axes of all charts that are drawn into this part of the window, of which the next one needs `own`. A chart
+/// further down that needs more is known in the next pass.
+pub(super) fn shared_width(ui: &Ui, own: f32) -> f32 {
+    let (ctx, id, pass) = (ui.ctx(), ui.scope_id().with("width of axes"), ui.ctx().cumulative_pass_nr());
+    let mut widths = ctx.data(|data| data.get_temp::<Widths>(id)).unwrap_or_default();
+    if widths.pass != pass {
+        widths = Widths { pass, now: 0.0, last: widths.now };
+    }
+    if own > widths.now {
+        widths.now = own;
+        if own > widths.last {
+            ctx.request_repaint();
+        }
+    }
+    ctx.data_mut(|data| data.insert_temp(id, widths));
+    widths.now.max(widths.last)
 }
 
 /// Decades between 1 and 2, and between 9 and 10: how far apart numbers may stand on a logarithmic axis for those between to have room.

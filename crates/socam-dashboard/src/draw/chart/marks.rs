@@ -1,69 +1,106 @@
 //! Contents of a chart: lines, markers, bands, flags and the title.
 
 use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
-use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
+use egui_plot::{MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
 use super::TITLE_STRIP;
 use crate::draw::curve::{Curve, Flag};
 use crate::draw::style::Style;
-
-/// Width of lines, points. Thinner lines fade between two rows of pixels.
-const LINE_WIDTH: f32 = 1.7;
+use crate::draw::trace::{self, Pen};
 
 /// Markers on a line, evenly apart on the horizontal axis.
 pub(super) fn markers(
     curve: &Curve,
     shape: MarkerShape,
     [first, every]: [f64; 2],
-    [log_x, log_y]: [bool; 2],
+    scales: [bool; 2],
 ) -> Points<'static> {
-    let scale = |value: f64, log: bool| if log { value.log10() } else { value };
-    let points =
-        curve.parts.iter().flatten().map(|[x, y]| PlotPoint::new(scale(*x, log_x), scale(*y, log_y)));
+    let points = curve.parts.iter().flatten().filter_map(|point| scaled(*point, scales));
     let mut next = first;
     let mut chosen = Vec::new();
-    for point in points.filter(|point| point.y.is_finite()) {
+    for point in points {
         if point.x >= next {
             next = first + ((point.x - first) / every).floor() * every + every;
             chosen.push(point);
         }
     }
-    Points::new("", PlotPoints::Owned(chosen)).color(curve.colour).radius(4.5).shape(shape).allow_hover(false)
+    Points::new("", PlotPoints::Owned(chosen)).radius(4.5).shape(shape).allow_hover(false)
 }
 
-pub(super) fn draw(
-    plot: &mut egui_plot::PlotUi<'_>,
-    curve: &Curve,
-    part: &[[f64; 2]],
-    [log_x, log_y]: [bool; 2],
-) {
-    let scale = |value: f64, log: bool| if log { value.log10() } else { value };
-    let point = |[x, y]: &[f64; 2]| PlotPoint::new(scale(*x, log_x), scale(*y, log_y));
-    let points: Vec<PlotPoint> =
-        part.iter().map(point).filter(|point| point.x.is_finite() && point.y.is_finite()).collect();
-    let only_markers = matches!(curve.style, Style::Markers(_));
-    if only_markers || curve.style == Style::Dotted || points.len() == 1 {
-        let markers = Points::new("", PlotPoints::Owned(points.clone())).color(curve.colour);
-        let markers = match curve.style {
-            Style::Markers(shape) => markers.shape(shape).filled(shape == MarkerShape::Cross).radius(5.0),
-            _ => markers.radius(2.5),
-        };
-        plot.points(markers.allow_hover(false));
+/// The markers of a curve that has one at each point, and of parts that are single points.
+pub(super) fn dots(curve: &Curve, scales: [bool; 2]) -> Option<Points<'static>> {
+    let all = matches!(curve.style, Style::Markers(_) | Style::Dotted);
+    let parts = curve.parts.iter().filter(|part| all || part.len() == 1);
+    let points: Vec<PlotPoint> = parts.flatten().filter_map(|point| scaled(*point, scales)).collect();
+    if points.is_empty() {
+        return None;
     }
-    if !only_markers && points.len() > 1 {
-        let line =
-            Line::new("", PlotPoints::Owned(points)).color(curve.colour).width(LINE_WIDTH).allow_hover(false);
-        plot.line(if curve.style == Style::Dashed { line.style(LineStyle::dashed_dense()) } else { line });
+    let dots = Points::new("", PlotPoints::Owned(points)).allow_hover(false);
+    Some(match curve.style {
+        Style::Markers(shape) => dots.shape(shape).filled(shape == MarkerShape::Cross).radius(5.0),
+        _ => dots.radius(2.5),
+    })
+}
+
+/// The point on axes of which some are logarithmic; `None` if they cannot show it.
+fn scaled([x, y]: [f64; 2], [log_x, log_y]: [bool; 2]) -> Option<PlotPoint> {
+    let scale = |value: f64, log: bool| if log { value.log10() } else { value };
+    let point = PlotPoint::new(scale(x, log_x), scale(y, log_y));
+    (point.x.is_finite() && point.y.is_finite()).then_some(point)
+}
+
+/// Draws the lines of a curve.
+pub(super) fn line(
+    ui: &Ui,
+    transform: &PlotTransform,
+    scales: [bool; 2],
+    (curve, colour): (&Curve, Color32),
+    shapes: &mut Vec<Shape>,
+) {
+    if matches!(curve.style, Style::Markers(_)) {
+        return;
+    }
+    let pen = Pen {
+        colour,
+        width: trace::WIDTH,
+        is_dashed: curve.style == Style::Dashed,
+        pixels_per_point: ui.pixels_per_point(),
+    };
+    // In 64 bits, so that far points do not move near ones.
+    let (frame, bounds) = (*transform.frame(), *transform.bounds());
+    let [[left, bottom], [per_x, per_y]] = [bounds.min(), transform.dpos_dvalue()];
+    let place = |point: &[f64; 2]| {
+        let point = scaled(*point, scales)?;
+        let x = f64::from(frame.left()) + (point.x - left) * per_x;
+        Some([x, f64::from(frame.bottom()) + (point.y - bottom) * per_y])
+    };
+    for part in &curve.parts {
+        let points: Vec<[f64; 2]> = part.iter().filter_map(place).collect();
+        pen.draw(&points, frame.intersect(ui.clip_rect()), shapes);
+    }
+}
+
+/// Shades ranges of the horizontal axis.
+pub(super) fn shaded(
+    transform: &PlotTransform,
+    log: bool,
+    ranges: &[([f64; 2], Color32)],
+    shapes: &mut Vec<Shape>,
+) {
+    let frame = *transform.frame();
+    for (range, colour) in ranges {
+        let [from, to] = range.map(|x| transform.position_from_point_x(if log { x.log10() } else { x }));
+        let across = from.max(frame.left() - 2.0)..=to.max(from + 1.0).min(frame.right() + 2.0);
+        shapes.push(Shape::rect_filled(Rect::from_x_y_ranges(across, frame.y_range()), 0.0, *colour));
     }
 }
 
 /// Fills the area between two lines.
 pub(super) fn band(
-    painter: &Painter,
     transform: &PlotTransform,
     [log_x, log_y]: [bool; 2],
-    band: &[[f64; 3]],
-    colour: Color32,
+    (band, colour): &(Vec<[f64; 3]>, Color32),
+    shapes: &mut Vec<Shape>,
 ) {
     let point = |x: f64, y: f64| {
         let x = if log_x { x.log10() } else { x };
@@ -73,7 +110,7 @@ pub(super) fn band(
     for pair in band.windows(2).filter(|pair| pair.iter().flatten().all(|value| value.is_finite())) {
         let [[x0, low0, high0], [x1, low1, high1]] = [pair[0], pair[1]];
         let corners = vec![point(x0, low0), point(x1, low1), point(x1, high1), point(x0, high0)];
-        painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
+        shapes.push(Shape::convex_polygon(corners, *colour, Stroke::NONE));
     }
 }
 

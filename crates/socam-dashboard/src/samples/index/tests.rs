@@ -24,6 +24,10 @@ fn an_index_opens_again_and_draws_what_memory_draws() {
     assert_eq!(again, about);
     for samples in [&built, &opened] {
         assert_eq!(samples.rows(), rows);
+        for range in [[0.0, 30.0], [2.0, 2.1], [6.0, 9.0]] {
+            let found = crate::samples::stats(samples, 0, range);
+            assert_eq!(found, crate::samples::stats(&memory, 0, range), "{range:?}");
+        }
         for (from_s, to_s) in [(0.0, 30.0), (6.0, 9.0), (2.0, 2.1), (20.6, 20.7)] {
             let line = crate::samples::envelope(samples, 0, from_s, to_s, 800);
             assert_eq!(line, crate::samples::envelope(&memory, 0, from_s, to_s, 800), "{from_s}..{to_s}");
