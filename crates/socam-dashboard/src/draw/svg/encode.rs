@@ -6,7 +6,7 @@ pub(super) fn data_url(png: &[u8]) -> String {
     let mut url = String::from("data:image/png;base64,");
     for bytes in png.chunks(3) {
         let bits =
-            bytes.iter().fold(0_u32, |bits, byte| bits << 8 | u32::from(*byte)) << (8 * (3 - bytes.len()));
+            bytes.iter().fold(0_u32, |bits, byte| (bits << 8) | u32::from(*byte)) << (8 * (3 - bytes.len()));
         for place in 0..4 {
             let letter = LETTERS[(bits >> (18 - 6 * place)) as usize & 63];
             url.push(if place <= bytes.len() { char::from(letter) } else { '=' });
