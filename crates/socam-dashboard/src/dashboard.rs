@@ -9,7 +9,7 @@ use egui::{Frame, Key, Margin, Ui};
 use socam_model::Model;
 
 use crate::document::Document;
-use crate::files::Dialog;
+use crate::files::{Dialog, Purpose};
 use crate::job::Job;
 use crate::layout::Layout;
 use crate::recording::Recording;
@@ -50,6 +50,8 @@ pub struct Dashboard {
     diagnose: Option<Vec<String>>,
     /// The file that the picture of this pass is written to.
     pub(crate) exporting: Option<PathBuf>,
+    /// Contents of the file whose name is being asked for.
+    pub(crate) to_save: Vec<u8>,
     /// Files that the page offers for download.
     #[cfg(target_arch = "wasm32")]
     pub(crate) leaving: Vec<(String, Vec<u8>)>,
@@ -75,6 +77,7 @@ impl Dashboard {
             Model::builtin("speed-o-cam").unwrap_or_else(|| unreachable!("the default model is embedded"));
         let mut views = Views::default();
         views.live.choose_device(&layout.device);
+        views.time.arrange(&layout.plots);
         Self {
             simulate: None,
             layout,
@@ -88,6 +91,7 @@ impl Dashboard {
             help: false,
             stop_button: egui::Rect::NOTHING,
             exporting: None,
+            to_save: Vec::new(),
             diagnose: None,
             #[cfg(target_arch = "wasm32")]
             leaving: Vec::new(),
@@ -130,7 +134,8 @@ impl Dashboard {
 
     /// Adds a recording that is in memory.
     pub fn add_recording(&mut self, recording: Recording) {
-        self.workspace.entries.push(Entry { recording, shown: true, shift_s: 0.0 });
+        let entry = Entry::new(recording, &self.workspace.entries);
+        self.workspace.entries.push(entry);
     }
 
     /// Whether something is still being opened or computed.
@@ -167,6 +172,10 @@ impl Dashboard {
                     model.map_or_else(|| self.workspace.model().clone(), |model| *model),
                 );
                 self.layout.view = View::Diagnosis;
+            }
+            Document::Layout(plots) => {
+                self.views.time.arrange(&plots);
+                self.layout.view = View::Time;
             }
             Document::Signal(_) if !live::REACHABLE => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
@@ -230,19 +239,24 @@ impl Dashboard {
             });
         self.messages(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace);
-        self.answer_requests();
+        self.answer_requests(&ctx);
         self.dialogs(&ctx);
         crate::help::window(&ctx, &mut self.help);
         self.layout.panels = crate::layout::panels(&ctx);
+        self.layout.plots = self.views.time.arrangement();
         self.export(&ctx);
     }
 
-    fn answer_requests(&mut self) {
+    fn answer_requests(&mut self, ctx: &egui::Context) {
         for request in std::mem::take(&mut self.workspace.requests) {
             match request {
                 Request::Show(view) => self.layout.view = view,
                 Request::Open(path) => self.open([path]),
                 Request::Save(path, bytes) => self.put(&path, Ok(bytes)),
+                Request::SaveAs(name, bytes) => {
+                    self.to_save = bytes;
+                    self.ask(ctx, Purpose::SaveBytes, &name);
+                }
                 Request::Signal(profile) if !live::REACHABLE => {
                     self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));
                 }

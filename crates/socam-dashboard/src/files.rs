@@ -18,6 +18,8 @@ pub enum Purpose {
     SaveSignal,
     /// A recording as `.csv` or `.m`.
     SaveRecording,
+    /// A small file that a view has made.
+    SaveBytes,
 }
 
 /// A dialog that is open.
@@ -84,6 +86,7 @@ impl Dialog {
                 Purpose::Export => "Export what is seen (.png, .svg or .csv)",
                 Purpose::SaveSignal => "Save the input signal (.toml)",
                 Purpose::SaveRecording => "Save the recording as (.csv or .m)",
+                Purpose::SaveBytes => "Save as",
             });
             self.place(ui);
             self.contents(ui);

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
+use crate::review::Arrangement;
 use crate::theme::Look;
 use crate::view::View;
 
@@ -27,6 +28,8 @@ pub struct Layout {
     pub window: [f32; 2],
     /// Widths of the panels at the left, points, by name.
     pub panels: BTreeMap<String, f32>,
+    /// The plots of the view over time.
+    pub plots: Arrangement,
 }
 
 impl Default for Layout {
@@ -39,6 +42,7 @@ impl Default for Layout {
             device: "sim".into(),
             window: [1280.0, 800.0],
             panels: BTreeMap::new(),
+            plots: Arrangement::default(),
         }
     }
 }

@@ -174,7 +174,7 @@ impl Dashboard {
 
     /// A page in a browser uses its own dialogs and offers saved files for download.
     #[cfg(target_arch = "wasm32")]
-    fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
+    pub(crate) fn ask(&mut self, ctx: &egui::Context, purpose: Purpose, name: &str) {
         match purpose {
             Purpose::Open => self.wishes_files = true,
             _ => self.answered(ctx, purpose, vec![name.into()]),
@@ -182,7 +182,7 @@ impl Dashboard {
     }
 
     #[cfg(not(target_arch = "wasm32"))]
-    fn ask(&mut self, _: &egui::Context, purpose: Purpose, name: &str) {
+    pub(crate) fn ask(&mut self, _: &egui::Context, purpose: Purpose, name: &str) {
         let folder = self.layout.folder.canonicalize().unwrap_or_else(|_| self.layout.folder.clone());
         self.dialog = Some(Dialog::new(purpose, &folder, name));
     }
@@ -211,10 +211,13 @@ impl Dashboard {
         if ctx.egui_wants_keyboard_input() {
             return;
         }
-        if pressed(UNDO) {
+        // A view with a history of its own undoes its own changes; everywhere else the input signal is undone.
+        let view = self.views.get(self.layout.view);
+        if pressed(UNDO) && !view.undo(&mut self.workspace) {
             self.views.live.signal.undo();
         }
-        if pressed(REDO) {
+        let view = self.views.get(self.layout.view);
+        if pressed(REDO) && !view.redo(&mut self.workspace) {
             self.views.live.signal.redo();
         }
         if self.layout.view == View::Live {
@@ -261,7 +264,9 @@ fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Ve
     };
     match extension.as_str() {
         "csv" => Ok(export::csv(&dashboard.workspace.seen).into_bytes()),
-        "svg" => svg::svg(&dashboard.workspace.seen, ctx.global_style().visuals.dark_mode).map(String::into_bytes),
+        "svg" => {
+            svg::svg(&dashboard.workspace.seen, ctx.global_style().visuals.dark_mode).map(String::into_bytes)
+        }
         "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),
         _ => Err(format!("{}: what is seen is exported as .png, .svg or .csv", path.display())),
     }

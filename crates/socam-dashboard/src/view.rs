@@ -27,6 +27,16 @@ pub trait ViewPanel {
         false
     }
 
+    /// Undoes a change of what it shows; `false` if it has no such history.
+    fn undo(&mut self, _workspace: &mut Workspace) -> bool {
+        false
+    }
+
+    /// Does again what was undone; `false` if it has no such history.
+    fn redo(&mut self, _workspace: &mut Workspace) -> bool {
+        false
+    }
+
     /// Explains its controls.
     fn help() -> Help
     where

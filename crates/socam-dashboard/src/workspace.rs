@@ -19,6 +19,8 @@ pub enum Request {
     Open(String),
     /// Save a small file; a page in a browser offers it for download.
     Save(PathBuf, Vec<u8>),
+    /// Ask for a name, of which this is a proposal, and save a small file; a page in a browser offers it for download.
+    SaveAs(String, Vec<u8>),
     /// Make a profile the input signal, and show it; a page in a browser, which has no bench, offers it for download.
     Signal(Box<ProfileFile>),
     /// Make a model the one that recordings are compared with.
@@ -66,11 +68,7 @@ impl Workspace {
 
     /// The recordings that are shown, with their numbers, which determine their colours.
     pub fn shown(&self) -> impl Iterator<Item = (usize, &Recording)> {
-        self.entries
-            .iter()
-            .enumerate()
-            .filter(|(_, entry)| entry.shown)
-            .map(|(n, entry)| (n, &entry.recording))
+        self.entries.iter().filter(|entry| entry.shown).map(|entry| (entry.number, &entry.recording))
     }
 
     /// Asks something of the window.

@@ -69,6 +69,10 @@ impl Dashboard {
                 let text = self.views.live.signal.text();
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
+            Purpose::SaveBytes => {
+                let bytes = std::mem::take(&mut self.to_save);
+                files.iter().for_each(|path| self.put(path, Ok(bytes.clone())));
+            }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
         }
     }
