@@ -4,3 +4,4 @@ mod clicks;
 mod files;
 mod pictures;
 mod sample;
+mod time;

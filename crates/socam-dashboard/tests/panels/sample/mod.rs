@@ -1,5 +1,7 @@
 //! Things to show, made up: recordings with gaps, spikes and missing values, and a diagnosis.
 
+mod tiles;
+
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
@@ -224,7 +226,10 @@ fn running(look: Look, fault: Option<&str>) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 27] = [
+pub(crate) const STATES: [&str; 30] = [
+    "time-tiles",
+    "time-thirty",
+    "time-derive",
     "time",
     "time-trouble",
     "time-one-sample",
@@ -260,6 +265,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time" | "time-differences" => with_runs(look, View::Time, 3),
         "time-trouble" | "time-one-sample" | "time-nothing" | "time-empty" => dashboard(look, View::Time),
         "time-twelve" => with_runs(look, View::Time, 12),
+        "time-tiles" | "time-derive" => with_runs(look, View::Time, 2),
+        "time-thirty" => with_runs(look, View::Time, 30),
         "time-wrong" => with_runs(look, View::Time, 1),
         "spectrum" => with_spectra(look, Kind::Spectrum, 2),
         "spectrum-twelve" => with_spectra(look, Kind::Spectrum, 12),
@@ -285,6 +292,11 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
     match name {
         "help" => state.show_help(),
         "time" => state.views.time.cursors = Some([2.5, 5.25]),
+        "time-tiles" => state.views.time.arrange(&tiles::tiles()),
+        "time-derive" => {
+            state.views.time.ask_for_channel("torque_out");
+            state.views.time.derive(tiles::power());
+        }
         "time-differences" => state.views.time.reference = Some(0),
         "time-trouble" | "spectrum-trouble" => state.add_recording(troubled(8000)),
         "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),
