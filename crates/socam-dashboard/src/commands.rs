@@ -129,10 +129,14 @@ impl Dashboard {
             Command::SaveRecording => is_any_shown,
             Command::Simulate => self.simulate.is_some() && is_any_shown,
             Command::CloseAll => !self.workspace.entries.is_empty(),
-            Command::Undo => self.views.live.signal.history()[0],
-            Command::Redo => self.views.live.signal.history()[1],
+            Command::Undo => self.has_history() || self.views.live.signal.history()[0],
+            Command::Redo => self.has_history() || self.views.live.signal.history()[1],
             _ => true,
         }
+    }
+
+    fn has_history(&self) -> bool {
+        self.views.peek(self.layout.view).has_history()
     }
 
     /// Runs a command.
@@ -153,6 +157,9 @@ impl Dashboard {
                 self.workspace.entries.clear();
                 self.views.time.fit();
             }
+            // A view with a history of its own undoes its own changes; everywhere else the input signal is undone.
+            Command::Undo if self.has_history() => self.views.get(self.layout.view).undo(&mut self.workspace),
+            Command::Redo if self.has_history() => self.views.get(self.layout.view).redo(&mut self.workspace),
             Command::Undo => self.views.live.signal.undo(),
             Command::Redo => self.views.live.signal.redo(),
             // These change the live view, so it is shown.

@@ -86,6 +86,7 @@ impl Dashboard {
             Model::builtin("speed-o-cam").unwrap_or_else(|| unreachable!("the default model is embedded"));
         let mut views = Views::default();
         views.live.choose_device(&layout.device);
+        views.time.arrange(&layout.plots);
         Self {
             simulate: None,
             layout,
@@ -158,7 +159,8 @@ impl Dashboard {
 
     /// Adds a recording that is in memory.
     pub fn add_recording(&mut self, recording: Recording) {
-        self.workspace.entries.push(Entry { recording, shown: true, shift_s: 0.0 });
+        let entry = Entry::new(recording, &self.workspace.entries);
+        self.workspace.entries.push(entry);
     }
 
     /// Whether something is still being opened or computed.
@@ -196,6 +198,10 @@ impl Dashboard {
                     model.map_or_else(|| self.workspace.model().clone(), |model| *model),
                 );
                 self.layout.view = View::Diagnosis;
+            }
+            Document::Layout(plots) => {
+                self.views.time.arrange(&plots);
+                self.layout.view = View::Time;
             }
             Document::Signal(_) if !live::REACHABLE => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
@@ -272,6 +278,7 @@ impl Dashboard {
             self.run(&ctx, command);
         }
         self.layout.panels = crate::layout::panels(&ctx);
+        self.layout.plots = self.views.time.arrangement();
         self.export(&ctx);
     }
 

@@ -11,6 +11,7 @@ use socam_recording::ProfileFile;
 use crate::job::Handle;
 use crate::parameters::Identification;
 use crate::recording::Recording;
+use crate::review::Arrangement;
 
 /// Longest document, bytes.
 #[cfg(not(target_arch = "wasm32"))]
@@ -29,6 +30,8 @@ pub enum Document {
     Diagnosis(Box<Diagnosis>, Option<Box<Model>>),
     /// An input signal.
     Signal(ProfileFile),
+    /// Plots of the view over time.
+    Layout(Box<Arrangement>),
 }
 
 /// Opens a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
@@ -99,6 +102,9 @@ pub fn parse(name: &str, text: &str) -> Result<Document, String> {
             }
             crate::parameters::SCHEMA => {
                 Ok(Document::Identification(Box::new(serde_json::from_value(value).map_err(broken)?)))
+            }
+            crate::review::SCHEMA => {
+                Ok(Document::Layout(Box::new(serde_json::from_value(value).map_err(broken)?)))
             }
             "" => Err(foreign("its JSON has no `schema`")),
             other => Err(foreign(&format!("its schema is `{other}`"))),

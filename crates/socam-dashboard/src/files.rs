@@ -24,6 +24,10 @@ pub enum Purpose {
     SaveJson,
     /// The folder of a diagnosis' report.
     SaveReport,
+    /// The arrangement of plots.
+    SavePlots,
+    /// The picture of a plot.
+    SavePicture,
 }
 
 /// Files of other programs that can be opened.
@@ -48,6 +52,8 @@ impl Purpose {
             Self::SaveModel => "Save the model (.toml)",
             Self::SaveJson => "Save the result (.json)",
             Self::SaveReport => "Save the report (a new folder)",
+            Self::SavePlots => "Save the arrangement of plots (.json)",
+            Self::SavePicture => "Save the picture (.png)",
         }
     }
 
@@ -63,7 +69,8 @@ impl Purpose {
             Self::Export => &[("pictures and tables", &["png", "svg", "csv"])],
             Self::SaveSignal | Self::SaveModel => &[("TOML", &["toml"])],
             Self::SaveRecording => &[("recordings", &["csv", "m"])],
-            Self::SaveJson => &[("JSON", &["json"])],
+            Self::SaveJson | Self::SavePlots => &[("JSON", &["json"])],
+            Self::SavePicture => &[("PNG", &["png"])],
             Self::SaveReport => &[],
         }
     }

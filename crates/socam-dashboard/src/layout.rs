@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
+use crate::review::Arrangement;
 use crate::theme::Look;
 use crate::view::View;
 
@@ -29,6 +30,8 @@ pub struct Layout {
     pub panels: BTreeMap<String, f32>,
     /// Files that were opened last, the latest first.
     pub recent: Vec<String>,
+    /// The plots of the view over time.
+    pub plots: Arrangement,
 }
 
 /// Greatest number of recent files.
@@ -56,6 +59,7 @@ impl Default for Layout {
             window: [1280.0, 800.0],
             panels: BTreeMap::new(),
             recent: Vec::new(),
+            plots: Arrangement::default(),
         }
     }
 }

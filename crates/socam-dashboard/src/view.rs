@@ -37,6 +37,17 @@ pub trait ViewPanel {
         true
     }
 
+    /// Whether it has a history of what it shows, which undo and redo then use.
+    fn has_history(&self) -> bool {
+        false
+    }
+
+    /// Undoes a change of what it shows.
+    fn undo(&mut self, _workspace: &mut Workspace) {}
+
+    /// Does again what was undone.
+    fn redo(&mut self, _workspace: &mut Workspace) {}
+
     /// Explains its controls.
     fn help() -> Help
     where
@@ -80,6 +91,12 @@ macro_rules! views {
         }
 
         impl Views {
+            pub(crate) fn peek(&self, view: View) -> &dyn ViewPanel {
+                match view {
+                    $($(#[cfg($where)])? View::$name => &self.$field,)+
+                }
+            }
+
             pub(crate) fn get(&mut self, view: View) -> &mut dyn ViewPanel {
                 match view {
                     $($(#[cfg($where)])? View::$name => &mut self.$field,)+

@@ -121,11 +121,7 @@ impl Workspace {
 
     /// The recordings that are shown, with their numbers, which determine their colours.
     pub fn shown(&self) -> impl Iterator<Item = (usize, &Recording)> {
-        self.entries
-            .iter()
-            .enumerate()
-            .filter(|(_, entry)| entry.shown)
-            .map(|(n, entry)| (n, &entry.recording))
+        self.entries.iter().filter(|entry| entry.shown).map(|entry| (entry.number, &entry.recording))
     }
 
     /// Asks something of the window.

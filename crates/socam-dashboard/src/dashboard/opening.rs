@@ -140,7 +140,11 @@ impl Dashboard {
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
-            Purpose::SaveModel | Purpose::SaveJson | Purpose::SaveReport => {
+            Purpose::SaveModel
+            | Purpose::SaveJson
+            | Purpose::SaveReport
+            | Purpose::SavePlots
+            | Purpose::SavePicture => {
                 if let Some((path, content)) = files.first().zip(self.content.take()) {
                     self.save_content(path, content);
                 }

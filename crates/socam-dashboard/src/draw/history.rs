@@ -39,6 +39,11 @@ impl<T: Clone + PartialEq> ViewHistory<T> {
         self.changed_s = time_s;
     }
 
+    /// Replaces what is shown: a change that is not the user's, and is not undone.
+    pub fn amend(&mut self, view: T) {
+        self.views[self.now] = view;
+    }
+
     /// The view before the one that is shown, which is then shown.
     pub fn undo(&mut self) -> Option<T> {
         self.now = self.now.checked_sub(1)?;

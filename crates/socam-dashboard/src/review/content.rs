@@ -1,43 +1,124 @@
-//! The contents of a channel's chart: curves, gaps and events of the recordings that are shown.
+//! The contents of a plot over time: curves, gaps and events of the recordings that are shown.
 
-use egui::Ui;
-use socam_recording::Channel;
+use egui::{Color32, Ui};
 
 use super::entry::Entry;
-use crate::draw::chart::{Chart, Curve, Flag, Style};
+use super::signal::Signal;
+use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Style};
+use crate::recording::short;
 use crate::samples::envelope;
 use crate::theme;
 
-pub(super) fn curves(
-    ui: &Ui,
-    entries: &[Entry],
-    channel: &Channel,
-    x: [f64; 2],
-    pixels: usize,
-) -> Vec<Curve> {
+/// Opacity of the other recordings while one is highlighted.
+const DIMMED: f32 = 0.16;
+/// Markers of the second and later channels of a plot, with their names.
+const MARKERS: [(MarkerShape, &str); 4] = [
+    (MarkerShape::Diamond, "diamonds"),
+    (MarkerShape::Square, "squares"),
+    (MarkerShape::Up, "triangles"),
+    (MarkerShape::Circle, "circles"),
+];
+
+/// What curves are made for.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    /// The time axis, s.
+    pub(super) x: [f64; 2],
+    pub(super) pixels: usize,
+    /// Number of the recording that is highlighted.
+    pub(super) lit: Option<usize>,
+}
+
+/// The recordings that are shown and have a channel, the highlighted one last, on top of the others.
+pub(super) fn having<'a>(
+    entries: &'a [Entry],
+    signal: &Signal,
+    lit: Option<usize>,
+) -> Vec<(&'a Entry, &'a std::sync::Arc<crate::samples::Samples>, usize)> {
+    let shown = entries.iter().filter(|entry| entry.shown);
+    let mut found: Vec<_> = shown
+        .filter_map(|entry| entry.find(signal).map(|(samples, channel)| (entry, samples, channel)))
+        .collect();
+    found.sort_by_key(|(entry, ..)| Some(entry.number) == lit);
+    found
+}
+
+/// The colour of a recording's lines: dimmed beside a highlighted one, and paler where many lie on each other.
+pub(super) fn colour(ui: &Ui, entry: &Entry, lit: Option<usize>, curves: usize) -> Color32 {
+    let colour = theme::line(ui, entry.number);
+    match lit {
+        Some(lit) if lit != entry.number => colour.gamma_multiply(DIMMED),
+        Some(_) => colour,
+        None => colour.gamma_multiply((8.0 / curves.max(1) as f32).sqrt().clamp(0.35, 1.0)),
+    }
+}
+
+pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Frame) -> Vec<Curve> {
     let mut curves = Vec::new();
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
-        let Some(index) = entry.recording.about.channels.iter().position(|own| own == channel) else {
-            continue;
-        };
-        let shift = entry.shift_s;
-        let mut line = envelope(&entry.recording.samples, index, x[0] - shift, x[1] - shift, pixels);
-        line.parts.iter_mut().flatten().for_each(|point| point[0] += shift);
-        let style = match theme::style(number) {
-            Style::Solid if line.sparse => Style::Dotted,
-            style => style,
-        };
-        let name = entry.recording.about.name.clone();
-        curves.push(Curve { name, colour: theme::line(ui, number), parts: line.parts, style });
+    for (place, signal) in signals.iter().enumerate() {
+        let having = having(entries, signal, frame.lit);
+        for (entry, samples, channel) in &having {
+            let shift = entry.shift_s;
+            let mut line = envelope(samples, *channel, frame.x[0] - shift, frame.x[1] - shift, frame.pixels);
+            line.parts.iter_mut().flatten().for_each(|point| point[0] += shift);
+            let style = match (place, theme::style(entry.number)) {
+                (0, Style::Solid) if line.sparse => Style::Dotted,
+                (0, style) => style,
+                _ => Style::Marked(MARKERS[(place - 1) % MARKERS.len()].0),
+            };
+            let full_name = &entry.recording.about.name;
+            let name = if signals.len() == 1 {
+                full_name.clone()
+            } else {
+                format!("{} of {}", signal.name, short(full_name))
+            };
+            let colour = tinted(ui, colour(ui, entry, frame.lit, having.len()), place);
+            curves.push(Curve { name, colour, parts: line.parts, style });
+        }
     }
     curves
+}
+
+/// The samples of the curves that are nearest to a time, s, in the order of [`curves`].
+pub(super) fn readings(
+    entries: &[Entry],
+    signals: &[Signal],
+    lit: Option<usize>,
+    at: f64,
+) -> Vec<Option<[f64; 2]>> {
+    let mut readings = Vec::new();
+    for signal in signals {
+        readings.extend(having(entries, signal, lit).into_iter().map(|(entry, samples, channel)| {
+            let nearest = samples.value_at(channel, at - entry.shift_s);
+            nearest.map(|[time, value]| [time + entry.shift_s, value])
+        }));
+    }
+    readings
+}
+
+/// Later channels of a plot are between the recording's colour and that of the text.
+fn tinted(ui: &Ui, colour: Color32, place: usize) -> Color32 {
+    let share = [0.0, 0.55, 0.3, 0.75][place % 4];
+    let ink = ui.visuals().strong_text_color().gamma_multiply(f32::from(colour.a()) / 255.0);
+    colour.lerp_to_gamma(ink, share)
+}
+
+/// Names of the channels of a plot, with their markers, and their unit.
+pub(super) fn title(signals: &[Signal], shown: &[Signal]) -> String {
+    let visible = || signals.iter().enumerate().filter(|(_, signal)| shown.contains(signal));
+    let names = visible().map(|(place, signal)| match place.checked_sub(1) {
+        None => signal.name.clone(),
+        Some(later) => format!("{} ({})", signal.name, MARKERS[later % MARKERS.len()].1),
+    });
+    let unit = signals.first().map_or("", |signal| signal.unit.as_str());
+    format!("{}, {unit}", names.collect::<Vec<_>>().join(" and "))
 }
 
 /// Shades the gaps between segments of a recording.
 pub(super) fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing: &mut Chart) {
     let per_pixel = (x[1] - x[0]) / f64::from(width.max(1.0));
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
-        let colour = theme::line(ui, number).gamma_multiply(0.16);
+    for entry in entries.iter().filter(|entry| entry.shown) {
+        let colour = theme::line(ui, entry.number).gamma_multiply(0.16);
         let mut last = f64::NEG_INFINITY;
         for pair in entry.recording.samples.segments().windows(2) {
             let gap = [pair[0].end_s + entry.shift_s, pair[1].start_s + entry.shift_s];
@@ -53,14 +134,14 @@ pub(super) fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing:
 
 pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
     let mut flags = Vec::new();
-    for (number, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.shown) {
+    for entry in entries.iter().filter(|entry| entry.shown) {
         for event in &entry.recording.about.events {
             let at = event.time_s + entry.shift_s;
             // The start of a recording is not marked.
             if (x[0]..=x[1]).contains(&at) && event.kind != "start" {
                 let is_grave = event.kind == "fault" || event.kind == "stop";
-                let colour =
-                    if is_grave { theme::alarm(ui) } else { theme::line(ui, number).gamma_multiply(0.75) };
+                let own = || theme::line(ui, entry.number).gamma_multiply(0.75);
+                let colour = if is_grave { theme::alarm(ui) } else { own() };
                 let text = if event.kind == "phase" {
                     event.text.clone()
                 } else {

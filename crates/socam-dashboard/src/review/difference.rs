@@ -1,11 +1,11 @@
 //! Differences of recordings: at the sample times of one recording, the reference interpolated.
 
 use egui::Ui;
-use socam_recording::Channel;
 
+use super::content::{self, Frame, having};
 use super::entry::Entry;
+use super::signal::Signal;
 use crate::draw::chart::Curve;
-use crate::recording::Recording;
 use crate::samples::Samples;
 use crate::theme;
 
@@ -15,36 +15,35 @@ const MOST_ROWS: usize = 500_000;
 /// Text of a chart without differences.
 pub(super) const WHY_NONE: &str = "no difference here: the other recordings lack this channel, or more than 500 000 rows are shown (zoom in)";
 
-/// Differences of a channel between all shown recordings and the reference.
+/// Differences of channels between all shown recordings and the reference.
 pub(super) fn curves(
     ui: &Ui,
     entries: &[Entry],
     reference: usize,
-    channel: &Channel,
-    x: [f64; 2],
-    pixels: usize,
+    signals: &[Signal],
+    frame: Frame,
 ) -> Vec<Curve> {
-    let index = |recording: &Recording| recording.about.channels.iter().position(|own| own == channel);
     let other = &entries[reference];
-    let Some(other_index) = index(&other.recording) else { return Vec::new() };
     let mut curves = Vec::new();
-    for (number, entry) in
-        entries.iter().enumerate().filter(|(number, entry)| entry.shown && *number != reference)
-    {
-        let samples = &entry.recording.samples;
-        let rows = samples.row_at(x[0] - entry.shift_s)..samples.row_at(x[1] - entry.shift_s);
-        let Some(own) = index(&entry.recording).filter(|_| rows.len() <= MOST_ROWS) else { continue };
-        let later = entry.shift_s - other.shift_s;
-        let times = samples.times(rows.clone());
-        let reference =
-            at_times(&other.recording.samples, other_index, times.iter().map(|time| time + later));
-        let values = samples.values(own, rows);
-        let differences = values.iter().zip(reference).map(|(value, other)| value - other);
-        let points: Vec<[f64; 2]> =
-            times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
-        let parts = thinned(&points, pixels);
-        let name = entry.recording.about.name.clone();
-        curves.push(Curve { name, colour: theme::line(ui, number), parts, style: theme::style(number) });
+    for signal in signals {
+        let Some((other_samples, other_channel)) = other.find(signal) else { continue };
+        for (entry, samples, channel) in having(entries, signal, frame.lit) {
+            let [from, to] = frame.x.map(|x| samples.row_at(x - entry.shift_s));
+            if entry.number == other.number || to.saturating_sub(from) > MOST_ROWS {
+                continue;
+            }
+            let later = entry.shift_s - other.shift_s;
+            let times = samples.times(from..to);
+            let reference = at_times(other_samples, other_channel, times.iter().map(|time| time + later));
+            let values = samples.values(channel, from..to);
+            let differences = values.iter().zip(reference).map(|(value, other)| value - other);
+            let points: Vec<[f64; 2]> =
+                times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
+            let parts = thinned(&points, frame.pixels);
+            let name = entry.recording.about.name.clone();
+            let colour = content::colour(ui, entry, frame.lit, entries.len());
+            curves.push(Curve { name, colour, parts, style: theme::style(entry.number) });
+        }
     }
     curves
 }
@@ -102,7 +101,7 @@ pub(crate) fn thinned(points: &[[f64; 2]], pixels: usize) -> Vec<Vec<[f64; 2]>> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use socam_recording::{Dataset, Unit};
+    use socam_recording::{Channel, Dataset, Unit};
 
     #[test]
     fn values_are_interpolated_within_segments_only() {

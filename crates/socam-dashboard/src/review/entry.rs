@@ -1,8 +1,8 @@
 //! The recordings that are open, as the views list them.
 
 use egui::{Role, Sense, Stroke, Ui, WidgetInfo, vec2};
-use socam_recording::Channel;
 
+use super::derived::Derived;
 use crate::draw::style::MarkerShape;
 use crate::recording::Recording;
 use crate::theme;
@@ -16,19 +16,20 @@ pub struct Entry {
     pub shown: bool,
     /// Delay that is added to its times in the drawing, s.
     pub shift_s: f64,
+    /// Number of its colour, which it keeps while others are opened and closed.
+    pub number: usize,
+    /// Channels that were derived from its own.
+    pub(super) derived: Vec<Derived>,
 }
 
-/// The distinct channels of all shown recordings, in order of first appearance.
-pub(super) fn channels(entries: &[Entry]) -> Vec<Channel> {
-    let mut channels: Vec<Channel> = Vec::new();
-    for channel in
-        entries.iter().filter(|entry| entry.shown).flat_map(|entry| &entry.recording.about.channels)
-    {
-        if !channels.contains(channel) {
-            channels.push(channel.clone());
-        }
+impl Entry {
+    /// A recording that is drawn, with the first colour that none of the `others` has.
+    #[must_use]
+    pub fn new(recording: Recording, others: &[Self]) -> Self {
+        let is_free = |number: &usize| others.iter().all(|other| other.number != *number);
+        let number = (0..=others.len()).find(is_free).unwrap_or(others.len());
+        Self { recording, shown: true, shift_s: 0.0, number, derived: Vec::new() }
     }
-    channels
 }
 
 /// A small square of a line's colour, with its marker where it has one.

@@ -1,70 +1,195 @@
-//! Recordings over time: a chart per channel, all with the same time axis, and two cursors.
+//! Recordings over time: plots in tiles, all with the same time axis, and two cursors.
 
+mod computed;
 mod content;
 mod cursors;
+mod derived;
 mod difference;
 mod entry;
+mod keys;
 mod list;
+mod over_time;
+mod panes;
+mod plots;
+mod signal;
+mod spectrogram;
+mod statistics;
+mod toolbar;
+mod units;
+mod views;
+mod xy;
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
-use egui::{Key, RichText, ScrollArea, Ui, vec2};
-use socam_recording::Channel;
+use egui::{ComboBox, Role, Ui, WidgetInfo};
 
-use crate::draw::chart::{self, Chart, Flag, Seen, range_of, with_room};
-use crate::recording::short;
-use crate::theme;
+use crate::draw::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
+use crate::draw::raster;
+use crate::files::Purpose;
 use crate::view::{Help, ViewPanel};
-use crate::workspace::Workspace;
+use crate::workspace::{Content, Request, Workspace};
+use derived::dialog::Form;
+use derived::work::Derivations;
+pub use derived::{Derivation, Derived, Operation};
 pub(crate) use difference::thinned;
 pub use entry::Entry;
-use entry::channels;
 pub(crate) use entry::swatch;
+pub use plots::Plot;
+use plots::Plots;
+pub use plots::arrangement::{Arrangement, Node, Part, SCHEMA};
+pub use signal::Signal;
+use signal::signals;
+use views::Views;
 
 /// State of the view over time.
 #[derive(Debug, Default)]
 pub struct Review {
-    /// The time axis of all charts, s; `None` shows everything.
+    /// The time axis of all plots, s; `None` shows everything.
     x: Option<[f64; 2]>,
-    /// Vertical axes that the user set, by channel column name.
+    /// Vertical axes that the user set, by the titles of plots.
     y: Vec<(String, [f64; 2])>,
-    /// Names of channels that are hidden.
-    hidden: BTreeSet<String>,
+    plots: Plots,
+    derivations: Derivations,
+    /// The dialog in which a channel is derived.
+    form: Option<Form>,
     /// Cursors A and B, s.
     pub cursors: Option<[f64; 2]>,
     /// Which cursor the next click moves.
     next: usize,
     /// The recording that others are compared with.
     pub reference: Option<usize>,
+    /// What the list is searched for.
+    search: String,
+    /// Whether the search is to get the keyboard.
+    searching: bool,
+    /// Number of the recording that is highlighted: the one that the pointer is on in the list.
+    lit: Option<usize>,
+    /// The tile whose menu is open.
+    menu_of: Option<egui_tiles::TileId>,
+    /// States of XY plots and spectrograms, by their tiles.
+    xy: BTreeMap<u64, xy::Xy>,
+    spectrograms: BTreeMap<u64, spectrogram::Spectrogram>,
+    /// Where the pointer is on the time axis.
+    linked: Linked,
+    views: Views,
+}
+
+/// What is drawn in a pass.
+struct Drawing<'a> {
+    entries: &'a [Entry],
+    /// The channels of the shown recordings.
+    signals: &'a [Signal],
+    /// Those of them that are drawn over time.
+    drawn: Vec<Signal>,
+    /// The time axis, s.
+    x: [f64; 2],
+    seen: &'a mut Vec<Seen>,
+    /// What is asked of the window.
+    requests: Vec<Request>,
+}
+
+impl Drawing<'_> {
+    /// Draws a chart, whose menu can save its picture.
+    fn show(&mut self, ui: &mut Ui, mut chart: Chart) -> Shown {
+        chart.can_save = true;
+        let mut shown = chart.show(ui, self.seen);
+        self.requests.extend(shown.to_save.take().map(|image| match raster::png(&image) {
+            Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
+            Err(sentence) => Request::Warn(sentence),
+        }));
+        shown
+    }
 }
 
 impl ViewPanel for Review {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        self.draw(ui, &mut workspace.entries, &mut workspace.seen);
+        let mut entries = std::mem::take(&mut workspace.entries);
+        let mut seen = std::mem::take(&mut workspace.seen);
+        let request = self.draw(ui, &mut entries, &mut seen);
+        (workspace.entries, workspace.seen) = (entries, seen);
+        request.into_iter().for_each(|request| workspace.request(request));
+    }
+
+    fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
+        if let Some(problem) = self.derivations.poll(ctx, &mut workspace.entries) {
+            workspace.request(Request::Warn(problem));
+        }
+        self.xy.values_mut().for_each(xy::Xy::poll);
+        self.spectrograms.values_mut().for_each(spectrogram::Spectrogram::poll);
+    }
+
+    fn is_busy(&self) -> bool {
+        self.derivations.is_busy()
+            || self.xy.values().any(xy::Xy::is_busy)
+            || self.spectrograms.values().any(spectrogram::Spectrogram::is_busy)
+    }
+
+    fn has_history(&self) -> bool {
+        true
+    }
+
+    fn undo(&mut self, workspace: &mut Workspace) {
+        self.step(&mut workspace.entries, Views::undo);
+    }
+
+    fn redo(&mut self, workspace: &mut Workspace) {
+        self.step(&mut workspace.entries, Views::redo);
     }
 
     fn help() -> Help {
-        &[
-            (
-                "drag; wheel; Shift+wheel",
-                "pan, zoom, scroll; dragging with the right button zooms to a box (Esc cancels), a click of it copies the picture; the axes can be dragged",
-            ),
-            ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
-            (
-                "Cursors A, B; C; click",
-                "cursors A and B, set in turns by clicks; the table below has values and differences",
-            ),
-            ("Zoom to A..B", "shows what is between the cursors"),
-            ("a name; Close ...", "shows or hides a recording or a channel; closes it"),
-            ("shift of ...", "0.000 s beside a recording: draws it so much later or earlier"),
-            ("Difference to", "draws every other recording minus this one"),
-            ("shaded; vertical lines", "gaps, and events of the recording"),
-        ]
+        HELP
     }
 }
 
-/// Least height of a chart, points.
-const LEAST_HEIGHT: f32 = 92.0;
+const HELP: Help = &[
+    (
+        "drag; wheel; Shift+wheel",
+        "pan, zoom, scroll; the right button zooms to a box; the axes can be dragged",
+    ),
+    ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
+    (
+        "Ctrl+Z; Ctrl+Y",
+        "undoes and redoes changes of what is shown: zoom, plots, hidden channels and recordings",
+    ),
+    (
+        "Cursors A, B; C; click",
+        "cursors A and B, set in turns by clicks; the table below has values and differences",
+    ),
+    ("Zoom to A..B; Z", "shows what is between the cursors"),
+    (
+        "Add",
+        "XY plot (X), spectrogram (G), table of statistics (T): of what is visible or between the cursors; a channel derived from others (D): derivative, integral, difference, ratio, product, filters",
+    ),
+    (
+        "Layout",
+        "one plot per channel, equal heights (E), save the plots as a file; such a file is opened like a recording (Ctrl+O)",
+    ),
+    ("a name; Close ...", "shows or hides a recording or a channel; closes it"),
+    (
+        "More about ...",
+        "menu of a recording, a channel or a plot; Alt+click on a name shows it alone, and again all of them",
+    ),
+    ("Search; Ctrl+F", "filters recordings and channels by parts of their names"),
+    (
+        "a channel, dragged",
+        "into a plot of the same unit joins it; to an edge of a plot makes a new one there",
+    ),
+    (
+        "Move ...; Close the plot ...",
+        "at the top right of a plot under the pointer: drag it to another place, close it; boundaries between plots can be dragged",
+    ),
+    (
+        "operation; of channel; minus; over; times; corner; window; Add channel",
+        "the dialog in which a channel is derived",
+    ),
+    ("Remove ...", "forgets a derived channel"),
+    ("Clear search", "shows all recordings and channels in the list"),
+    ("vertical axis; horizontal axis; spectrogram of", "the channels of an XY plot or of a spectrogram"),
+    ("Copy table", "copies the values, separated by tabs"),
+    ("shift of ...", "draws a recording so much later or earlier, to lay it over another"),
+    ("Difference to", "draws every other recording minus this one"),
+    ("shaded; vertical lines", "gaps, and events of the recording"),
+];
 
 impl Review {
     /// Shows all data.
@@ -76,6 +201,33 @@ impl Review {
     /// Shows a range of time, s.
     pub fn show_span(&mut self, x: [f64; 2]) {
         self.x = Some(x);
+    }
+
+    /// The plots, hidden and derived channels.
+    #[must_use]
+    pub fn arrangement(&self) -> Arrangement {
+        self.plots.arrangement(&self.derivations.all)
+    }
+
+    /// Shows the plots of a layout.
+    pub fn arrange(&mut self, arrangement: &Arrangement) {
+        self.plots = Plots::of(arrangement);
+        self.derivations.all.clone_from(&arrangement.derived);
+    }
+
+    /// Derives a channel.
+    pub fn derive(&mut self, derivation: Derivation) {
+        self.derivations.add(derivation);
+    }
+
+    /// Opens the dialog in which a channel is derived.
+    pub fn ask_for_channel(&mut self, of: &str) {
+        self.form = Some(Form::of(of, Operation::default()));
+    }
+
+    /// Adds a plot below the others.
+    pub fn add(&mut self, plot: Plot) {
+        self.plots.stack(plot, &[]);
     }
 
     /// The range of time that is shown, s.
@@ -90,14 +242,17 @@ impl Review {
         })
     }
 
-    /// Draws the list and the charts.
-    fn draw(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) {
-        if let Some(closed) = list::panel(self, ui, entries) {
+    /// Draws the list and the plots. Returns what is asked of the window.
+    fn draw(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) -> Vec<Request> {
+        let mut requests = Vec::new();
+        if let Some(closed) = self.list(ui, entries) {
             entries.remove(closed);
             self.reference = None;
         }
+        let signals = signals(entries);
+        self.plots.fit(&signals);
         if !entries.is_empty() {
-            cursors::panel(self, ui, entries);
+            cursors::panel(self, ui, entries, &signals);
         }
         egui::CentralPanel::default().show(ui, |ui| {
             if entries.is_empty() {
@@ -108,100 +263,23 @@ impl Review {
                 );
                 return;
             }
-            self.toolbar(ui, entries);
-            self.charts(ui, entries, seen);
-            self.keys(ui, entries);
+            requests.extend(self.toolbar(ui, entries, &signals));
+            self.derivations.ui(ui);
+            let x = self.span(entries);
+            let drawn = self.plots.drawn(&signals);
+            let mut drawing = Drawing { entries, signals: &signals, drawn, x, seen, requests: Vec::new() };
+            self.charts(ui, &mut drawing);
+            requests.append(&mut drawing.requests);
+            requests.extend(self.keys(ui, entries, &signals));
         });
+        self.dialog(ui, &signals);
+        self.remember(ui, entries, &signals);
+        requests
     }
 
-    fn toolbar(&mut self, ui: &mut Ui, entries: &[Entry]) {
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Fit all").on_hover_text("Show everything (Home, or double-click a chart)").clicked()
-            {
-                self.fit();
-            }
-            let mut on = self.cursors.is_some();
-            if ui
-                .toggle_value(&mut on, "Cursors A, B")
-                .on_hover_text("Click a chart to set A, then B (C)")
-                .clicked()
-            {
-                self.toggle_cursors(entries);
-            }
-            if let Some([a, b]) = self.cursors
-                && ui.button("Zoom to A..B").clicked()
-                && a != b
-            {
-                self.x = Some([a.min(b), a.max(b)]);
-            }
-            if entries.len() > 1 {
-                ui.separator();
-                let label = ui.label("Difference to");
-                let name = |index: Option<usize>| {
-                    index
-                        .and_then(|i| entries.get(i))
-                        .map_or("none", |entry| short(&entry.recording.about.name))
-                };
-                let chosen = egui::ComboBox::from_id_salt("reference")
-                    .selected_text(name(self.reference))
-                    .width(150.0);
-                let chosen = chosen.show_ui(ui, |ui| {
-                    ui.selectable_value(&mut self.reference, None, "none");
-                    for index in 0..entries.len() {
-                        ui.selectable_value(&mut self.reference, Some(index), name(Some(index)));
-                    }
-                });
-                chosen.response.labelled_by(label.id);
-            }
-            ui.label(
-                RichText::new("drag: pan   wheel: zoom   Shift+wheel: scroll   right-drag: zoom to box")
-                    .small()
-                    .color(theme::weak(ui)),
-            );
-        });
-    }
-
-    fn toggle_cursors(&mut self, entries: &[Entry]) {
-        let [from, to] = self.span(entries);
-        self.cursors = match self.cursors {
-            Some(_) => None,
-            None => Some([from + (to - from) / 3.0, from + (to - from) * 2.0 / 3.0]),
-        };
-        self.next = 0;
-    }
-
-    fn keys(&mut self, ui: &Ui, entries: &[Entry]) {
-        if ui.ctx().egui_wants_keyboard_input() {
-            return;
-        }
-        let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
-        let [from, to] = self.span(entries);
-        let width = to - from;
-        if pressed(Key::Home) {
-            self.fit();
-        }
-        if pressed(Key::C) {
-            self.toggle_cursors(entries);
-        }
-        for (key, by) in [(Key::ArrowLeft, -0.1), (Key::ArrowRight, 0.1)] {
-            if pressed(key) {
-                self.x = Some([from + by * width, to + by * width]);
-            }
-        }
-        for (key, by) in [(Key::ArrowUp, 0.2), (Key::ArrowDown, -0.25)] {
-            if pressed(key) {
-                self.x = Some([from + by * 0.5 * width, to - by * 0.5 * width]);
-            }
-        }
-    }
-
-    fn charts(&mut self, ui: &mut Ui, entries: &[Entry], seen: &mut Vec<Seen>) {
-        let channels: Vec<Channel> = channels(entries)
-            .into_iter()
-            .filter(|channel| !self.hidden.contains(&channel.column_name()))
-            .collect();
-        if channels.is_empty() {
-            let (title, advice) = if entries.iter().any(|entry| entry.shown) {
+    fn charts(&mut self, ui: &mut Ui, drawing: &mut Drawing<'_>) {
+        if self.plots.is_empty() {
+            let (title, advice) = if drawing.entries.iter().any(|entry| entry.shown) {
                 ("Every channel is hidden", "Tick a channel in the list at the left to draw it.")
             } else {
                 ("Every recording is hidden", "Tick a recording in the list at the left to draw it.")
@@ -209,97 +287,29 @@ impl Review {
             chart::empty_state(ui, title, advice);
             return;
         }
-        let room = ui.available_size();
-        let spacing = 3.0;
-        let axis = chart::X_AXIS;
-        let height =
-            ((room.y - axis - spacing * channels.len() as f32) / channels.len() as f32).max(LEAST_HEIGHT);
-        let x = self.span(entries);
-        let mut moved = None;
-        let bars_only =
-            egui::scroll_area::ScrollSource { scroll_bar: true, ..egui::scroll_area::ScrollSource::NONE };
-        ScrollArea::vertical().scroll_source(bars_only).auto_shrink(false).show(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = spacing;
-            for (index, channel) in channels.iter().enumerate() {
-                let is_last = index + 1 == channels.len();
-                let size = vec2(ui.available_width(), if is_last { height + axis } else { height });
-                let x_moved = self.channel_chart(ui, entries, channel, (x, size, is_last), seen);
-                moved = moved.or(x_moved);
-            }
-        });
-        if moved.is_some() {
-            self.x = moved;
-        }
+        self.tiles(ui, drawing);
     }
 
-    /// Draws the chart of one channel. Returns the time axis where the user moved it.
-    fn channel_chart(
-        &mut self,
-        ui: &mut Ui,
-        entries: &[Entry],
-        channel: &Channel,
-        (x, size, is_last): ([f64; 2], egui::Vec2, bool),
-        seen: &mut Vec<Seen>,
-    ) -> Option<[f64; 2]> {
-        let column = channel.column_name();
-        let chart = self.contents(ui, entries, channel, (x, size, is_last));
-        let shown = chart.show(ui, seen);
-        if shown.response.double_clicked() {
-            self.fit();
-            return None;
+    fn dialog(&mut self, ui: &Ui, signals: &[Signal]) {
+        let Some(form) = &mut self.form else { return };
+        let (added, stays) = form.ui(ui.ctx(), signals);
+        if let Some(derivation) = added {
+            self.derive(derivation);
         }
-        if shown.response.clicked()
-            && let (Some(cursors), Some(at)) = (&mut self.cursors, shown.pointer_x)
-        {
-            cursors[self.next % 2] = at;
-            self.next += 1;
+        if !stays {
+            self.form = None;
         }
-        if shown.y_moved {
-            self.y.retain(|(name, _)| *name != column);
-            self.y.push((column, shown.y));
-        }
-        shown.x_moved.then_some(shown.x)
     }
+}
 
-    /// The chart of one channel: curves, or differences to the reference, with gaps, events and cursors.
-    fn contents(
-        &self,
-        ui: &Ui,
-        entries: &[Entry],
-        channel: &Channel,
-        (x, size, is_last): ([f64; 2], egui::Vec2, bool),
-    ) -> Chart {
-        let column = channel.column_name();
-        let unit = channel.unit.symbol();
-        let mut chart = Chart::new(("review", &column), format!("{}, {unit}", channel.name), size);
-        chart.when_empty = "no value here";
-        chart.x = x;
-        if is_last {
-            chart.x_label = "time, s".into();
+/// A choice among the channels that are there.
+fn choose_signal(ui: &mut Ui, id: (u64, &str), what: &str, chosen: &mut Signal, signals: &[Signal]) {
+    let width = (0.5 * ui.max_rect().width() - 40.0).clamp(60.0, 190.0);
+    let choice = ComboBox::from_id_salt(id).width(width).selected_text(chosen.label()).truncate();
+    let response = choice.show_ui(ui, |ui| {
+        for signal in signals {
+            ui.selectable_value(chosen, signal.clone(), signal.label());
         }
-        match self.reference.filter(|reference| *reference < entries.len()) {
-            Some(reference) => {
-                let name = short(&entries[reference].recording.about.name);
-                chart.title = format!("{} minus {name}, {unit}", channel.name);
-                chart.curves = difference::curves(ui, entries, reference, channel, x, size.x as usize);
-                if chart.curves.is_empty() {
-                    chart.when_empty = difference::WHY_NONE;
-                }
-            }
-            None => chart.curves = content::curves(ui, entries, channel, x, size.x as usize),
-        }
-        let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
-        let set_by_user = self.y.iter().find(|(name, _)| *name == column).map(|(_, y)| *y);
-        chart.y = set_by_user.unwrap_or_else(|| chart.fitted(range_of(values)));
-        content::gaps(ui, entries, x, size.x, &mut chart);
-        chart.flags = content::marks(ui, entries, x);
-        chart.flag_words = is_last;
-        if let Some(cursors) = self.cursors {
-            let colour = ui.visuals().strong_text_color();
-            let flag = |(x, text): (f64, &str)| Flag { x, text: text.into(), colour };
-            chart.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
-            chart.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
-        }
-        chart
-    }
+    });
+    response.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, what));
 }

@@ -1,6 +1,7 @@
 //! The samples of a recording, in memory or in an index file.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 #[cfg(not(target_arch = "wasm32"))]
 use super::groups::Groups;
@@ -17,6 +18,11 @@ pub(super) enum Store {
     },
     #[cfg(not(target_arch = "wasm32"))]
     File(Groups),
+    /// Values beside the samples that have their times.
+    Beside {
+        times: Arc<Samples>,
+        columns: Vec<Vec<f32>>,
+    },
 }
 
 /// The samples of a recording.
@@ -58,6 +64,19 @@ impl Samples {
         }
     }
 
+    /// A channel at the times of other samples, with a value for each of their rows, NaN where it is missing.
+    #[must_use]
+    pub fn beside(times: &Arc<Self>, values: &[f64]) -> Self {
+        let column = [values.to_vec()];
+        let alone = Self::in_memory(Vec::new(), &column, times.segments.clone());
+        let columns = match alone.store {
+            Store::Memory { columns, .. } => columns,
+            _ => Vec::new(),
+        };
+        let store = Store::Beside { times: times.clone(), columns };
+        Self { rows: times.rows, knots: times.knots.clone(), store, ..alone }
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -89,6 +108,7 @@ impl Samples {
             Store::Memory { time_s, columns } => time_s.len() * (8 + 4 * columns.len()),
             #[cfg(not(target_arch = "wasm32"))]
             Store::File(_) => 0,
+            Store::Beside { columns, .. } => 4 * self.rows * columns.len(),
         };
         let moments: usize = self.moments.iter().map(Pyramid::bytes).sum();
         raw + 8 * self.knots.len() + self.pyramids.iter().map(Pyramid::bytes).sum::<usize>() + moments
@@ -102,6 +122,7 @@ impl Samples {
             Store::Memory { time_s, .. } => time_s[rows].to_vec(),
             #[cfg(not(target_arch = "wasm32"))]
             Store::File(groups) => groups.times(rows),
+            Store::Beside { times, .. } => times.times(rows),
         }
     }
 
@@ -156,7 +177,7 @@ impl Samples {
     fn with_stored(&self, channel: usize, rows: Range<usize>, take: impl FnOnce(&[f32])) {
         let rows = self.inside(rows);
         match &self.store {
-            Store::Memory { columns, .. } => take(&columns[channel][rows]),
+            Store::Memory { columns, .. } | Store::Beside { columns, .. } => take(&columns[channel][rows]),
             #[cfg(not(target_arch = "wasm32"))]
             Store::File(groups) => take(&groups.values(channel, rows)),
         }

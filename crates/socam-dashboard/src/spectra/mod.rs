@@ -112,8 +112,11 @@ impl Spectra {
             poles::ui(ui, model, &mut self.between, seen);
             return;
         }
-        let shown: Vec<(usize, &Recording)> =
-            entries.iter().enumerate().filter(|(_, e)| e.shown).map(|(n, e)| (n, &e.recording)).collect();
+        let shown: Vec<(usize, &Recording)> = entries
+            .iter()
+            .filter(|entry| entry.shown)
+            .map(|entry| (entry.number, &entry.recording))
+            .collect();
         if shown.is_empty() {
             chart::empty_state(
                 ui,

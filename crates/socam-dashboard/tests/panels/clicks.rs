@@ -89,7 +89,7 @@ fn recordings_lie_over_each_other_and_differ() {
 fn cursors_are_set_by_clicks_and_measure_differences() {
     let mut window = with(View::Time, 1);
     click(&mut window, "Cursors A, B");
-    window.get_by_label("at A");
+    window.get_by_label("Sort by at A");
     let chart = window.get_by_label("Chart motor_speed, rad/s").rect();
     for share in [0.3, 0.7] {
         let at = chart.left() + share * chart.width();
@@ -298,7 +298,7 @@ fn help_names_each_control() {
             );
             let label = node.label().unwrap_or_default();
             // Recordings, channels and elements of the bench have names of their own.
-            let is_theirs = [": ", ", V", ", rad/s", ", N m"].iter().any(|part| label.contains(part))
+            let is_theirs = [": ", ", V", ", rad/s", ", N m", ", W"].iter().any(|part| label.contains(part))
                 || (!label.contains(' ') && label.contains('.'));
             if is_control && !is_theirs && !socam_dashboard::help::names(&label) {
                 unnamed.insert(label);

@@ -6,3 +6,4 @@ mod fits;
 mod live;
 mod pictures;
 mod sample;
+mod time;

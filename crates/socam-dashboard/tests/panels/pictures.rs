@@ -18,12 +18,15 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// How each state is drawn here; example `gallery` draws all of them in all looks.
-const DRAWN: [(&str, Look, Viewport); 28] = [
+const DRAWN: [(&str, Look, Viewport); 31] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),
     ("time-differences", Look::Light, LARGE),
     ("time-twelve", Look::Dark, SMALL),
+    ("time-tiles", Look::Light, SMALL),
+    ("time-thirty", Look::Dark, SMALL),
+    ("time-derive", Look::Dark, NARROW),
     ("time-empty", Look::Light, SMALL),
     ("time-wrong", Look::Dark, SMALL),
     ("spectrum", Look::Light, SMALL),

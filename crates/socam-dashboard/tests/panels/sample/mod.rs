@@ -2,6 +2,8 @@
 
 pub(crate) mod bench;
 
+mod tiles;
+
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -228,7 +230,10 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 31] = [
+pub(crate) const STATES: [&str; 34] = [
+    "time-tiles",
+    "time-thirty",
+    "time-derive",
     "time",
     "time-trouble",
     "time-one-sample",
@@ -268,6 +273,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time" | "time-differences" => with_runs(look, View::Time, 3),
         "time-trouble" | "time-one-sample" | "time-nothing" | "time-empty" => dashboard(look, View::Time),
         "time-twelve" => with_runs(look, View::Time, 12),
+        "time-tiles" | "time-derive" => with_runs(look, View::Time, 2),
+        "time-thirty" => with_runs(look, View::Time, 30),
         "time-wrong" => with_runs(look, View::Time, 1),
         "spectrum" => with_spectra(look, Kind::Spectrum, 2),
         "spectrum-twelve" => with_spectra(look, Kind::Spectrum, 12),
@@ -296,6 +303,11 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
     match name {
         "help" => state.show_help(),
         "time" => state.views.time.cursors = Some([2.5, 5.25]),
+        "time-tiles" => state.views.time.arrange(&tiles::tiles()),
+        "time-derive" => {
+            state.views.time.ask_for_channel("torque_out");
+            state.views.time.derive(tiles::power());
+        }
         "time-differences" => state.views.time.reference = Some(0),
         "time-trouble" | "spectrum-trouble" => state.add_recording(troubled(8000)),
         "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),

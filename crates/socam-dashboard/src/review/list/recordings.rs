@@ -1,0 +1,189 @@
+//! The rows of recordings.
+
+use egui::{Align, Button, Checkbox, DragValue, Layout, Rect, RichText, Role, TextStyle, Ui, WidgetInfo};
+
+use super::{Review, elided, neat, short_name};
+use crate::review::entry::{Entry, swatch};
+use crate::theme;
+
+/// Number of recordings up to which each row has a second line with facts.
+const FEW: usize = 3;
+
+/// What is done with a recording.
+#[derive(Clone, Copy)]
+enum Done {
+    Close,
+    Solo,
+}
+
+impl Review {
+    /// Draws the rows of all recordings. Returns the index of one that was closed.
+    pub(super) fn recordings(&mut self, ui: &mut Ui, entries: &mut [Entry]) -> Option<usize> {
+        let shown = entries.iter().filter(|entry| entry.shown).count();
+        let text = if entries.len() > FEW {
+            format!("Recordings: {shown} of {} shown", entries.len())
+        } else {
+            "Recordings".into()
+        };
+        ui.label(RichText::new(text).strong());
+        if entries.is_empty() {
+            ui.label(RichText::new("none open").color(theme::weak(ui)));
+        }
+        let (mut done, mut lit) = (None, None);
+        let is_few = entries.len() <= FEW;
+        if !is_few {
+            ui.spacing_mut().item_spacing.y = 2.0;
+        }
+        for (index, entry) in entries.iter_mut().enumerate() {
+            if !self.is_found(&entry.recording.about.name) {
+                continue;
+            }
+            let (rect, own) = ui.push_id(entry.number, |ui| row(ui, entry, is_few)).inner;
+            done = done.or(own.map(|own| (index, own)));
+            if ui.rect_contains_pointer(rect) {
+                lit = Some(entry.number).filter(|_| entry.shown);
+            }
+        }
+        // While something is dragged, the pointer is on its way to a plot.
+        self.lit = lit.filter(|_| shown > 1 && !egui::DragAndDrop::has_any_payload(ui.ctx()));
+        match done? {
+            (index, Done::Close) => Some(index),
+            (index, Done::Solo) => {
+                solo(entries, index);
+                None
+            }
+        }
+    }
+}
+
+/// Shows one recording alone; all of them if it is alone already.
+fn solo(entries: &mut [Entry], index: usize) {
+    let is_alone = entries.iter().enumerate().all(|(own, entry)| entry.shown == (own == index));
+    for (own, entry) in entries.iter_mut().enumerate() {
+        entry.shown = is_alone || own == index;
+    }
+}
+
+/// One recording: its colour, name and menu, on one line. Returns the line's place and what is done.
+fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
+    let mut done = None;
+    let name = short_name(entry);
+    let was_shown = entry.shown;
+    let row = ui.horizontal(|ui| {
+        swatch(ui, entry.number, &name);
+        let close = ui.add(Button::new("x").frame(false)).on_hover_text(format!("Close {name}"));
+        close.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Close {name}")));
+        if close.clicked() {
+            done = Some(Done::Close);
+        }
+        if !is_few && !entry.recording.about.warnings.is_empty() {
+            ui.label(RichText::new("!").strong().color(theme::alarm(ui)));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            done = more(ui, entry, &name).or(done);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let font = TextStyle::Button.resolve(ui.style());
+                let room = ui.available_width() - ui.spacing().icon_width - ui.spacing().icon_spacing - 2.0;
+                let text = elided(ui, &name, &font, room);
+                let check = ui.add(Checkbox::new(&mut entry.shown, text));
+                check.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, was_shown, &name));
+                let is_solo = check.clicked() && ui.input(|input| input.modifiers.alt);
+                check.on_hover_text(about(entry));
+                if is_solo {
+                    entry.shown = was_shown;
+                    done = Some(Done::Solo);
+                }
+            });
+        });
+    });
+    if is_few {
+        details(ui, entry);
+        ui.add_space(4.0);
+    }
+    (row.response.rect, done)
+}
+
+/// The menu of a recording; its button is seen while the pointer is on the row.
+fn more(ui: &mut Ui, entry: &mut Entry, name: &str) -> Option<Done> {
+    let mut done = None;
+    let row = ui.max_rect();
+    let place = ui.scope_id().with("menu of a recording");
+    let was_open = ui.data(|data| data.get_temp::<bool>(place)).unwrap_or(false);
+    let is_hovered = ui.rect_contains_pointer(row.with_min_x(ui.clip_rect().left()));
+    let button = ui.scope(|ui| {
+        if !is_hovered && !was_open {
+            ui.set_opacity(0.0);
+        }
+        ui.spacing_mut().button_padding = egui::vec2(4.0, 0.0);
+        ui.menu_button("...", |ui| {
+            if ui.button("Only this one").on_hover_text("Alt+click on the name; again shows all").clicked() {
+                done = Some(Done::Solo);
+            }
+            ui.horizontal(|ui| {
+                ui.label("shift");
+                let shift = DragValue::new(&mut entry.shift_s).speed(0.001).suffix(" s").max_decimals(6);
+                let shift = ui.add(shift);
+                let said = format!("shift of {name}");
+                shift.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &said));
+                shift.on_hover_text("Draws this recording later or earlier, to lay it over another");
+            });
+            if ui.button("Close recording").clicked() {
+                done = Some(Done::Close);
+            }
+        })
+    });
+    ui.data_mut(|data| data.insert_temp(place, button.inner.inner.is_some()));
+    let said = format!("More about {name}");
+    button.inner.response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
+    done
+}
+
+/// Facts, warnings and notes below a row.
+fn details(ui: &mut Ui, entry: &Entry) {
+    let facts = RichText::new(facts(entry)).small().color(theme::weak(ui));
+    ui.add(egui::Label::new(facts).truncate());
+    for warning in &entry.recording.about.warnings {
+        ui.label(RichText::new(warning).small().color(theme::alarm(ui)));
+    }
+    for note in notes(entry) {
+        ui.label(RichText::new(note).small());
+    }
+}
+
+fn notes(entry: &Entry) -> impl Iterator<Item = String> {
+    let notes = entry.recording.about.facts.iter().filter(|(name, _)| name == "note");
+    notes.map(|(_, note)| format!("note: {note}"))
+}
+
+fn about(entry: &Entry) -> String {
+    let rows = entry.recording.samples.rows();
+    let rows = if rows == 1 { "1 sample".to_owned() } else { format!("{} samples", grouped(rows)) };
+    let lines = [entry.recording.about.name.clone(), format!("{rows}, {}", facts(entry))];
+    let lines = lines.into_iter().chain(entry.recording.about.warnings.iter().cloned()).chain(notes(entry));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn facts(entry: &Entry) -> String {
+    let samples = &entry.recording.samples;
+    let span_s = samples.span_s().map_or(0.0, |[from, to]| to - from);
+    let step_s = entry.recording.about.sample_time_s;
+    let rate = if step_s > 0.0 { format!(" at {} Hz", neat(1.0 / step_s)) } else { String::new() };
+    let gaps = match samples.segments().len().saturating_sub(1) {
+        0 => String::new(),
+        1 => ", 1 gap".into(),
+        more => format!(", {more} gaps"),
+    };
+    let shift = match entry.shift_s {
+        0.0 => String::new(),
+        shift_s => format!(", {shift_s:+} s"),
+    };
+    format!("{} s{rate}{gaps}{shift}", neat(span_s))
+}
+
+/// `1 234 567`
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&[u8]> = digits.as_bytes().rchunks(3).rev().collect();
+    let texts = groups.iter().map(|group| String::from_utf8_lossy(group).into_owned());
+    texts.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,102 @@
+//! A plot over time.
+
+use egui::{Rect, Ui};
+
+use super::content::{self, Frame};
+use super::plots::Plot;
+use super::signal::Signal;
+use super::{Drawing, Review, difference};
+use crate::draw::chart::{Chart, Flag, Shown, range_of};
+use crate::recording::short;
+
+impl Review {
+    /// Draws channels over time in a part of the window.
+    pub(super) fn over_time(
+        &mut self,
+        ui: &mut Ui,
+        drawing: &mut Drawing<'_>,
+        signals: &[Signal],
+        (rect, has_axis): (Rect, bool),
+    ) {
+        let chart = self.chart_over_time(ui, drawing, signals, (rect, has_axis));
+        let shown = drawing.show(ui, chart);
+        self.linked.take(&shown);
+        self.take_x(&shown);
+        if shown.y_moved && !shown.response.double_clicked() {
+            let title = Plot::Time(signals.to_vec()).title();
+            self.y.retain(|(name, _)| *name != title);
+            self.y.push((title, shown.y));
+        }
+    }
+
+    /// Takes what the user did with the time axis of a chart.
+    pub(super) fn take_x(&mut self, shown: &Shown) {
+        if shown.response.double_clicked() {
+            self.fit();
+            return;
+        }
+        if shown.response.clicked()
+            && let (Some(cursors), Some(at)) = (&mut self.cursors, shown.pointer_x)
+        {
+            cursors[self.next % 2] = at;
+            self.next += 1;
+        }
+        if shown.x_moved {
+            self.x = Some(shown.x);
+        }
+    }
+
+    /// Curves, or differences to the reference, with gaps, events and cursors.
+    fn chart_over_time(
+        &self,
+        ui: &Ui,
+        drawing: &Drawing<'_>,
+        signals: &[Signal],
+        (rect, has_axis): (Rect, bool),
+    ) -> Chart {
+        let (x, entries) = (drawing.x, drawing.entries);
+        let plot = Plot::Time(signals.to_vec()).title();
+        let mut chart = Chart::new(("review", &plot), content::title(signals, drawing.signals), rect.size());
+        chart.when_empty = "no value here";
+        chart.x = x;
+        if has_axis {
+            chart.x_label = "time, s".into();
+        }
+        let frame = Frame { x, pixels: rect.width() as usize, lit: self.lit };
+        match self.reference.filter(|reference| *reference < entries.len()) {
+            Some(reference) => {
+                let name = short(&entries[reference].recording.about.name);
+                let (what, unit) = chart.title.rsplit_once(", ").unwrap_or((&chart.title, ""));
+                chart.title = format!("{what} minus {name}, {unit}");
+                chart.curves = difference::curves(ui, entries, reference, signals, frame);
+                if chart.curves.is_empty() {
+                    chart.when_empty = difference::WHY_NONE;
+                }
+            }
+            None => {
+                chart.curves = content::curves(ui, entries, signals, frame);
+                if let Some(at) = self.linked.at() {
+                    chart.readings = content::readings(entries, signals, self.lit, at);
+                }
+            }
+        }
+        chart.hover = self.linked.at();
+        let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+        let set_by_user = self.y.iter().find(|(name, _)| *name == plot).map(|(_, y)| *y);
+        chart.y = set_by_user.unwrap_or_else(|| chart.fitted(range_of(values)));
+        content::gaps(ui, entries, x, rect.width(), &mut chart);
+        chart.flags = content::marks(ui, entries, x);
+        chart.flag_words = has_axis;
+        self.mark_cursors(ui, &mut chart);
+        chart
+    }
+
+    /// Marks the cursors.
+    pub(super) fn mark_cursors(&self, ui: &Ui, chart: &mut Chart) {
+        let Some(cursors) = self.cursors else { return };
+        let colour = ui.visuals().strong_text_color();
+        let flag = |(x, text): (f64, &str)| Flag { x, text: text.into(), colour };
+        chart.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
+        chart.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
+    }
+}

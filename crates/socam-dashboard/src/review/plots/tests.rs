@@ -1,0 +1,82 @@
+use super::arrangement::Arrangement;
+use super::insert::Place;
+use super::*;
+
+fn signal(name: &str, unit: &str) -> Signal {
+    Signal { name: name.into(), unit: unit.into() }
+}
+
+fn channels() -> Vec<Signal> {
+    [("command", "V"), ("motor_speed", "rad/s"), ("output_speed", "rad/s"), ("torque_out", "N m")]
+        .map(|(name, unit)| signal(name, unit))
+        .into()
+}
+
+fn titles(plots: &Plots) -> Vec<String> {
+    let root = plots.tree.root.unwrap();
+    let children = plots.tree.tiles.get_container(root).unwrap().children_vec();
+    let title = |id: &TileId| plots.tree.tiles.get_pane(id).map_or_else(|| "(several)".into(), Plot::title);
+    children.iter().map(title).collect()
+}
+
+#[test]
+fn each_channel_gets_a_plot_and_a_hidden_one_comes_back_where_it_was() {
+    let mut plots = Plots::default();
+    plots.fit(&channels());
+    let usual = ["command", "motor_speed", "output_speed", "torque_out"];
+    assert_eq!(titles(&plots), usual);
+    plots.hidden.insert(signal("motor_speed", "rad/s"));
+    plots.fit(&channels());
+    assert_eq!(titles(&plots), ["command", "output_speed", "torque_out"]);
+    plots.hidden.clear();
+    plots.fit(&channels());
+    assert_eq!(titles(&plots), usual);
+    // Channels of recordings that are not shown now keep their plots.
+    plots.fit(&[]);
+    assert!(plots.is_empty());
+    plots.fit(&channels());
+    assert!(titles(&plots) == usual && !plots.is_empty());
+}
+
+#[test]
+fn channels_of_one_unit_share_a_plot_and_others_are_refused_in_a_sentence() {
+    let mut plot = Plot::Time(vec![signal("motor_speed", "rad/s")]);
+    plot.join(signal("output_speed", "rad/s")).unwrap();
+    let refused = plot.join(signal("torque_out", "N m")).unwrap_err();
+    assert!(refused.contains("torque_out is in N m and this plot in rad/s"), "{refused}");
+    assert_eq!(plot.title(), "motor_speed, output_speed");
+}
+
+#[test]
+fn a_layout_survives_its_file() {
+    let mut plots = Plots::default();
+    plots.fit(&channels());
+    let (id, _) = plots.panes().find(|(_, plot)| plot.title() == "torque_out").unwrap();
+    plots.insert(Plot::Spectrogram(signal("torque_out", "N m")), id, Place::After);
+    plots.insert(Plot::Statistics, id, Place::Above);
+    plots.hidden.insert(signal("command", "V"));
+    plots.fit(&channels());
+    let stored = plots.arrangement(&[]);
+    let read: Arrangement = serde_json::from_str(&stored.text()).unwrap();
+    assert_eq!(read, stored);
+    assert_eq!(Plots::of(&read).arrangement(&[]), stored);
+    let node = format!("{:?}", stored.plots);
+    assert!(node.contains("Row([") && node.contains("Spectrogram") && node.contains("Statistics"), "{node}");
+}
+
+#[test]
+fn areas_of_data_in_a_column_are_equally_high_and_the_lowest_has_the_axis() {
+    let mut plots = Plots::default();
+    plots.fit(&channels());
+    plots.stack(Plot::Statistics, &[]);
+    let lowest = plots.lowest();
+    assert_eq!(lowest.len(), 1);
+    plots.level(500.0);
+    let root = plots.tree.root.unwrap();
+    let Some(Tile::Container(Container::Linear(column))) = plots.tree.tiles.get(root) else { panic!() };
+    let heights: Vec<f32> = column.children.iter().map(|child| column.shares[*child]).collect();
+    assert!((heights.iter().sum::<f32>() + 4.0 * heights::GAP - 500.0).abs() < 1e-3);
+    assert_eq!(heights[0], heights[1]);
+    assert!((heights[3] - heights[0] - crate::draw::chart::X_AXIS).abs() < 1e-3, "{heights:?}");
+    assert_eq!(heights[4], heights[0]);
+}

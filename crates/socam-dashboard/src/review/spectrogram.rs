@@ -1,0 +1,139 @@
+//! The spectra of a channel over time.
+
+use std::sync::Arc;
+
+use egui::{Rect, Ui, UiBuilder};
+
+use super::computed::Computed;
+use super::content::having;
+use super::signal::Signal;
+use super::{Drawing, Review};
+use crate::draw::chart::{Backdrop, Chart};
+use crate::draw::colours::Colours;
+use crate::draw::heat::{Cells, Heat};
+use crate::recording::short;
+use crate::samples::Samples;
+use crate::spectra::spectrogram::{colours, spectrogram};
+
+/// Height of the row in which the channel is chosen, points.
+const HEAD: f32 = 26.0;
+/// Columns of a picture, and samples of a window where there are enough.
+const COLUMNS: usize = 400;
+const LONGEST: usize = 1024;
+const SHORTEST: usize = 64;
+
+/// What a picture depends on.
+#[derive(Debug, Clone)]
+struct Key {
+    samples: Arc<Samples>,
+    channel: usize,
+    /// Range of time of the recording, s.
+    range: [f64; 2],
+    shift_s: f64,
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.channel == other.channel
+            && (self.range, self.shift_s) == (other.range, other.shift_s)
+    }
+}
+
+/// State of a tile.
+#[derive(Debug, Default)]
+pub(super) struct Spectrogram {
+    cells: Computed<Key, Cells>,
+    /// The last picture, and what it is of.
+    heat: Option<Heat>,
+    of: Option<Key>,
+    /// The vertical axis that the user set, Hz.
+    y: Option<[f64; 2]>,
+}
+
+impl Spectrogram {
+    pub(super) fn poll(&mut self) {
+        self.cells.poll();
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        self.cells.is_busy()
+    }
+}
+
+impl Review {
+    /// The spectrogram of one recording: the highlighted one, else the first one that is shown and has the channel.
+    pub(super) fn spectrogram(
+        &mut self,
+        ui: &mut Ui,
+        drawing: &mut Drawing<'_>,
+        signal: &mut Signal,
+        (rect, tile, has_axis): (Rect, u64, bool),
+    ) {
+        let mut head = ui.new_child(UiBuilder::new().max_rect(rect.with_max_y(rect.top() + HEAD)));
+        head.horizontal(|ui| {
+            super::choose_signal(ui, (tile, "of"), "spectrogram of", signal, drawing.signals);
+        });
+        let mut state = self.spectrograms.remove(&tile).unwrap_or_default();
+        let mut part = ui.new_child(UiBuilder::new().max_rect(rect.with_min_y(rect.top() + HEAD)));
+        let having = having(drawing.entries, signal, self.lit);
+        let first = if self.lit.is_some() { having.last() } else { having.first() };
+        let name = first.map_or("", |(entry, ..)| short(&entry.recording.about.name));
+        let mut chart = Chart::new(
+            ("spectrogram", tile),
+            format!("frequency of {} in {name}, Hz", signal.name),
+            part.max_rect().size(),
+        );
+        chart.x = drawing.x;
+        chart.x_label = if has_axis { "time, s".into() } else { String::new() };
+        chart.when_empty = "no spectrogram yet";
+        if let Some((entry, samples, channel)) = first {
+            let range = drawing.x.map(|x| x - entry.shift_s);
+            let key = Key { samples: (*samples).clone(), channel: *channel, range, shift_s: entry.shift_s };
+            state.draw(ui, &mut chart, &key, &signal.unit);
+        }
+        chart.hover = self.linked.at();
+        self.mark_cursors(ui, &mut chart);
+        let shown = drawing.show(&mut part, chart);
+        if shown.y_moved {
+            state.y = Some(shown.y);
+        }
+        if shown.response.double_clicked() {
+            state.y = None;
+        }
+        self.linked.take(&shown);
+        self.take_x(&shown);
+        self.spectrograms.insert(tile, state);
+    }
+}
+
+impl Spectrogram {
+    fn draw(&mut self, ui: &Ui, chart: &mut Chart, key: &Key, unit: &str) {
+        let rows = key.samples.row_at(key.range[0])..key.samples.row_at(key.range[1]);
+        let length = (1_usize << (rows.len() / 16).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+        let own = key.clone();
+        let work = move |handle: &crate::job::Handle| {
+            spectrogram(&own.samples, own.channel, own.range, (COLUMNS, length), handle)
+        };
+        match self.cells.get(ui.ctx(), key, work) {
+            Some((of, Ok(cells))) if self.of.as_ref() != Some(of) => {
+                let mut shifted = cells.clone();
+                shifted.x = shifted.x.map(|x| x + of.shift_s);
+                let colours =
+                    Colours::of_fields(colours(&shifted), format!("power density, dB of ({unit})²/Hz"));
+                self.heat = Heat::new(ui.ctx(), "spectrogram", shifted, colours);
+                self.of = Some(of.clone());
+            }
+            Some((_, Ok(_))) | None => {}
+            Some((_, Err(_))) => {
+                (self.heat, self.of) = (None, None);
+                chart.when_empty =
+                    "too short for a spectrogram: it takes 64 samples without a gap or a missing value";
+            }
+        }
+        if let Some(heat) = &self.heat {
+            chart.y = self.y.unwrap_or(heat.cells().y);
+            chart.backdrop = Some(Backdrop::Heat(heat.clone()));
+        }
+    }
+}

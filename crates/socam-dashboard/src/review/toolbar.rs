@@ -1,0 +1,181 @@
+//! The row above the plots, and the actions of its menus.
+
+use egui::{Button, Key, RichText, Ui};
+
+use super::derived::Operation;
+use super::derived::dialog::Form;
+use super::plots::{Plot, Plots};
+use super::{Entry, Review, Signal, Views};
+use crate::files::Purpose;
+use crate::recording::short;
+use crate::theme;
+use crate::workspace::{Content, Request};
+
+/// What the menus do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Action {
+    Xy,
+    Spectrogram,
+    Statistics,
+    Derive,
+    Even,
+    Usual,
+    Save,
+}
+
+impl Action {
+    pub(super) const ALL: [Self; 7] =
+        [Self::Xy, Self::Spectrogram, Self::Statistics, Self::Derive, Self::Even, Self::Usual, Self::Save];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Xy => "XY plot",
+            Self::Spectrogram => "Spectrogram",
+            Self::Statistics => "Statistics",
+            Self::Derive => "Derived channel...",
+            Self::Even => "Equal heights",
+            Self::Usual => "One plot per channel",
+            Self::Save => "Save layout...",
+        }
+    }
+
+    fn tip(self) -> &'static str {
+        match self {
+            Self::Xy => "A channel over another, coloured by time",
+            Self::Spectrogram => "The spectra of a channel over time",
+            Self::Statistics => {
+                "A table: mean, standard deviation and so on of what is visible, or between A and B"
+            }
+            Self::Derive => "Derivative, integral, difference, ratio, product, filters",
+            Self::Even => "All plots of a column get the same height",
+            Self::Usual => "Forgets the arrangement, and shows all channels",
+            Self::Save => "Plots and derived channels as a file; open it like a recording (Ctrl+O)",
+        }
+    }
+
+    pub(super) fn key(self) -> Option<Key> {
+        match self {
+            Self::Xy => Some(Key::X),
+            Self::Spectrogram => Some(Key::G),
+            Self::Statistics => Some(Key::T),
+            Self::Derive => Some(Key::D),
+            Self::Even => Some(Key::E),
+            Self::Usual | Self::Save => None,
+        }
+    }
+
+    fn item(self, ui: &mut Ui) -> Option<Self> {
+        let mut button = Button::new(self.name());
+        if let Some(key) = self.key() {
+            button = button.shortcut_text(key.name());
+        }
+        let response = ui.add(button);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, self.name()));
+        response.on_hover_text(self.tip()).clicked().then_some(self)
+    }
+}
+
+impl Review {
+    pub(super) fn toolbar(
+        &mut self,
+        ui: &mut Ui,
+        entries: &mut [Entry],
+        signals: &[Signal],
+    ) -> Option<Request> {
+        let mut action = None;
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Fit all").on_hover_text("Show everything (Home, or double-click a chart)").clicked()
+            {
+                self.fit();
+            }
+            self.cursor_buttons(ui, entries);
+            ui.menu_button("Add", |ui| {
+                let actions = [Action::Xy, Action::Spectrogram, Action::Statistics, Action::Derive];
+                action = actions.into_iter().find_map(|own| own.item(ui)).or(action);
+            });
+            ui.menu_button("Layout", |ui| {
+                let actions = [Action::Usual, Action::Even, Action::Save];
+                action = actions.into_iter().find_map(|own| own.item(ui)).or(action);
+                ui.separator();
+                let [undo, redo] = self.views.can();
+                let button = |name, keys| Button::new(name).shortcut_text(keys);
+                if ui.add_enabled(undo, button("Undo change of view", "Ctrl+Z")).clicked() {
+                    self.step(entries, Views::undo);
+                }
+                if ui.add_enabled(redo, button("Redo change of view", "Ctrl+Y")).clicked() {
+                    self.step(entries, Views::redo);
+                }
+            });
+            if entries.len() > 1 {
+                ui.separator();
+                self.choose_reference(ui, entries);
+            }
+            ui.label(
+                RichText::new("drag: pan   wheel: zoom   Shift+wheel: scroll   right-drag: zoom to box")
+                    .small()
+                    .color(theme::weak(ui)),
+            );
+        });
+        self.act(action?, signals)
+    }
+
+    fn cursor_buttons(&mut self, ui: &mut Ui, entries: &[Entry]) {
+        let mut on = self.cursors.is_some();
+        let button = ui.toggle_value(&mut on, "Cursors A, B");
+        if button.on_hover_text("Click a chart to set A, then B (C)").clicked() {
+            self.toggle_cursors(entries);
+        }
+        if self.cursors.is_some()
+            && ui.button("Zoom to A..B").on_hover_text("Show what is between the cursors (Z)").clicked()
+        {
+            self.zoom_to_cursors();
+        }
+    }
+
+    fn choose_reference(&mut self, ui: &mut Ui, entries: &[Entry]) {
+        let label = ui.label("Difference to");
+        let name = |index: Option<usize>| {
+            index.and_then(|i| entries.get(i)).map_or("none", |entry| short(&entry.recording.about.name))
+        };
+        let chosen =
+            egui::ComboBox::from_id_salt("reference").selected_text(name(self.reference)).width(150.0);
+        let chosen = chosen.show_ui(ui, |ui| {
+            ui.selectable_value(&mut self.reference, None, "none");
+            for index in 0..entries.len() {
+                ui.selectable_value(&mut self.reference, Some(index), name(Some(index)));
+            }
+        });
+        chosen.response.labelled_by(label.id);
+    }
+
+    pub(super) fn act(&mut self, action: Action, signals: &[Signal]) -> Option<Request> {
+        let drawn = self.plots.drawn(signals);
+        let first = drawn.first().or(signals.first())?.clone();
+        match action {
+            Action::Xy => {
+                let y = drawn.last().unwrap_or(&first).clone();
+                self.add(Plot::Xy { y, x: first });
+            }
+            Action::Spectrogram => self.add(Plot::Spectrogram(first)),
+            Action::Statistics => {
+                let known = self.plots.panes().find(|(_, plot)| matches!(plot, Plot::Statistics));
+                match known.map(|(id, _)| id) {
+                    Some(id) => self.plots.close(id),
+                    None => self.add(Plot::Statistics),
+                }
+            }
+            Action::Derive => self.form = Some(Form::of(&first.name, Operation::default())),
+            Action::Even => self.plots.even = true,
+            Action::Usual => self.plots = Plots::default(),
+            Action::Save => {
+                let text = self.arrangement().text();
+                return Some(Request::SaveAs(
+                    Purpose::SavePlots,
+                    "plots.layout.json".into(),
+                    Content::Bytes(text.into_bytes()),
+                ));
+            }
+        }
+        None
+    }
+}
