@@ -142,8 +142,3 @@ pub(crate) fn number(value: f64) -> String {
     let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
     format!("{value:.digits$}")
 }
-
-pub(crate) fn interval(ends: [Option<f64>; 2]) -> String {
-    let end = |end: Option<f64>| end.map_or("?".into(), number);
-    if ends == [None; 2] { String::new() } else { format!("[{}, {}]", end(ends[0]), end(ends[1])) }
-}

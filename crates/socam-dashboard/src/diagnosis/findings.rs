@@ -3,9 +3,11 @@
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
 use socam_answer::Diagnosis;
 use socam_answer::document::{EffectParameter, Finding, ParameterChange};
+use socam_answer::words;
+use socam_plot::words as numbers;
 use socam_recording::ProfileFile;
 
-use crate::parameters::{heads, interval, number};
+use crate::parameters::{heads, number};
 use crate::theme;
 
 /// Draws the list. Returns the profile of the suggested experiment if its button was pressed.
@@ -72,7 +74,11 @@ fn card(ui: &mut Ui, lit: bool, contents: impl FnOnce(&mut Ui)) {
 fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Option<String>) {
     let lit = selected.as_ref() == Some(&finding.location);
     card(ui, lit, |ui| {
-        let title = format!("{number_of_it}. {} at {}", finding.effect, finding.location);
+        let title = format!(
+            "{number_of_it}. {} at {}",
+            words::capital(&words::effect(&finding.effect)),
+            finding.location
+        );
         let text = RichText::new(title).strong().size(15.0).color(theme::alarm(ui));
         if ui.add(egui::Label::new(text).wrap().sense(egui::Sense::click())).clicked() {
             *selected = Some(finding.location.clone());
@@ -87,7 +93,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
             ui.add_space(2.0);
         }
         if !finding.region.text.is_empty() {
-            ui.label(RichText::new(format!("lives {}", finding.region.text)).color(theme::weak(ui)));
+            ui.label(RichText::new(format!("acts {}", finding.region.text)).color(theme::weak(ui)));
         }
         let proof = &finding.evidence;
         if let Some(gain) = proof.holdout_gain_percent {
@@ -95,9 +101,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
                 "On data that were never fitted it removes {gain:.1} % of what exceeded the noise"
             ));
         }
-        let chance = proof
-            .p_value
-            .map(|p| if p < 1e-12 { "chance below 1e-12".to_owned() } else { format!("chance {p:.1e}") });
+        let chance = proof.p_value.map(|p| format!("p-value {}", numbers::chance(Some(p))));
         let gain = proof.chi2_gain.map(|gain| format!("chi-square falls by {}", number(gain)));
         let text: Vec<String> = [chance, gain].into_iter().flatten().collect();
         if !text.is_empty() {
@@ -105,9 +109,14 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
         }
         if !finding.rivals.is_empty() {
             ui.add_space(3.0);
-            ui.label(RichText::new("Rivals: these data cannot rule out").strong().small());
+            ui.label(RichText::new("Competing explanations, with their weights").strong().small());
             for rival in &finding.rivals {
-                ui.label(format!("{} at {} ({:.0} %)", rival.effect, rival.location, 100.0 * rival.weight));
+                ui.label(format!(
+                    "{} at {}: {}",
+                    words::effect(&rival.effect),
+                    rival.location,
+                    numbers::percent(rival.weight)
+                ));
             }
         }
     });
@@ -115,10 +124,8 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
 
 fn parameter_lines(ui: &mut Ui, parameters: &[EffectParameter]) {
     for parameter in parameters {
-        let value = parameter.value.map_or("not determined".into(), number);
-        let unit = if parameter.unit == "1" { "" } else { &parameter.unit };
-        let text = format!("{} = {value} {unit}  {}", parameter.name, interval(parameter.ci95));
-        ui.label(RichText::new(text).monospace());
+        let size = numbers::quantity(parameter.value, parameter.ci95, &parameter.unit);
+        ui.add(egui::Label::new(format!("{}: {size}", parameter.name)).wrap());
     }
 }
 
@@ -132,11 +139,11 @@ fn parameters(ui: &mut Ui, diagnosis: &Diagnosis) {
                    after: Option<f64>,
                    ci95: [Option<f64>; 2]| {
             ui.strong(name);
-            for value in [before, after] {
-                ui.label(RichText::new(value.map_or("-".into(), number)).monospace());
+            for (value, ci95) in [(before, [None; 2]), (after, ci95)] {
+                ui.label(RichText::new(numbers::estimate(value, ci95)).monospace());
             }
-            ui.label(unit);
-            ui.label(RichText::new(interval(ci95)).monospace());
+            ui.label(numbers::unit(unit));
+            ui.label(RichText::new(numbers::interval(after, ci95)).monospace());
             ui.end_row();
         };
         for ParameterChange { name, unit, before, after, ci95, fixed, .. } in &diagnosis.parameters {
@@ -164,11 +171,11 @@ fn not_found(ui: &mut Ui, diagnosis: &Diagnosis) {
     Grid::new("not found").striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
         heads(ui, &["effect", "place", "would have been seen from"]);
         for entry in &diagnosis.not_found {
-            ui.label(&entry.effect);
+            ui.label(words::effect(&entry.effect));
             ui.label(&entry.location);
-            let size = entry
-                .smallest_detectable
-                .map(|size| format!("{} {} {}", entry.parameter, number(size), entry.unit));
+            let size = entry.smallest_detectable.map(|size| {
+                format!("{} {} {}", entry.parameter, numbers::rough(size), numbers::unit(&entry.unit))
+            });
             ui.label(size.unwrap_or_else(|| "not by these recordings".into()));
             ui.end_row();
         }

@@ -69,6 +69,11 @@ impl Maker {
         }
     }
 
+    /// Folds the set-up: a result needs the room.
+    pub(super) fn fold(&mut self) {
+        self.folds = true;
+    }
+
     /// The result, once.
     pub(super) fn poll(&mut self) -> Option<Answer> {
         let outcome = self.job.as_ref().and_then(Job::poll)?;
@@ -106,13 +111,15 @@ impl Maker {
         if let Some(model) = workspace.setup_ui(ui) {
             workspace.request(Request::Model(Box::new(model)));
         }
-        ui.horizontal_wrapped(|ui| {
+        ui.horizontal(|ui| {
             let label = ui.label("False alarms").on_hover_text(
                 "Share of complete models of which a diagnosis says that something is missing",
             );
             let slider =
                 Slider::new(&mut self.false_alarms_percent, 0.1..=20.0).logarithmic(true).suffix(" %");
             ui.add(slider.max_decimals(1)).labelled_by(label.id);
+        });
+        ui.horizontal(|ui| {
             let label = ui.label("Most effects");
             ui.add(egui::DragValue::new(&mut self.most_effects).range(1..=6)).labelled_by(label.id);
         });

@@ -153,6 +153,8 @@ impl DiagnosisView {
                 () => Over::Speed,
             };
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        self.maker.fold();
         self.shown = Some(Shown {
             diagnosis,
             evidence,

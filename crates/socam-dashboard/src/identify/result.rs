@@ -2,7 +2,9 @@
 
 use egui::{RichText, Sense, Stroke, Ui, vec2};
 
-use crate::parameters::{Fit, Identification, Parameter, interval, known, number};
+use socam_plot::words;
+
+use crate::parameters::{Fit, Identification, Parameter, known, number};
 use crate::table::{self, Key, Table};
 use crate::theme;
 
@@ -68,9 +70,9 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
     };
     Table::new("identified", &COLUMNS).show(ui, &rows, key, |ui, parameter, column| match column {
         0 => drop(ui.strong(&parameter.name)),
-        1 => drop(ui.label(RichText::new(parameter.value.map_or("-".into(), number)).monospace())),
+        1 => drop(ui.label(RichText::new(words::estimate(parameter.value, parameter.ci95)).monospace())),
         2 => drop(ui.label(&parameter.unit)),
-        3 => drop(ui.label(RichText::new(interval(parameter.ci95)).monospace())),
+        3 => drop(ui.label(RichText::new(words::interval(parameter.value, parameter.ci95)).monospace())),
         4 => {
             if let Some(value) = parameter.value.filter(|_| parameter.source != "fixed") {
                 whisker(ui, value, parameter.ci95);
@@ -106,7 +108,7 @@ fn whisker(ui: &mut Ui, value: f64, ci95: [Option<f64>; 2]) {
         let colour = theme::good(ui);
         painter.hline(at(low)..=at(high).max(at(low) + 1.0), y, Stroke::new(4.0, colour));
         let half = 50.0 * (high - low) / value.abs().max(1e-300);
-        response.on_hover_text(format!("+-{half:.2} % of the value; the line is +-50 %"));
+        response.on_hover_text(format!("±{half:.2} % of the value; the line is ±50 %"));
     }
     painter.vline(rect.center().x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
 }

@@ -70,7 +70,7 @@ pub(super) fn draw(ui: &mut Ui, channel: &socam_recording::Channel, reading: &Re
         lines.push(format!("{} to {}", number(low), number(high)));
     }
     if let Some(limit) = reading.limit {
-        lines.push(format!("limit +-{limit:.decimals$}"));
+        lines.push(format!("limit ±{limit:.decimals$}"));
     }
     for (line, text) in lines.iter().enumerate() {
         let at: Pos2 = pos2(unit_at, base + 2.0) + vec2(0.0, 14.0 * line as f32);

@@ -117,5 +117,5 @@ fn plane(ui: &mut Ui, poles: Vec<[f64; 2]>, zeros: Vec<[f64; 2]>, seen: &mut Vec
 
 /// A real number, or a conjugate pair.
 fn complex(re: f64, im: f64) -> String {
-    if im == 0.0 { number(re) } else { format!("{} +- {} i", number(re), number(im.abs())) }
+    if im == 0.0 { number(re) } else { format!("{} ± {} i", number(re), number(im.abs())) }
 }

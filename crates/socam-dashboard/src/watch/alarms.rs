@@ -1,7 +1,8 @@
 //! The state of a watch and its alarms in words.
 
 use egui::{RichText, Ui};
-use socam_watch::{Alarm, Overlay, Phase, Symptom, Verdict};
+use socam_answer::words;
+use socam_watch::{Alarm, Cause, Overlay, Phase, Symptom, Verdict};
 
 use crate::theme;
 
@@ -72,8 +73,15 @@ fn causes(ui: &mut Ui, alarm: &Alarm) {
     };
     ui.label(RichText::new(verdict(naming.verdict)).small().color(theme::weak(ui)));
     for cause in naming.causes.iter().take(CAUSES) {
-        let text = format!("{} at {}: {:.0} %", cause.effect, cause.location, 100.0 * cause.share);
+        let text = format!("{}: {:.0} %", words_of(cause), 100.0 * cause.share);
         ui.label(RichText::new(text).strong());
+    }
+}
+
+fn words_of(cause: &Cause) -> String {
+    match cause.effect.as_str() {
+        "parameter" => format!("a change of {}", cause.location),
+        effect => format!("{} at {}", words::effect(effect), cause.location),
     }
 }
 
@@ -97,8 +105,7 @@ fn symptom(symptom: &Symptom) -> String {
 pub(super) fn sentence(alarm: &Alarm) -> String {
     let cause = alarm.naming.as_ref().filter(|naming| naming.verdict != Verdict::Unnamed);
     let causes = cause.map_or_else(String::new, |naming| {
-        let names =
-            naming.causes.iter().take(CAUSES).map(|cause| format!("{} at {}", cause.effect, cause.location));
+        let names = naming.causes.iter().take(CAUSES).map(words_of);
         format!("; {}", names.collect::<Vec<_>>().join(" or "))
     });
     format!(

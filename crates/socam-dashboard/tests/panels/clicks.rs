@@ -145,7 +145,7 @@ fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     window.run_steps(2);
     // Its rival has a weight of 1 %, too little for a mark.
     window.get_by_label("coupling_3: spring with damper");
-    window.get_by_label("1. coulomb_friction at load_bearing");
+    window.get_by_label("1. Coulomb friction at load_bearing");
     for tab in ["over frequency", "over time", "measured shape", "fit", "after", "before"] {
         click(&mut window, tab);
     }
@@ -168,7 +168,7 @@ fn what_is_not_determined_is_said() {
     dashboard.show(document);
     let window = window(dashboard);
     window.get_by_label("its 95 % interval is +-368 %; it cannot be told apart from k2, c2, c3");
-    window.get_by_label("[133.35, 135.29]");
+    window.get_by_label("133.35 to 135.29");
 }
 
 #[test]

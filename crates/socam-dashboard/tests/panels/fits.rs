@@ -106,7 +106,7 @@ fn a_diagnosis_is_run_beside_the_data_and_its_report_is_saved() {
     click(&mut window, "Diagnose");
     until(&mut window, "a diagnosis", |window| !window.state().is_busy());
     window.run_steps(3);
-    window.get_by_label_contains("1. coulomb_friction at");
+    window.get_by_label_contains("1. Coulomb friction at");
     click(&mut window, "Save report...");
     save_as(&mut window, "report");
     for name in ["index.html", "diagnosis.json", "model.toml"] {

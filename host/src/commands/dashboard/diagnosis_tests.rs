@@ -59,7 +59,7 @@ fn a_diagnosis_in_the_window_says_how_far_it_is_is_cancelled_and_runs_to_its_end
     until(&mut window, "the end", |window| !window.state().is_busy());
     window.run_steps(2);
     assert_eq!(window.state().problems().collect::<Vec<_>>(), Vec::<&str>::new());
-    window.get_by_label("1. coulomb_friction at load_bearing");
-    window.get_by_label("load_bearing: bearing; finding 1, coulomb_friction");
+    window.get_by_label("1. Coulomb friction at load_bearing");
+    window.get_by_label("load_bearing: bearing with damping; finding 1, Coulomb friction");
     window.get_by_label_contains("proven on recordings that were held out");
 }

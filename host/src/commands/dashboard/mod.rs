@@ -231,3 +231,5 @@ fn size(text: &str) -> Result<[f32; 2], String> {
 mod diagnosis_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod watch_tests;

@@ -1,6 +1,6 @@
 //! The first picture: measured against predicted of the channel that the correction improves most, before and after.
 
-use egui::{Ui, vec2};
+use egui::{RichText, Ui, vec2};
 use socam_answer::document::Overlay;
 
 use super::colours;
@@ -32,6 +32,24 @@ pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Se
         overlay.unit,
         short(&overlay.recording)
     );
+    let has_after = !overlay.after.is_empty();
+    ui.horizontal(|ui| {
+        for (_, text, colour) in [
+            (true, "measured", theme::weak(ui)),
+            (
+                sides != Sides::After,
+                if has_after { "predicted before" } else { "predicted by the model" },
+                before,
+            ),
+            (sides != Sides::Before && has_after, "predicted after", after),
+        ]
+        .into_iter()
+        .filter(|(is_drawn, ..)| *is_drawn)
+        {
+            ui.label(RichText::new(text).small().strong().color(colour));
+        }
+    });
+    let height = ui.available_height().max(140.0);
     let spacing = ui.spacing().item_spacing.y;
     let mut chart = chart(ui, "overlay", title, share * height - spacing, overlay, &signals);
     if !has_room {
