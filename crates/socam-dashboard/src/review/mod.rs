@@ -6,6 +6,7 @@ mod cursors;
 mod derived;
 mod difference;
 mod entry;
+mod help;
 mod keys;
 mod list;
 mod over_time;
@@ -137,59 +138,9 @@ impl ViewPanel for Review {
     }
 
     fn help() -> Help {
-        HELP
+        help::HELP
     }
 }
-
-const HELP: Help = &[
-    (
-        "drag; wheel; Shift+wheel",
-        "pan, zoom, scroll; the right button zooms to a box; the axes can be dragged",
-    ),
-    ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
-    (
-        "Ctrl+Z; Ctrl+Y",
-        "undoes and redoes changes of what is shown: zoom, plots, hidden channels and recordings",
-    ),
-    (
-        "Cursors A, B; C; click",
-        "cursors A and B, set in turns by clicks; the table below has values and differences",
-    ),
-    ("Zoom to A..B; Z", "shows what is between the cursors"),
-    (
-        "Add",
-        "XY plot (X), spectrogram (G), table of statistics (T): of what is visible or between the cursors; a channel derived from others (D): derivative, integral, difference, ratio, product, filters",
-    ),
-    (
-        "Layout",
-        "one plot per channel, equal heights (E), save the plots as a file; such a file is opened like a recording (Ctrl+O)",
-    ),
-    ("a name; Close ...", "shows or hides a recording or a channel; closes it"),
-    (
-        "More about ...",
-        "menu of a recording, a channel or a plot; Alt+click on a name shows it alone, and again all of them",
-    ),
-    ("Search; Ctrl+F", "filters recordings and channels by parts of their names"),
-    (
-        "a channel, dragged",
-        "into a plot of the same unit joins it; to an edge of a plot makes a new one there",
-    ),
-    (
-        "Move ...; Close the plot ...",
-        "at the top right of a plot under the pointer: drag it to another place, close it; boundaries between plots can be dragged",
-    ),
-    (
-        "operation; of channel; minus; over; times; corner; window; Add channel",
-        "the dialog in which a channel is derived",
-    ),
-    ("Remove ...", "forgets a derived channel"),
-    ("Clear search", "shows all recordings and channels in the list"),
-    ("vertical axis; horizontal axis; spectrogram of", "the channels of an XY plot or of a spectrogram"),
-    ("Copy table", "copies the values, separated by tabs"),
-    ("shift of ...", "draws a recording so much later or earlier, to lay it over another"),
-    ("Difference to", "draws every other recording minus this one"),
-    ("shaded; vertical lines", "gaps, and events of the recording"),
-];
 
 impl Review {
     /// Shows all data.

@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 
 mod tiles;
+mod troubled;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use socam_answer::document::Overlay;
 use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
 use socam_dashboard::diagnosis::Over;
 use socam_dashboard::document::{Document, parse};
-use socam_dashboard::recording::{About, Happening, Recording};
+use socam_dashboard::recording::{About, Recording};
 use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
 use socam_dashboard::theme::Look;
@@ -76,39 +77,6 @@ pub(crate) fn with_channels(
         samples: Arc::new(Samples::in_memory(time_s, &columns, data.segments().to_vec())),
         path: None,
     }
-}
-
-/// With a gap, missing values, a spike, events, notes and warnings.
-pub(crate) fn troubled(rows: usize) -> Recording {
-    let whole = run(3, rows);
-    let all = 0..rows;
-    let keep = |row: &usize| !(rows / 3..rows * 2 / 5).contains(row);
-    let time_s: Vec<f64> = whole.samples.times(all.clone());
-    let time_s: Vec<f64> = all.clone().filter(keep).map(|row| time_s[row]).collect();
-    let mut columns: Vec<Vec<f64>> = (0..5)
-        .map(|channel| {
-            let values = whole.samples.values(channel, all.clone());
-            all.clone().filter(keep).map(|row| values[row]).collect()
-        })
-        .collect();
-    let last = columns[0].len();
-    columns[3][last / 2..last * 3 / 5].fill(f64::NAN);
-    columns[4][last * 4 / 5] = 30.0;
-    let mut recording = of(
-        "measurements/2026-11/a-rather-long-name-of-a-recording-that-nobody-would-type_bench-2.mcap",
-        time_s,
-        columns,
-    );
-    let event = |time_s, kind: &str, text: &str| Happening { time_s, kind: kind.into(), text: text.into() };
-    recording.about.events = vec![
-        event(0.0, "phase", "part 0 of the profile"),
-        event(1.0, "phase", "part 1 of the profile"),
-        event(4.4, "note", "coupling 2 squeaks"),
-        event(5.2, "fault", "motor_speed is above its limit of 120 rad/s"),
-    ];
-    recording.about.facts = vec![("note".into(), "after the new coupling was fitted, cold".into())];
-    recording.about.warnings = vec!["the recording is cut off: missing is about 0.4 s".into()];
-    recording
 }
 
 /// A diagnosis as its file has it.
@@ -309,7 +277,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
             state.views.time.derive(tiles::power());
         }
         "time-differences" => state.views.time.reference = Some(0),
-        "time-trouble" | "spectrum-trouble" => state.add_recording(troubled(8000)),
+        "time-trouble" | "spectrum-trouble" => state.add_recording(troubled::troubled(8000)),
         "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),
         "time-nothing" => {
             state.add_recording(of("nothing.csv", vec![0.0, 1.0, 2.0], vec![vec![f64::NAN; 3]; 2]));
