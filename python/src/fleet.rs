@@ -94,9 +94,12 @@ impl FleetTask {
     }
 }
 
+/// Name, path, machine, and date in ms since 1970.
+type Listed = (String, PathBuf, Option<String>, Option<i64>);
+
 /// The recordings of a folder, or of a CSV list with the columns file, machine and date: name, path, machine, date in ms since 1970.
 #[pyfunction]
-pub(crate) fn fleet_sources(place: PathBuf) -> PyResult<Vec<(String, PathBuf, Option<String>, Option<i64>)>> {
+pub(crate) fn fleet_sources(place: PathBuf) -> PyResult<Vec<Listed>> {
     let sources = socam_fleet::sources(&place, &[]).map_err(Raised::raised)?;
     let each = sources.into_iter().filter_map(|source| match source.content {
         Content::Path(path) => Some((source.name, path, source.machine, source.date)),
