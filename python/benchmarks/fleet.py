@@ -34,7 +34,7 @@ def make_one(folder: str, model: str, number: int) -> None:
         path.write_bytes(b"t_s,load_speed_rad_s\n0,broken\n")
         return
     hide = [HIDDEN[number // 20 % len(HIDDEN)]] if number % 20 == 7 else []
-    socam.simulate(model, "multisine", duration_s=3.0, rate_hz=200.0, seed=number + 1, hide=hide).write(path)
+    socam.simulate(model, "prbs", duration_s=3.0, rate_hz=200.0, seed=number + 1, hide=hide).write(path)
 
 
 def workers() -> list[int]:

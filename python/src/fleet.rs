@@ -134,7 +134,7 @@ impl FleetRow {
     }
 
     /// The row as an Arrow stream of one batch.
-    #[pyo3(signature = (requested_schema = None))]
+    #[pyo3(signature = (requested_schema = None) -> "object")]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,

@@ -1,13 +1,15 @@
 //! Recordings: from files, bytes and columns, and their columns for numpy and Arrow.
 
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use pyo3::IntoPyObjectExt;
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict};
+use pyo3::types::PyCapsule;
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Selection, Shared, Unit, export_csv, import_mcap};
 
@@ -74,6 +76,7 @@ impl Recording {
 
     /// Makes a recording of columns: times in s, and values by column names that end in their unit, NaN where a value is missing.
     #[staticmethod]
+    #[pyo3(signature = (name, time_s: "object", columns: "list[tuple[str, object]]"))]
     fn from_columns(
         py: Python<'_>,
         name: String,
@@ -171,7 +174,7 @@ impl Recording {
     }
 
     /// The columns as an Arrow stream, `t_s` first, without copies.
-    #[pyo3(signature = (requested_schema = None))]
+    #[pyo3(signature = (requested_schema = None) -> "object")]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
@@ -213,14 +216,18 @@ impl Column {
 
     /// Address, type and length, by which numpy makes an array of it that cannot be written to.
     #[getter]
-    fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn __array_interface__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<HashMap<&'static str, Bound<'py, PyAny>>> {
         let values = arrow::values(&self.samples, self.channel);
-        let interface = PyDict::new(py);
-        interface.set_item("version", 3)?;
-        interface.set_item("typestr", if cfg!(target_endian = "little") { "<f8" } else { ">f8" })?;
-        interface.set_item("shape", (values.len(),))?;
-        interface.set_item("data", (values.as_ptr() as usize, true))?;
-        Ok(interface)
+        let kind = if cfg!(target_endian = "little") { "<f8" } else { ">f8" };
+        Ok(HashMap::from([
+            ("version", 3.into_bound_py_any(py)?),
+            ("typestr", kind.into_bound_py_any(py)?),
+            ("shape", (values.len(),).into_bound_py_any(py)?),
+            ("data", (values.as_ptr() as usize, true).into_bound_py_any(py)?),
+        ]))
     }
 }
 

@@ -44,12 +44,18 @@ def files(tmp_path_factory: pytest.TempPathFactory, host: Path) -> list[str]:
     return paths
 
 
-def test_simulate_is_that_of_the_command_line(files: list[str]) -> None:
-    ours = socam.simulate("speed-o-cam", "multisine", duration_s=4.0, rate_hz=500.0, seed=1)
-    theirs = socam.read(files[0])
+def test_simulate_is_the_bench_of_the_command_line(host: Path, tmp_path: Path) -> None:
+    """Up to single counts of a converter: the command line's board idles before the run, and the solver's steps differ by that."""
+    path = str(tmp_path / "run.mcap")
+    run(host, "simulate", "--profile", "multisine", "--duration", "4s", "--rate", "500", "--no-noise", "-o", path)
+    ours, theirs = socam.simulate(duration_s=4.0, rate_hz=500.0, noise=False), socam.read(path)
     assert ours.channels == theirs.channels
-    for column in ours.keys():
-        np.testing.assert_array_equal(ours[column], theirs[column], err_msg=column)
+    np.testing.assert_array_equal(ours["t_s"], theirs["t_s"])
+    for column in ours.channels:
+        counts = np.diff(np.unique(theirs[column])).min()
+        differs = ours[column] != theirs[column]
+        assert differs.mean() < 0.005, column
+        np.testing.assert_allclose(ours[column], theirs[column], rtol=0.0, atol=1.01 * counts, err_msg=column)
 
 
 def test_identify_is_that_of_the_command_line(files: list[str], host: Path) -> None:
@@ -99,7 +105,7 @@ def test_design_is_that_of_the_command_line(host: Path) -> None:
     theirs = json.loads(run(host, "design", "--model", "two-mass", "--duration", "3s", "--json"))
     ours = socam.design("two-mass", duration_s=3.0)
     same(json.loads(ours.to_json()), theirs)
-    assert len(socam.simulate("two-mass", ours.profile, rate_hz=200.0)) > 100
+    assert len(socam.simulate("two-mass", ours.profile)) > 2000
     assert ours._repr_html_()
 
 
@@ -124,7 +130,7 @@ def test_models() -> None:
         (lambda r: socam.Model("schema = 3\n"), socam.ModelError, "line 1"),
         (lambda r: socam.Model("two-mass").fix(["stifness"]), socam.ModelError, "has no parameter stifness"),
         (lambda r: socam.Model("two-mass").between("cubic"), ValueError, "none of auto"),
-        (lambda r: socam.identify(r, "emps"), socam.FitError, "force"),
+        (lambda r: socam.identify(r, "emps"), socam.FitError, "position_m"),
         (lambda r: socam.identify(r, method="magic"), ValueError, "neither output-error"),
         (lambda r: socam.identify([r, r]), ValueError, "named twice"),
         (lambda r: socam.identify([]), socam.FitError, "no recording"),

@@ -22,7 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fleet")
     for number in range(6):
         hide = ["coulomb_friction@load_bearing:torque=0.3"] if number == 3 else []
-        made = socam.simulate(MODEL, "multisine", duration_s=3.0, rate_hz=200.0, seed=number + 1, hide=hide)
+        made = socam.simulate(MODEL, "prbs", duration_s=3.0, rate_hz=200.0, seed=number + 1, hide=hide)
         machine = folder / f"SN{number % 3}"
         machine.mkdir(exist_ok=True)
         made.write(machine / f"2026-01-0{number + 1}.csv")

@@ -85,7 +85,8 @@ impl<'s> Rows<'s> {
     fn take(&mut self, sample: &Sample) {
         let first = *self.first_tick.get_or_insert(sample.tick);
         let passed_us = u64::from(sample.tick.wrapping_sub(first)) * u64::from(self.period_us);
-        self.time_s.push(passed_us as f64 * 1e-6);
+        // Divided, which rounds as a log's reader does.
+        self.time_s.push(passed_us as f64 / 1e6);
         let values = self.calibration.values(sample.output_count, &sample.counts);
         let recorded = values.zip(&self.recorded).filter_map(|(value, recorded)| recorded.then_some(value));
         self.columns.iter_mut().zip(recorded).for_each(|(column, value)| column.push(value));

@@ -1,0 +1,326 @@
+"""
+The compiled half of the package `socam`.
+"""
+
+from _typeshed import SupportsGetItem, SupportsLenAndGetItem
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, SupportsFloat, SupportsIndex, final
+
+__all__ = ["VERSION", "Column", "Diagnosis", "FleetPart", "FleetRow", "FleetTask", "Identification", "Model", "Recording", "check", "design", "diagnose", "fleet_sources", "identify", "profiles", "replay", "simulate"]
+
+VERSION: Final[str]
+"""
+Version of the package.
+"""
+
+@final
+class Column:
+    """
+    Values of one column in the memory of the recording, for `numpy.asarray`.
+    """
+    @property
+    def __array_interface__(self, /) -> dict[str, Any]:
+        """
+        Address, type and length, by which numpy makes an array of it that cannot be written to.
+        """
+    def __len__(self, /) -> int: ...
+
+@final
+class Diagnosis:
+    """
+    The result of a diagnosis.
+    """
+    def drawing(self, /) -> str:
+        """
+        The bench with the places of the findings, as SVG.
+        """
+    def headline(self, /) -> str:
+        """
+        The verdict in one sentence.
+        """
+    def json(self, /) -> str:
+        """
+        The document `socam.diagnosis/1`, as `socam-host diagnose --json` prints it.
+        """
+    def model(self, /) -> Model:
+        """
+        The corrected model.
+        """
+    def picture(self, /) -> str | None:
+        """
+        The spectrum of what the model misses, as SVG.
+        """
+    def report(self, /, folder: str | PathLike[str]) -> None:
+        """
+        Writes index.html, diagnosis.json and model.toml into a folder.
+        """
+
+@final
+class FleetPart:
+    """
+    The part file beside a table: rows that are done, kept for a restart.
+    """
+    def __new__(cls, /, task: FleetTask, target: str | PathLike[str]) -> FleetPart:
+        """
+        Opens the part file of a table, and takes over the rows of an earlier table.
+        """
+    def append(self, /, row: bytes) -> tuple[str, str]:
+        """
+        Appends a row, and returns its name and id.
+        """
+    def finish(self, /, wanted: SupportsGetItem[int, tuple[str, str]]) -> int:
+        """
+        Writes the table of these rows, by names and ids, and removes the part file. Returns their number.
+        """
+    def known(self, /) -> list[tuple[str, str]]:
+        """
+        Names and ids of the rows that are done.
+        """
+
+@final
+class FleetRow:
+    """
+    The row of one recording, `socam.fleet/1`.
+    """
+    def __arrow_c_stream__(self, /, requested_schema: Any | None = None) -> "object":
+        """
+        The row as an Arrow stream of one batch.
+        """
+    @property
+    def id(self, /) -> str:
+        """
+        Hash of the recording's bytes, the model, the options, the seed and the version.
+        """
+    def json(self, /) -> str:
+        """
+        The row as JSON.
+        """
+    def to_bytes(self, /) -> bytes:
+        """
+        The row as bytes, which a part takes.
+        """
+
+@final
+class FleetTask:
+    """
+    What all rows of a table are made with: a model, options and a seed.
+    """
+    def __new__(cls, /, model: Model, options: str, seed: SupportsIndex) -> FleetTask:
+        """
+        Of a model and options as JSON; those that the text does not name have their defaults.
+        """
+    def options(self, /) -> str:
+        """
+        The options as JSON.
+        """
+    def reference(self, /, paths: SupportsGetItem[int, str | PathLike[str]]) -> str | None:
+        """
+        What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened.
+        """
+    def row(self, /, name: str, *, content: SupportsGetItem[int, SupportsIndex] | None = None, path: str | PathLike[str] | None = None, problem: str | None = None, machine: str | None = None, date_ms: SupportsIndex | None = None, known: SupportsGetItem[int, str] | None = None) -> tuple[str, FleetRow | None]:
+        """
+        Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` holds the id already. Of a recording
+        that the caller could not fetch, `problem` says why: that is its row.
+        """
+
+@final
+class Identification:
+    """
+    The result of a fit.
+    """
+    def json(self, /) -> str:
+        """
+        The document `socam.identification/1`, as `socam-host identify --json` prints it.
+        """
+    def model(self, /) -> Model:
+        """
+        The model file with the identified values.
+        """
+
+@final
+class Model:
+    """
+    A drivetrain's model file, checked and in SI.
+    """
+    def __new__(cls, /, text: str) -> Model:
+        """
+        Reads the text of a model file.
+        """
+    @staticmethod
+    def builtin_names() -> list[str]:
+        """
+        Names of the embedded models.
+        """
+    @staticmethod
+    def builtin_text(name: str) -> str | None:
+        """
+        Text of an embedded model.
+        """
+    @property
+    def channels(self, /) -> list[tuple[str, str, bool]]:
+        """
+        Channels: name, column of a recording, and whether it drives the model.
+        """
+    @property
+    def description(self, /) -> str:
+        """
+        What it describes.
+        """
+    def drawing(self, /) -> str:
+        """
+        The bench as SVG.
+        """
+    @property
+    def name(self, /) -> str:
+        """
+        The model's name.
+        """
+    def parameters_json(self, /) -> str:
+        """
+        Parameters as a JSON list: name, value in SI, unit, fixed, source.
+        """
+    @property
+    def text(self, /) -> str:
+        """
+        The file's text.
+        """
+    def with_between(self, /, kind: str, channel: str | None = None) -> Model:
+        """
+        The model with how its inputs move between samples: hold, linear, band-limited, or auto; all inputs, or one by its name.
+        """
+    def with_effect(self, /, effect: str, place: str, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]]) -> Model:
+        """
+        The model with an effect of the catalogue at a place, its parameters in SI.
+        """
+    def with_parameters(self, /, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex | None]], fix: bool) -> Model:
+        """
+        The model with other values of parameters (SI), of which some may be held fixed.
+        """
+
+@final
+class Recording:
+    """
+    A recording over time: channels in SI units and their samples.
+    """
+    def __arrow_c_stream__(self, /, requested_schema: Any | None = None) -> "object":
+        """
+        The columns as an Arrow stream, `t_s` first, without copies.
+        """
+    def channel_index(self, /, name: str) -> int:
+        """
+        Index of a channel, by its name or its column's name.
+        """
+    @property
+    def channels(self, /) -> list[tuple[str, str]]:
+        """
+        Column names, with the unit's suffix, and symbols of the units.
+        """
+    def column(self, /, channel: SupportsIndex | None = None) -> Column:
+        """
+        The values of a channel by its index, or the times.
+        """
+    @property
+    def end_s(self, /) -> float:
+        """
+        Time of the last row, s.
+        """
+    @staticmethod
+    def from_bytes(name: str, content: bytes) -> Recording:
+        """
+        Opens a file that is in memory. Its format is known by its content.
+        """
+    @staticmethod
+    def from_columns(name: str, time_s: "object", columns: "list[tuple[str, object]]") -> Recording:
+        """
+        Makes a recording of columns: times in s, and values by column names that end in their unit, NaN where a value is missing.
+        """
+    @property
+    def is_complete(self, /) -> bool:
+        """
+        Whether the file is whole: not cut off, nothing damaged, no sample lost.
+        """
+    @property
+    def lost_samples(self, /) -> int:
+        """
+        Number of samples lost while recording.
+        """
+    @property
+    def name(self, /) -> str:
+        """
+        Name in results.
+        """
+    @staticmethod
+    def open(run: str) -> Recording:
+        """
+        Opens a file of any format, or a part of it: `RUN@FROM..TO` in seconds.
+        """
+    @property
+    def rows(self, /) -> int:
+        """
+        Number of rows.
+        """
+    @property
+    def sample_time_s(self, /) -> float:
+        """
+        Median step of time, s.
+        """
+    @property
+    def segments(self, /) -> list[int]:
+        """
+        First row of each part without gaps.
+        """
+    @property
+    def start_s(self, /) -> float:
+        """
+        Time of the first row, s.
+        """
+    @property
+    def warnings(self, /) -> list[str]:
+        """
+        What was not read, and what is missing.
+        """
+    def write(self, /, path: str | PathLike[str]) -> None:
+        """
+        Writes the recording as .csv or .mcap.
+        """
+
+def check(recordings: SupportsGetItem[int, Recording], model: Model | None = None, *, input: str | None = None, ratio_tolerance: SupportsFloat | SupportsIndex = 0.01) -> str:
+    """
+    Checks recordings before any fit: the document `socam.check/1`. Without a model all channels are checked.
+    """
+
+def design(model: Model, recordings: SupportsGetItem[int, Recording], *, rival: Model | None, names: SupportsLenAndGetItem[str], duration_s: SupportsFloat | SupportsIndex, voltage: SupportsFloat | SupportsIndex | None, slew_v_s: SupportsFloat | SupportsIndex, limits: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], one_way: bool, progress: "object" = None) -> str:
+    """
+    Proposes the next experiment: the document `socam.design/1`.
+    """
+
+def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], false_alarm_rate: SupportsFloat | SupportsIndex, tolerance: SupportsFloat | SupportsIndex, most: SupportsIndex, seed: SupportsIndex, start: str, progress: "object" = None) -> Diagnosis:
+    """
+    Finds the physics that a model lacks, by recordings.
+    """
+
+def fleet_sources(place: str | PathLike[str]) -> list[tuple[str, Path, str | None, int | None]]:
+    """
+    The recordings of a folder, or of a CSV list with the columns file, machine and date: name, path, machine, date in ms since 1970.
+    """
+
+def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, method: str, holdout: SupportsGetItem[int, Recording], starts: SupportsIndex, seed: SupportsIndex, start: str, noise: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], band: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, progress: "object" = None) -> Identification:
+    """
+    Fits the free parameters of a model to recordings.
+    """
+
+def profiles() -> list[str]:
+    """
+    Names of the built-in profiles.
+    """
+
+def replay(model: Model, inputs: Recording, *, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], hide: SupportsGetItem[int, str], from_rest: bool) -> tuple[Recording, str]:
+    """
+    Drives a model by the inputs of a recording. Returns the simulated recording, and how it differs: the document `socam.comparison/1`.
+    """
+
+def simulate(model: Model, profile: str, *, name: str, duration_s: SupportsFloat | SupportsIndex | None, rate_hz: SupportsFloat | SupportsIndex, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], hide: SupportsGetItem[int, str], seed: SupportsIndex, noise: bool) -> Recording:
+    """
+    Records a profile (its name, or the text of a profile file) on the virtual bench of a model.
+    """
