@@ -27,6 +27,7 @@ pub mod live;
 mod menu;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
+mod numbers;
 mod outside;
 pub mod parameters;
 pub mod recording;

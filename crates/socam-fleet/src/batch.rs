@@ -120,7 +120,7 @@ pub(crate) mod tests {
             samples: Some(5000),
             duration_s: Some(5.0),
             findings: vec![Finding {
-                effect: "coulomb_friction".into(),
+                effect: "an_effect".into(),
                 place: "load".into(),
                 parameter: Some("torque".into()),
                 size: Some(0.1),
@@ -131,7 +131,7 @@ pub(crate) mod tests {
                 material: true,
                 log_score_gain: Some(30.0),
                 log_score_std: Some(5.0),
-                rivals: vec!["stribeck_friction@load".into()],
+                rivals: vec!["another_effect@load".into()],
                 sentence: "It rubs.".into(),
             }],
             parameters: vec![Parameter {

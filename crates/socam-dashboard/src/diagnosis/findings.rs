@@ -4,9 +4,9 @@ use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
 use socam_answer::Diagnosis;
 use socam_answer::document::{EffectParameter, Finding, ParameterChange};
 use socam_answer::words;
-use socam_plot::words as numbers;
 use socam_recording::ProfileFile;
 
+use crate::numbers;
 use crate::parameters::{heads, number};
 use crate::theme;
 
@@ -115,7 +115,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
                     "{} at {}: {}",
                     words::effect(&rival.effect),
                     rival.location,
-                    numbers::percent(rival.weight)
+                    socam_plot::words::percent(rival.weight)
                 ));
             }
         }
@@ -142,7 +142,7 @@ fn parameters(ui: &mut Ui, diagnosis: &Diagnosis) {
             for (value, ci95) in [(before, [None; 2]), (after, ci95)] {
                 ui.label(RichText::new(numbers::estimate(value, ci95)).monospace());
             }
-            ui.label(numbers::unit(unit));
+            ui.label(socam_plot::words::unit(unit));
             ui.label(RichText::new(numbers::interval(after, ci95)).monospace());
             ui.end_row();
         };
@@ -174,7 +174,12 @@ fn not_found(ui: &mut Ui, diagnosis: &Diagnosis) {
             ui.label(words::effect(&entry.effect));
             ui.label(&entry.location);
             let size = entry.smallest_detectable.map(|size| {
-                format!("{} {} {}", entry.parameter, numbers::rough(size), numbers::unit(&entry.unit))
+                format!(
+                    "{} {} {}",
+                    entry.parameter,
+                    numbers::rough(size),
+                    socam_plot::words::unit(&entry.unit)
+                )
             });
             ui.label(size.unwrap_or_else(|| "not by these recordings".into()));
             ui.end_row();

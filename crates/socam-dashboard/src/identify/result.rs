@@ -2,8 +2,7 @@
 
 use egui::{RichText, Sense, Stroke, Ui, vec2};
 
-use socam_plot::words;
-
+use crate::numbers;
 use crate::parameters::{Fit, Identification, Parameter, known, number};
 use crate::table::{self, Key, Table};
 use crate::theme;
@@ -70,9 +69,9 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
     };
     Table::new("identified", &COLUMNS).show(ui, &rows, key, |ui, parameter, column| match column {
         0 => drop(ui.strong(&parameter.name)),
-        1 => drop(ui.label(RichText::new(words::estimate(parameter.value, parameter.ci95)).monospace())),
+        1 => drop(ui.label(RichText::new(numbers::estimate(parameter.value, parameter.ci95)).monospace())),
         2 => drop(ui.label(&parameter.unit)),
-        3 => drop(ui.label(RichText::new(words::interval(parameter.value, parameter.ci95)).monospace())),
+        3 => drop(ui.label(RichText::new(numbers::interval(parameter.value, parameter.ci95)).monospace())),
         4 => {
             if let Some(value) = parameter.value.filter(|_| parameter.source != "fixed") {
                 whisker(ui, value, parameter.ci95);

@@ -7,7 +7,7 @@ use socam_watch::{Alarm, Cause, Overlay, Phase, Symptom, Verdict};
 use crate::theme;
 
 /// Largest number of causes in the list.
-const CAUSES: usize = 3;
+const CAUSES: usize = 6;
 
 /// What the watch is doing, and what its baseline supports.
 pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {

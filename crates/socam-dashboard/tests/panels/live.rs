@@ -122,7 +122,7 @@ fn progress_numbers_gaps_and_events_are_in_words() {
     window.get_by_label("400 samples missing in 1 gap");
     let speed = window.get_by_label_contains("motor_speed is ");
     let text = speed.accesskit_node().value().unwrap();
-    assert!(text.contains(" rad/s; ") && text.contains(" to ") && text.contains("limit +-149.2"), "{text}");
+    assert!(text.contains(" rad/s; ") && text.contains(" to ") && text.contains("limit ±149.2"), "{text}");
     let kinds: Vec<_> = window.state().views.live.events().iter().map(|event| event.kind.clone()).collect();
     assert_eq!(kinds, ["start", "note"]);
 }

@@ -97,7 +97,8 @@ fn a_channel_is_derived_in_the_dialog_and_measured_in_the_table() {
     window.get_by_label("Derive a channel");
     click(&mut window, "Add channel");
     until(&mut window, "the derivative", |window| !window.state().is_busy());
-    window.run_steps(2);
+    // Changes within 0.6 s are one step of undo.
+    window.run_steps(40);
     assert!(has(&window, "Chart command.derivative, V/s"));
     let power = Derivation {
         operation: Operation::Product,
@@ -107,7 +108,7 @@ fn a_channel_is_derived_in_the_dialog_and_measured_in_the_table() {
     };
     window.state_mut().views.time.derive(power);
     until(&mut window, "the power", |window| !window.state().is_busy());
-    window.run_steps(2);
+    window.run_steps(40);
     assert!(has(&window, "Chart torque_in.times.motor_speed, W"));
     // Undo takes the channel back, and redo computes it again.
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
