@@ -78,6 +78,8 @@ fn slips_are_named() {
     assert!(refused(&["--learn", "10s"]).contains("name its model with --watch"));
     assert!(refused(&["--begin-at", "5s"]).contains("--begin-at needs a --set or --hide"));
     assert!(
-        refused(&["--begin-at", "5s", "--hide", "missing_inertia@load_hub:inertia=1e-3"]).contains("mid-run")
+        run(record.iter().chain(&["--begin-at", "5s", "--hide", "backlash@mesh:gap=0.002"]))
+            .refusal(1)
+            .contains("mid-run")
     );
 }

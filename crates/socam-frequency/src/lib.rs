@@ -15,6 +15,7 @@ mod error;
 mod least_squares;
 mod lines;
 mod local;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod matching;
 mod periodic;
 pub mod periods;

@@ -11,6 +11,8 @@ use crate::{
 
 /// Family-wise p-value above which a cause explains nothing.
 const SIGNIFICANT: f64 = 0.01;
+/// Share of the best cause's gain to which gains of the linearised model are known: smaller differences do not tell causes apart.
+const LINEAR: f64 = 0.01;
 /// Share of all causes above which a cause stands alone.
 const ALONE: f64 = 0.9;
 /// Causes with a smaller share are not listed.
@@ -36,9 +38,11 @@ fn causes(meter: &Meter, data: &[socam_recording::Dataset]) -> Result<Option<Vec
     let Some(at) = comparison::measure(&problem, &meter.noise, &values)? else { return Ok(None) };
     let ranked = ranking::rank(&meter.model, data, &meter::options(), &meter.noise, &at)?;
     let Some(best) = ranked.first() else { return Ok(Some(Vec::new())) };
-    // What the best cause leaves is the scale of the differences between causes.
+    // What the best cause leaves is the scale of the differences between causes, and the error of linearisation is its lower bound.
     let count: f64 = at.count.iter().sum();
-    let scale = ((at.total() - best.gain) / count.max(1.0)).max(1.0);
+    let left = (at.total() - best.gain) / count.max(1.0);
+    // A difference of `LINEAR` counts as two units of log-likelihood.
+    let scale = left.max(0.25 * LINEAR * best.gain).max(1.0);
     // Each amplitude costs one unit of log-likelihood (H. Akaike, IEEE Trans. AC 19, 1974).
     let log_weight = |one: &RankedEffect| 0.5 * one.gain / scale - one.amplitude.len() as f64;
     let largest = ranked.iter().map(log_weight).fold(f64::NEG_INFINITY, f64::max);
