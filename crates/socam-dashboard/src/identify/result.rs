@@ -11,7 +11,7 @@ const COLUMNS: [table::Column; 6] = [
     table::text("parameter", 112.0),
     table::number("value", 84.0),
     table::text("unit", 74.0),
-    table::number("95 % interval", 148.0),
+    table::number("95 % interval", 184.0),
     table::text("", 112.0),
     table::text("what is known", 160.0),
 ];

@@ -9,6 +9,10 @@ use crate::theme;
 /// A sample between blocks is missing where they lie farther apart than this many sample times.
 const APART: f64 = 1.5;
 
+/// What the tests judge, in the order of their colours.
+const KINDS: [&str; 3] =
+    ["mean of a channel's deviation", "power of a channel's deviation", "apparent value of a parameter"];
+
 /// Draws a chart per output, and one of all tests.
 pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen: &mut Vec<Seen>) {
     let ends = overlay.blocks.iter().flat_map(|block| [block.time_s.first(), block.time_s.last()]);
@@ -23,7 +27,8 @@ pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen
     let text = "grey: measured; colour, dashed: the model, running freely from the start of each block";
     ui.label(RichText::new(text).small().color(theme::weak(ui)));
     let count = overlay.channels.len() + 1;
-    let height = ((ui.available_height() - chart::X_AXIS - 4.0 * count as f32) / count as f32).max(84.0);
+    let height =
+        ((ui.available_height() - chart::X_AXIS - 20.0 - 4.0 * count as f32) / count as f32).max(84.0);
     let flags = flags(ui, overlay, selected, x);
     ui.spacing_mut().item_spacing.y = 3.0;
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -71,7 +76,12 @@ fn tests(
     chart.x = x;
     chart.x_label = "time, s".into();
     chart.when_empty = "nothing was judged yet";
-    for (number, name) in ["mean deviation", "power of the deviation", "parameter"].into_iter().enumerate() {
+    ui.horizontal(|ui| {
+        for (number, name) in KINDS.into_iter().enumerate() {
+            ui.label(RichText::new(name).small().strong().color(theme::line(ui, number)));
+        }
+    });
+    for (number, name) in KINDS.into_iter().enumerate() {
         let largest = |block: &BlockSignals| {
             let own =
                 overlay.statistics.iter().zip(&block.tests).filter(|(symptom, _)| kind(symptom) == number);

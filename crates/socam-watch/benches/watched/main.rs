@@ -52,18 +52,12 @@ struct Kind {
     change: fn(f64) -> Change,
 }
 
-const KINDS: [Kind; 6] = [
+const KINDS: [Kind; 5] = [
     Kind {
         effect: "coulomb_friction",
         place: "load_bearing",
         sizes: [0.003, 0.01, 0.03, 0.1],
         change: |size| Change::Effect(format!("coulomb_friction@load_bearing:torque={size}")),
-    },
-    Kind {
-        effect: "backlash",
-        place: "mesh",
-        sizes: [2e-4, 5e-4, 2e-3, 6e-3],
-        change: |size| Change::Effect(format!("backlash@mesh:gap={size}")),
     },
     Kind {
         effect: "parameter",
@@ -84,10 +78,10 @@ const KINDS: [Kind; 6] = [
         change: |size| Change::Effect(format!("gravity_unbalance@load:torque={size},phase=1")),
     },
     Kind {
-        effect: "kinematic_error",
-        place: "mesh",
-        sizes: [3e-6, 1e-5, 3e-5, 1e-4],
-        change: |size| Change::Effect(format!("kinematic_error@mesh:order=1,amplitude={size},phase=1")),
+        effect: "parameter",
+        place: "c5",
+        sizes: [1.05, 1.2, 2.0, 4.0],
+        change: |size| Change::Parameter("c5", size),
     },
 ];
 
