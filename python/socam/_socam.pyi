@@ -31,13 +31,17 @@ class Diagnosis:
     """
     The result of a diagnosis.
     """
+    def certainty(self, /) -> list[str]:
+        """
+        How sure that is, the most important sentence first.
+        """
     def drawing(self, /) -> str:
         """
         The bench with the places of the findings, as SVG.
         """
     def headline(self, /) -> str:
         """
-        The verdict in one sentence.
+        What was found, in one line.
         """
     def json(self, /) -> str:
         """
@@ -49,11 +53,11 @@ class Diagnosis:
         """
     def picture(self, /) -> str | None:
         """
-        The spectrum of what the model misses, as SVG.
+        The most improved channel, measured and predicted, as SVG.
         """
-    def report(self, /, folder: str | PathLike[str]) -> None:
+    def report(self, /, folder: str | PathLike[str], date: str) -> None:
         """
-        Writes index.html, diagnosis.json and model.toml into a folder.
+        Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
         """
 
 @final

@@ -85,7 +85,7 @@ async function visit() {
   drop("fit.json", IDENTIFICATION);
   await answer("parameters", await until("133.35"));
   drop("diagnosis.json", DIAGNOSIS);
-  await answer("diagnosis", await until("1. coulomb_friction at load_bearing"));
+  await answer("diagnosis", await until("1. Coulomb friction at load_bearing"));
   const leaving = new Promise(resolve => URL.createObjectURL = blob => (resolve(blob), "blob:none"));
   press("e");
   await answer("export", await leaving);
@@ -195,7 +195,7 @@ fn a_recording_dropped_into_the_page_looks_as_it_does_on_the_desktop() {
     assert!(!answer("time").contains("EMERGENCY STOP"), "{}", answer("time"));
     assert!(answer("check").contains("fit for use"), "{}", answer("check"));
     assert!(
-        answer("diagnosis").contains("load_bearing: bearing; finding 1, coulomb_friction"),
+        answer("diagnosis").contains("load_bearing: bearing with damping; finding 1, Coulomb friction"),
         "{}",
         answer("diagnosis")
     );

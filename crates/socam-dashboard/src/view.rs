@@ -16,7 +16,7 @@ use crate::workspace::Workspace;
 /// Names of controls, separated by `; ` and with `...` for variable parts, and their explanation.
 pub type Help = &'static [(&'static str, &'static str)];
 
-/// A view. To add one, write a type with these functions, and one line in [`views`].
+/// A view. To add one, write a type with these functions, and one line in `views!` below.
 pub trait ViewPanel {
     /// Draws what stays in its place below the tabs, whatever messages appear below it.
     fn bar(&mut self, _ui: &mut Ui) {}

@@ -55,7 +55,7 @@ impl<'a> Row<'a> {
             Some(Err(_)) => ("not checked", 4.0, true),
             Some(Ok(check)) => match check.verdict {
                 Verdict::Fit => ("fit for use", 0.0, false),
-                Verdict::FitWithReservations => ("fit, with reservations", 1.0, false),
+                Verdict::FitWithReservations => ("fit for use, with reservations", 1.0, false),
                 Verdict::Unfit => ("not fit for use", 2.0, true),
             },
         }
