@@ -39,7 +39,7 @@ pub struct Status {
 pub struct Event {
     /// The board's time since the recording's start, ns.
     pub device_time_ns: i64,
-    /// Its kind: `phase`, `stop`, `fault`, `start`, `note`.
+    /// Its kind: `phase`, `stop`, `fault`, `start`, `note`; of a watch `baseline`, `alarm`, `alarm_end`.
     pub kind: String,
     /// Its text.
     pub text: String,
