@@ -126,6 +126,60 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
+/// A job that may fail, be cancelled and be begun again, with what went wrong the last time.
+#[cfg(not(target_arch = "wasm32"))]
+#[derive(Debug)]
+pub(crate) struct Attempt<T> {
+    job: Option<Job<Result<T, String>>>,
+    /// Why the last one failed; one sentence.
+    pub(crate) problem: Option<String>,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl<T> Default for Attempt<T> {
+    fn default() -> Self {
+        Self { job: None, problem: None }
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl<T: Send + 'static> Attempt<T> {
+    pub(crate) fn is_running(&self) -> bool {
+        self.job.is_some()
+    }
+
+    pub(crate) fn start(
+        &mut self,
+        title: &str,
+        ctx: &egui::Context,
+        work: impl FnOnce(&Handle) -> Result<T, String> + Send + 'static,
+    ) {
+        self.problem = None;
+        self.job = Some(Job::start(title, ctx, work));
+    }
+
+    /// The result, once.
+    pub(crate) fn poll(&mut self) -> Option<T> {
+        let outcome = self.job.as_ref().and_then(Job::poll)?;
+        self.job = None;
+        match outcome.and_then(|outcome| outcome) {
+            Ok(result) => return Some(result),
+            Err(sentence) if sentence == CANCELLED => {}
+            Err(sentence) => self.problem = Some(sentence),
+        }
+        None
+    }
+
+    /// Draws the progress of what runs; whether something does.
+    pub(crate) fn ui(&mut self, ui: &mut Ui) -> bool {
+        let Some(job) = &self.job else { return false };
+        if job.ui(ui) {
+            self.job = None;
+        }
+        true
+    }
+}
+
 /// Time from which on the remaining time is estimated, s, and the least progress for that, 1.
 #[cfg(not(target_arch = "wasm32"))]
 const KNOWN_AFTER_S: f64 = 2.0;

@@ -8,7 +8,7 @@ use socam_model::Model;
 
 use super::report::{Made, provenance};
 use crate::fitting::{Chosen, datasets, watch};
-use crate::job::{CANCELLED, Handle, Job};
+use crate::job::{Attempt, CANCELLED, Handle};
 use crate::theme;
 use crate::workspace::{Request, Workspace};
 
@@ -21,15 +21,12 @@ pub(super) struct Answer {
     pub(super) made: Made,
 }
 
-type Outcome = Result<Answer, String>;
-
 /// Options of the next diagnosis, and the running one.
 #[derive(Debug)]
 pub(super) struct Maker {
     false_alarms_percent: f64,
     most_effects: usize,
-    job: Option<Job<Outcome>>,
-    problem: Option<String>,
+    attempt: Attempt<Answer>,
     /// Whether the set-up is to be folded.
     folds: bool,
 }
@@ -40,8 +37,7 @@ impl Default for Maker {
         Self {
             false_alarms_percent: 100.0 * usual.false_alarm_rate,
             most_effects: usual.most_effects,
-            job: None,
-            problem: None,
+            attempt: Attempt::default(),
             folds: false,
         }
     }
@@ -49,23 +45,22 @@ impl Default for Maker {
 
 impl Maker {
     pub(super) fn is_busy(&self) -> bool {
-        self.job.is_some()
+        self.attempt.is_running()
     }
 
     /// Begins a diagnosis, or says why it cannot.
     pub(super) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
         match workspace.setup.chosen(&workspace.entries, workspace.model()) {
             Ok(chosen) => {
-                self.problem = None;
                 let options = Options {
                     false_alarm_rate: 0.01 * self.false_alarms_percent,
                     most_effects: self.most_effects,
                     ..Options::default()
                 };
                 let work = move |handle: &Handle| answer(&chosen, options, handle);
-                self.job = Some(Job::start("reading recordings", ctx, work));
+                self.attempt.start("reading recordings", ctx, work);
             }
-            Err(why) => self.problem = Some(why),
+            Err(why) => self.attempt.problem = Some(why),
         }
     }
 
@@ -76,33 +71,22 @@ impl Maker {
 
     /// The result, once.
     pub(super) fn poll(&mut self) -> Option<Answer> {
-        let outcome = self.job.as_ref().and_then(Job::poll)?;
-        self.job = None;
-        match outcome.and_then(|outcome| outcome) {
-            Ok(answer) => {
-                self.folds = true;
-                return Some(answer);
-            }
-            Err(sentence) if sentence == CANCELLED => {}
-            Err(sentence) => self.problem = Some(sentence),
-        }
-        None
+        let answer = self.attempt.poll();
+        self.folds |= answer.is_some();
+        answer
     }
 
     /// Draws the set-up of the next diagnosis, or the progress of the running one.
     pub(super) fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
         ui.add_space(4.0);
-        if let Some(job) = &self.job {
-            if job.ui(ui) {
-                self.job = None;
-            }
+        if self.attempt.ui(ui) {
             return;
         }
         let header = CollapsingHeader::new("Set-up").id_salt("set-up of a diagnosis").default_open(true);
         // The result needs the room; the set-up is folded once when it comes.
         let fold = std::mem::take(&mut self.folds).then_some(false);
         header.open(fold).show(ui, |ui| self.options(ui, workspace));
-        if let Some(problem) = &self.problem {
+        if let Some(problem) = &self.attempt.problem {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
     }
@@ -139,7 +123,7 @@ impl Maker {
     }
 }
 
-fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Outcome {
+fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Result<Answer, String> {
     // Outputs that are missing at most points of a finer grid would have no spectra.
     let training = datasets(&chosen.training, &chosen.model, 1, handle)?;
     let held_out = datasets(&chosen.held_out, &chosen.model, 1, handle)?;

@@ -3,7 +3,7 @@
 use egui::{Button, RichText, Ui};
 
 use super::run::{self, Found, Method};
-use crate::job::{CANCELLED, Job};
+use crate::job::Attempt;
 use crate::theme;
 use crate::workspace::{Request, Workspace};
 
@@ -11,33 +11,22 @@ use crate::workspace::{Request, Workspace};
 #[derive(Debug, Default)]
 pub(super) struct Start {
     method: Method,
-    job: Option<Job<Result<Found, String>>>,
-    problem: Option<String>,
+    attempt: Attempt<Found>,
 }
 
 impl Start {
     pub(super) fn is_busy(&self) -> bool {
-        self.job.is_some()
+        self.attempt.is_running()
     }
 
     /// The result, once.
     pub(super) fn poll(&mut self) -> Option<Found> {
-        let outcome = self.job.as_ref().and_then(Job::poll)?;
-        self.job = None;
-        match outcome.and_then(|outcome| outcome) {
-            Ok(found) => return Some(found),
-            Err(sentence) if sentence == CANCELLED => {}
-            Err(sentence) => self.problem = Some(sentence),
-        }
-        None
+        self.attempt.poll()
     }
 
     pub(super) fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
         ui.add_space(4.0);
-        if let Some(job) = &self.job {
-            if job.ui(ui) {
-                self.job = None;
-            }
+        if self.attempt.ui(ui) {
             return;
         }
         if let Some(model) = workspace.setup_ui(ui) {
@@ -55,17 +44,16 @@ impl Start {
         if ui.add_enabled(chosen.is_ok(), button).clicked()
             && let Ok(chosen) = &chosen
         {
-            self.problem = None;
             let (chosen, method) = (chosen.clone(), self.method);
             let plain = workspace.model().clone();
-            self.job = Some(Job::start("reading recordings", ui.ctx(), move |handle| {
+            self.attempt.start("reading recordings", ui.ctx(), move |handle| {
                 run::identify(&chosen, &plain, method, handle)
-            }));
+            });
         }
         if let Err(why) = &chosen {
             ui.label(RichText::new(why).color(theme::weak(ui)));
         }
-        if let Some(problem) = &self.problem {
+        if let Some(problem) = &self.attempt.problem {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
         ui.separator();

@@ -12,6 +12,7 @@ mod list;
 mod over_time;
 mod panes;
 mod plots;
+mod rows;
 mod signal;
 mod spectrogram;
 mod statistics;

@@ -1,0 +1,86 @@
+//! Tables of numbers of every channel that is drawn, of every recording that is shown: at the cursors, and statistics.
+
+use egui::{RichText, Ui};
+
+use super::entry::{Entry, swatch};
+use super::signal::Signal;
+use crate::recording::short;
+use crate::samples::Samples;
+use crate::table::{Column, Key};
+use crate::theme;
+
+/// Columns before the numbers: the colour, and [`Row::texts`].
+const FIRST: usize = 4;
+
+/// A channel of a recording, and its numbers.
+pub(super) struct Row<const N: usize> {
+    colour: usize,
+    /// Recording, channel, unit.
+    pub(super) texts: [String; 3],
+    pub(super) values: [Option<f64>; N],
+}
+
+/// A row for each signal of each recording that has it; `values` takes its samples, its channel, and the delay of its times, s.
+pub(super) fn rows<const N: usize>(
+    signals: &[Signal],
+    entries: &[Entry],
+    values: impl Fn(&Samples, usize, f64) -> [Option<f64>; N],
+) -> Vec<Row<N>> {
+    let mut rows = Vec::new();
+    for signal in signals {
+        for entry in entries.iter().filter(|entry| entry.shown) {
+            let Some((samples, channel)) = entry.find(signal) else { continue };
+            let name = short(&entry.recording.about.name).to_owned();
+            rows.push(Row {
+                colour: entry.number,
+                texts: [name, signal.name.clone(), signal.unit.clone()],
+                values: values(samples, channel, entry.shift_s),
+            });
+        }
+    }
+    rows
+}
+
+impl<const N: usize> Row<N> {
+    /// What a column is sorted by.
+    pub(super) fn key(&self, column: usize) -> Key {
+        match column {
+            0 => Key::Number(self.colour as f64),
+            1..FIRST => Key::from(self.texts[column - 1].as_str()),
+            _ => Key::from(self.values[column - FIRST]),
+        }
+    }
+
+    /// Draws a cell.
+    pub(super) fn cell(&self, ui: &mut Ui, column: usize) {
+        match column {
+            0 => swatch(ui, self.colour, &self.texts[0]),
+            1..FIRST => drop(ui.label(&self.texts[column - 1])),
+            _ => value(ui, self.values[column - FIRST]),
+        }
+    }
+}
+
+fn value(ui: &mut Ui, value: Option<f64>) {
+    let text = RichText::new(text_of(value)).monospace();
+    ui.label(if value.is_some() { text } else { text.color(theme::weak(ui)) });
+}
+
+/// A button that copies a table as lines of cells separated by tabs, as spreadsheets take them.
+pub(super) fn copy_button(ui: &mut Ui, columns: &[Column], lines: impl Iterator<Item = Vec<String>>) {
+    if ui.small_button("Copy table").on_hover_text("As text with tabs, for a spreadsheet").clicked() {
+        let heads = columns.iter().map(|column| column.head.to_owned()).collect();
+        let lines = std::iter::once(heads).chain(lines).map(|line: Vec<String>| line.join("\t"));
+        ui.ctx().copy_text(lines.collect::<Vec<_>>().join("\n") + "\n");
+    }
+}
+
+/// Six digits.
+pub(super) fn text_of(value: Option<f64>) -> String {
+    let Some(value) = value else { return "no sample".into() };
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let digits = (5.0 - value.abs().max(1e-4).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
