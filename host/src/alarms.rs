@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use socam_model::Model;
-use socam_watch::{Alarm, Baseline, Cause, Event, Naming, Settings, Summary, Symptom, Verdict};
+use socam_watch::{Alarm, Baseline, Cause, Event, Naming, Settings, Summary, Verdict};
 
 use crate::duration::seconds;
 use crate::output;
@@ -104,14 +104,9 @@ pub(crate) fn text(event: &Event) -> String {
 }
 
 fn alarm_text(alarm: &Alarm) -> String {
-    let Alarm { number, time_s, onset_s, channel, size_sigma, .. } = alarm;
-    let what = match &alarm.symptom {
-        Symptom::Level(name) => format!("mean error of {name}"),
-        Symptom::Power(name) => format!("power of the error of {name}"),
-        Symptom::Parameter(name) => format!("apparent value of {name}"),
-    };
+    let Alarm { number, time_s, onset_s, channel, size_sigma, symptom, .. } = alarm;
     format!(
-        "alarm {number} at {time_s:.3} s: {channel} departs from the model since about {onset_s:.3} s ({what} {size_sigma:+.1} standard \
+        "alarm {number} at {time_s:.3} s: {channel} departs from the model since about {onset_s:.3} s ({symptom} {size_sigma:+.1} standard \
          deviations of a healthy block)"
     )
 }
@@ -140,6 +135,7 @@ fn cause_text(cause: &Cause) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use socam_watch::Symptom;
 
     #[test]
     fn an_alarm_is_one_sentence() {

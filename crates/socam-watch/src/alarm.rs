@@ -1,5 +1,7 @@
 //! What a watch reports: events, alarms and the names of their causes.
 
+use std::fmt;
+
 use serde::Serialize;
 
 /// What the test statistic that raised an alarm measures.
@@ -20,6 +22,17 @@ impl Symptom {
     pub fn of(&self) -> &str {
         match self {
             Self::Level(name) | Self::Power(name) | Self::Parameter(name) => name,
+        }
+    }
+}
+
+/// `mean error of torque_out`
+impl fmt::Display for Symptom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Level(name) => write!(f, "mean error of {name}"),
+            Self::Power(name) => write!(f, "power of the error of {name}"),
+            Self::Parameter(name) => write!(f, "apparent value of {name}"),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 use socam_answer::words;
-use socam_watch::{Alarm, Cause, Overlay, Phase, Symptom, Verdict};
+use socam_watch::{Alarm, Cause, Overlay, Phase, Verdict};
 
 use crate::theme;
 
@@ -56,10 +56,7 @@ pub(super) fn list(ui: &mut Ui, overlay: &Overlay, selected: &mut Option<usize>)
         }
         let text = format!(
             "changed at about {:.2} s, most in {}; {}: {:.1} standard deviations",
-            alarm.onset_s,
-            alarm.channel,
-            symptom(&alarm.symptom),
-            alarm.size_sigma
+            alarm.onset_s, alarm.channel, alarm.symptom, alarm.size_sigma
         );
         ui.add(egui::Label::new(text).wrap());
         causes(ui, alarm);
@@ -93,14 +90,6 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-fn symptom(symptom: &Symptom) -> String {
-    match symptom {
-        Symptom::Level(channel) => format!("mean deviation of {channel}"),
-        Symptom::Power(channel) => format!("power of the deviation of {channel}"),
-        Symptom::Parameter(name) => format!("apparent value of {name}"),
-    }
-}
-
 /// One line for the recording.
 pub(super) fn sentence(alarm: &Alarm) -> String {
     let cause = alarm.naming.as_ref().filter(|naming| naming.verdict != Verdict::Unnamed);
@@ -112,7 +101,7 @@ pub(super) fn sentence(alarm: &Alarm) -> String {
         "the bench left its model about {:.1} s before the alarm, most in {}: {}, {:.1} standard deviations{causes}",
         alarm.time_s - alarm.onset_s,
         alarm.channel,
-        symptom(&alarm.symptom),
+        alarm.symptom,
         alarm.size_sigma
     )
 }

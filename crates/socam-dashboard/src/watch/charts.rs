@@ -11,7 +11,7 @@ const APART: f64 = 1.5;
 
 /// What the tests judge, in the order of their colours.
 const KINDS: [&str; 3] =
-    ["mean of a channel's deviation", "power of a channel's deviation", "apparent value of a parameter"];
+    ["mean of a channel's error", "power of a channel's error", "apparent value of a parameter"];
 
 /// Draws a chart per output, and one of all tests.
 pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen: &mut Vec<Seen>) {
