@@ -4,8 +4,6 @@ mod alarms;
 mod charts;
 mod session;
 
-use std::sync::Arc;
-
 use egui::{ComboBox, DragValue, RichText, ScrollArea, Ui};
 use socam_watch::{Alarm, Event, Overlay, Settings};
 
@@ -79,16 +77,12 @@ impl ViewPanel for WatchView {
         if self.begins && self.subject(workspace).is_some() {
             self.begin(ctx, workspace);
         }
-        let Some(session) = &self.session else { return };
-        match &session.feed {
-            Some(_) if workspace.feed.channels.is_empty() => self.session = None,
-            Some(feed) => workspace.feed.batches.iter().for_each(|batch| drop(feed.send(Arc::clone(batch)))),
-            None => {}
-        }
-        let Some(session) = &self.session else { return };
-        let is_live = session.feed.is_some();
+        let Some(session) = &mut self.session else { return };
+        session.take(&workspace.feed);
         for event in session.events() {
-            if is_live && let Event::Named(alarm) = &event {
+            if session.is_live
+                && let Event::Named(alarm) = &event
+            {
                 workspace.request(Request::Alarm(alarms::sentence(alarm)));
             }
         }
@@ -100,7 +94,7 @@ impl ViewPanel for WatchView {
 
     /// A watch of the bench ends when its user says so; it does not keep a picture waiting.
     fn is_busy(&self) -> bool {
-        self.session.as_ref().is_some_and(|session| session.feed.is_none())
+        self.session.as_ref().is_some_and(|session| !session.is_live)
     }
 
     fn help() -> Help {

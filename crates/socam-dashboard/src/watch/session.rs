@@ -11,6 +11,7 @@ use socam_watch::{Baseline, Event, Overlay, Settings, Watch, WatchError};
 use crate::job::{CANCELLED, Handle, Job};
 use crate::live::Batch;
 use crate::recording::Recording;
+use crate::workspace::Feed;
 
 /// Samples between two looks at whether the watch was stopped.
 const ROWS: usize = 256;
@@ -31,8 +32,10 @@ pub(super) struct Session {
     job: Job<Result<(), String>>,
     overlay: Arc<Mutex<Option<Overlay>>>,
     events: Receiver<Event>,
-    /// Samples of the running bench to the watch.
-    pub(super) feed: Option<Sender<Arc<Batch>>>,
+    /// Samples of the running bench to the watch; `None` once the bench has gone.
+    feed: Option<Sender<Arc<Batch>>>,
+    /// Whether the running bench is watched.
+    pub(super) is_live: bool,
     /// Name of what is watched.
     pub(super) name: String,
 }
@@ -94,7 +97,17 @@ impl Session {
                 Source::Live { samples, .. } => worker.listen(&samples),
             }
         });
-        Self { job, overlay, events, feed, name }
+        Self { job, overlay, events, is_live: feed.is_some(), feed, name }
+    }
+
+    /// Passes on the samples of the running bench. When it has gone, the watch judges what it has, and ends.
+    pub(super) fn take(&mut self, bench: &Feed) {
+        if bench.channels.is_empty() {
+            self.feed = None;
+        }
+        let Some(feed) = &self.feed else { return };
+        // A watch that failed receives nothing; its error is told at its end.
+        bench.batches.iter().for_each(|batch| drop(feed.send(Arc::clone(batch))));
     }
 
     /// The last snapshot.
@@ -215,4 +228,36 @@ impl Worker<'_> {
 
 fn sentence(error: impl std::fmt::Display) -> String {
     error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_judges_what_it_has_when_the_bench_has_gone() {
+        let model = Model::builtin("two-mass").unwrap();
+        let channels: Vec<Channel> = ["motor_torque_Nm", "motor_speed_rad_s", "load_speed_rad_s"]
+            .iter()
+            .filter_map(|column| Channel::from_column_name(column))
+            .collect();
+        let settings = Settings::default();
+        let mut session =
+            Session::live(&egui::Context::default(), model, channels.clone(), Vec::new(), settings);
+        let time_s: Vec<f64> = (0..300).map(|k| f64::from(k) * 1e-3).collect();
+        let values = vec![0.0; time_s.len() * channels.len()];
+        let batch = Batch { time_s, step_s: 1e-3, after_setup: false, values };
+        session.take(&Feed { channels: Arc::new(channels), batches: vec![Arc::new(batch)] });
+        session.take(&Feed::default());
+        let begin = Instant::now();
+        let end = loop {
+            match session.end() {
+                Some(end) => break end,
+                None => assert!(begin.elapsed() < Duration::from_secs(20), "the watch did not end"),
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        assert_eq!(end, Ok(()));
+        assert!(session.overlay().is_some());
+    }
 }
