@@ -8,7 +8,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use maud::{Markup, Render, html};
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Series, document, words::unit};
+use socam_plot::{
+    Axis, COLUMNS, Mark, Plot, Series, document,
+    words::{rough, unit},
+};
 
 use self::machine::{machine, sections};
 use self::words::{anchor, dates, days, half, number, percent, scientific, status};
@@ -36,6 +39,7 @@ pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String>
             section { h2 { "What is missing, where, and how often" } (groups(summary)) }
             (trends(summary))
             (differences(summary))
+            (parameters(summary))
             (troubles(summary))
             section { h2 { "Machines" } @for (name, rows) in &machines { (machine(summary, name, rows)) } }
             section {
@@ -180,6 +184,27 @@ fn differences(summary: &Summary) -> Markup {
                 } }
             } } (more(summary.differences.len())) }
         }
+    }
+}
+
+/// How sister machines are spread, and what these recordings could show of a wear.
+fn parameters(summary: &Summary) -> Markup {
+    let share =
+        |value: Option<f64>| value.map_or_else(String::new, |share| format!("{} %", rough(100.0 * share)));
+    html! {
+        @if !summary.parameters.is_empty() { section {
+            h2 { "Parameters of the fleet" }
+            div class="scroll" { table {
+                tr { th { "parameter" } th class="n" { "machines" } th class="n" { "median" } th { "unit" } th class="n" { "spread between machines" } th class="n" { "repeatability" } th class="n" { "change that would be listed" } }
+                @for one in &summary.parameters { tr {
+                    td { (one.parameter) } td class="n" { (one.machines) } td class="n" { (number(one.median)) } td { (unit(&one.unit)) }
+                    td class="n" { (share(one.between_std.map(|std| (std / one.median).abs()))) }
+                    td class="n" { (rough(one.repeatability)) }
+                    td class="n" { (share(one.detectable_change)) }
+                } }
+            } }
+            p class="small" { "Repeatability: scatter of a machine about its own line, over what the intervals say. Change that would be listed: from a machine's first date to its last, with a probability of 80 %; smaller ones need more or longer recordings." }
+        } }
     }
 }
 

@@ -15,6 +15,8 @@ use crate::statistics::median;
 
 /// Least number of recordings on different dates.
 const FEW: usize = 3;
+/// Probability with which a detectable change is found.
+const POWER: f64 = 0.8;
 
 /// A value at a date.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +44,21 @@ pub struct Slope {
     pub level: f64,
     /// Days from the first date to the last.
     pub span_days: f64,
+    /// Standard error of the slope.
+    pub std: f64,
+    /// Degrees of freedom of the standard error.
+    pub freedom: f64,
+}
+
+impl Slope {
+    /// The change from the first date to the last, as a share of the level, that is found with a probability of 80 % by a two-sided test
+    /// of this size; `None` where the level is zero.
+    #[must_use]
+    pub fn detectable(&self, p_value: f64) -> Option<f64> {
+        let t = StudentsT::new(0.0, 1.0, self.freedom).ok()?;
+        let errors = t.inverse_cdf(1.0 - 0.5 * p_value) + t.inverse_cdf(POWER);
+        Some((errors * self.std * self.span_days / self.level).abs()).filter(|change| change.is_finite())
+    }
 }
 
 /// Slopes of all machines, by the machines' order, and the dispersion. `None` for a machine with too few dates.
@@ -106,6 +123,8 @@ impl Line {
             p_value,
             level,
             span_days,
+            std,
+            freedom,
         })
     }
 }
@@ -155,6 +174,11 @@ mod tests {
         assert!((370..=390).contains(&held), "{held} of 400 intervals hold the truth");
         let small = found.iter().flatten().filter(|slope| slope.p_value < 0.05).count();
         assert!((15..=45).contains(&small), "{small}");
+        // Four of five machines whose slope is the smallest that is detectable are found.
+        let least = found[1].unwrap().detectable(0.001).unwrap() * 10.0 / 150.0;
+        let (same, _) = slopes(&fleet(least));
+        let seen = same.iter().step_by(20).filter(|slope| slope.unwrap().p_value < 0.001).count();
+        assert!((13..=19).contains(&seen), "{seen} of 20");
         // Too few dates.
         let twice = vec![Point { day: 1.0, value: 1.0, std: 0.1 }, Point { day: 2.0, value: 1.0, std: 0.1 }];
         assert_eq!(slopes(&[twice]).0, [None]);

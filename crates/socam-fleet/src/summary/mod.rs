@@ -147,8 +147,13 @@ pub struct Spread {
     pub machines: usize,
     /// Median over machines.
     pub median: f64,
+    /// Standard deviation between machines, measurement excluded; `None` of few machines.
+    pub between_std: Option<f64>,
     /// By how much the scatter of a machine about its own line exceeds what the intervals say, a ratio of standard deviations; at least 1.
     pub repeatability: f64,
+    /// The change from the first date to the last that would be listed with a probability of 80 %, as a share of the value: median over
+    /// machines. `None` without dates.
+    pub detectable_change: Option<f64>,
 }
 
 impl Summary {
@@ -166,7 +171,7 @@ impl Summary {
             found.into_iter().filter_map(|(key, group)| grouped(key, group, &listed)).collect();
         groups.sort_by(|a, b| b.machines.cmp(&a.machines).then(a.effect.cmp(&b.effect)));
         let by_chance = total - groups.iter().map(|group| group.members.len()).sum::<usize>();
-        let Parameters { trends, differences, spreads } = parameters(&all);
+        let Parameters { trends, differences, spreads } = parameters(&all, fdr);
         let (trends_tested, differences_tested) = (trends.len(), differences.len());
         Ok(Self {
             schema: SUMMARY_SCHEMA,

@@ -18,8 +18,10 @@ pub(super) struct Parameters {
     pub(super) spreads: Vec<Spread>,
 }
 
-pub(super) fn parameters(all: &Collected) -> Parameters {
+/// At a false discovery rate, which says how large a change must be to be listed.
+pub(super) fn parameters(all: &Collected, fdr: f64) -> Parameters {
     let mut found = Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new() };
+    let mut usual: Vec<Vec<Slope>> = Vec::new();
     for (index, (name, unit)) in all.parameters.iter().enumerate() {
         let own: Vec<(&String, &Vec<Point>)> = all
             .machines
@@ -32,6 +34,7 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
             Some(trend(machine, (name, unit), points.len(), slope.as_ref()?))
         });
         found.trends.extend(trends);
+        usual.push(slopes.into_iter().flatten().collect());
         let means: Vec<(&String, Value)> = own
             .iter()
             .filter_map(|(machine, points)| {
@@ -40,7 +43,9 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
             })
             .collect();
         let values: Vec<Value> = means.iter().map(|(_, value)| *value).collect();
-        let each = means.iter().zip(sisters::differences(&values));
+        let each: Vec<_> = sisters::differences(&values);
+        let mut between: Vec<f64> = each.iter().flatten().map(|one| one.between_std).collect();
+        let each = means.iter().zip(each);
         found.differences.extend(each.filter_map(|((machine, value), difference)| {
             Some(different(machine, (name, unit), *value, difference?))
         }));
@@ -50,8 +55,16 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
             unit: unit.clone(),
             machines: values.len(),
             median: median(&mut middle),
+            between_std: Some(median(&mut between)).filter(|std| std.is_finite()),
             repeatability: dispersion.sqrt(),
+            detectable_change: None,
         });
+    }
+    // A machine that is alone in the list has to pass this.
+    let p_value = fdr / found.trends.len().max(1) as f64;
+    for (spread, slopes) in found.spreads.iter_mut().zip(usual) {
+        let mut changes: Vec<f64> = slopes.iter().filter_map(|slope| slope.detectable(p_value)).collect();
+        spread.detectable_change = Some(median(&mut changes)).filter(|change| change.is_finite());
     }
     found
 }
