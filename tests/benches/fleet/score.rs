@@ -37,7 +37,7 @@ impl Tally {
 pub(crate) fn run(args: &Args) -> Result<String, String> {
     let options = args.options()?;
     let (mut faults, mut trends, mut right) = (Vec::new(), Vec::new(), [0; 4]);
-    let mut p_values = Vec::new();
+    let (mut p_values, mut least) = (Vec::new(), BTreeMap::<String, Vec<f64>>::new());
     for number in 0..args.fleets {
         let fleet = VirtualFleet::draw(&args.plan(number)?);
         let rows = rows(args, &fleet, &options)?;
@@ -53,7 +53,16 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
         let summary = Summary::of(rows.into_iter().map(Ok), args.fdr).map_err(|e| e.to_string())?;
         faults.push(of_faults(&summary, (&truth, &rivals), &mut right));
         trends.push(of_trends(&summary, &truth));
-        eprintln!("fleet {number}: {:?}, {:?}", faults.last(), trends.last());
+        for one in &summary.parameters {
+            least.entry(one.parameter.clone()).or_default().extend(one.detectable_change);
+        }
+        let changing: Vec<&str> = summary.trends.iter().map(|one| one.machine.as_str()).collect();
+        let worn = truth.iter().filter_map(|(serial, machine)| Some((serial, machine.wear.as_ref()?)));
+        let missed: Vec<&str> = worn
+            .filter(|(serial, _)| !changing.contains(serial))
+            .map(|(_, wear)| wear.name.as_str())
+            .collect();
+        eprintln!("fleet {number}: {:?}, {:?}; missed wear: {missed:?}", faults.last(), trends.last());
     }
     let sum = |all: &[Tally]| {
         all.iter().fold(Tally::default(), |sum, one| Tally {
@@ -69,6 +78,13 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
     );
     text.push_str(&sum(&faults).line("machines with a fault", &faults));
     text.push_str(&sum(&trends).line("machines that wear", &trends));
+    for (parameter, changes) in &least {
+        let mean = changes.iter().sum::<f64>() / changes.len().max(1) as f64;
+        if mean.is_finite() && mean > 0.0 {
+            let _ =
+                writeln!(text, "a change of {parameter} by {:.1} % would be listed with 80 %", 100.0 * mean);
+        }
+    }
     let [named, placed, rival, of] = right;
     let _ = writeln!(
         text,
