@@ -21,9 +21,9 @@ pub fn program() -> &'static Path {
             Some("debug") | None => "dev",
             Some(profile) => profile,
         };
-        // The whole workspace, because cargo chooses the features of shared libraries by what is built together.
+        // Within the whole workspace, because cargo chooses the features of shared libraries by what is built together.
         let built = Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--workspace", "--profile", profile])
+            .args(["build", "--quiet", "--workspace", "--bin", "socam-host", "--profile", profile])
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .env_remove("RUSTC_BOOTSTRAP")
             .stdin(Stdio::null())
