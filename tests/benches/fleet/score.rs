@@ -62,6 +62,9 @@ pub(crate) fn run(args: &Args) -> Result<String, String> {
             .filter(|(serial, _)| !changing.contains(serial))
             .map(|(_, wear)| wear.name.as_str())
             .collect();
+        for one in summary.faulty.iter().filter(|one| truth[one.machine.as_str()].fault.is_none()) {
+            eprintln!("false in fleet {number}: {one:?}");
+        }
         eprintln!("fleet {number}: {:?}, {:?}; missed wear: {missed:?}", faults.last(), trends.last());
     }
     let sum = |all: &[Tally]| {
