@@ -129,7 +129,7 @@ def test_the_summary_is_that_of_the_command_line(fleet: Fleet, tmp_path: Path) -
 
 
 def test_ray_writes_the_table_of_the_command_line(fleet: Fleet, tmp_path: Path) -> None:
-    pytest.importorskip("ray", reason="Ray is not installed: pip install 'ray[data]' into the environment of the tests")
+    pytest.importorskip("ray", reason="Ray is not installed: pip install 'ray[data]'")
     program = Path(__file__).parents[1] / "benchmarks" / "fleet.py"
     spread, killed = tmp_path / "ray.parquet", tmp_path / "killed.parquet"
     command = [sys.executable, str(program), "run", str(fleet.recordings), str(spread), "--model", MODEL, "--workers", "2"]
