@@ -1,6 +1,6 @@
 //! The frequency response of a model's channels, from recordings: what `identify --method frf` prints, and `socam.frf` of Python returns.
 //!
-//! [`estimate`] reads the [`signals`], cleans them as [`Settings`] say, and gives an [`Answer`] for each output: the lines of
+//! [`estimate`](fn@estimate) reads the signals, cleans them as [`Settings`] say, and gives an [`Answer`] for each output: the lines of
 //! `socam_frequency` beside the model's own response. [`document`](fn@document) is its JSON form, [`pictures`] are its plots.
 
 pub mod answer;
