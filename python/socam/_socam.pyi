@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Column", "Diagnosis", "FleetPart", "FleetRow", "FleetTask", "Identification", "Model", "Recording", "check", "design", "diagnose", "fleet_sources", "identify", "profiles", "replay", "simulate"]
+__all__ = ["VERSION", "Column", "Comparison", "Diagnosis", "FleetPart", "FleetRow", "FleetSummary", "FleetTask", "Identification", "Model", "Recording", "check", "compare", "design", "diagnose", "fleet_list", "fleet_sources", "frf", "identify", "is_recording", "profiles", "replay", "simulate", "watch"]
 
 VERSION: Final[str]
 """
@@ -25,6 +25,20 @@ class Column:
         Address, type and length, by which numpy makes an array of it that cannot be written to.
         """
     def __len__(self, /) -> int: ...
+
+@final
+class Comparison:
+    """
+    A recording beside a simulation.
+    """
+    def json(self, /) -> str:
+        """
+        The document `socam.compare/1`, as `socam-host compare --json` prints it.
+        """
+    def page(self, /, about: SupportsGetItem[int, str]) -> str:
+        """
+        A page about it; `about` are lines about how it was made.
+        """
 
 @final
 class Diagnosis:
@@ -106,6 +120,24 @@ class FleetRow:
         """
 
 @final
+class FleetSummary:
+    """
+    The summary of a table.
+    """
+    def __new__(cls, /, table: str | PathLike[str], fdr: SupportsFloat | SupportsIndex) -> FleetSummary:
+        """
+        Of a table, its lists at this false discovery rate.
+        """
+    def json(self, /) -> str:
+        """
+        The document `socam.fleet-summary/1`, as `socam-host fleet --json` prints it.
+        """
+    def page(self, /, about: SupportsGetItem[int, str]) -> str:
+        """
+        The fleet's page; `about` are lines about how it was made.
+        """
+
+@final
 class FleetTask:
     """
     What all rows of a table are made with: a model, options and a seed.
@@ -118,11 +150,11 @@ class FleetTask:
         """
         The options as JSON.
         """
-    def reference(self, /, paths: SupportsGetItem[int, str | PathLike[str]]) -> str | None:
+    def reference(self, /, named: SupportsGetItem[int, tuple[str, str | PathLike[str]]]) -> str | None:
         """
-        What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened.
+        What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened. Names are those of errors.
         """
-    def row(self, /, name: str, *, content: SupportsGetItem[int, SupportsIndex] | None = None, path: str | PathLike[str] | None = None, problem: str | None = None, machine: str | None = None, date_ms: SupportsIndex | None = None, known: SupportsGetItem[int, str] | None = None) -> tuple[str, FleetRow | None]:
+    def row(self, /, name: str, *, content: bytes | None = None, path: str | PathLike[str] | None = None, problem: str | None = None, machine: str | None = None, date_ms: SupportsIndex | None = None, known: SupportsGetItem[int, str] | None = None) -> tuple[str, FleetRow | None]:
         """
         Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` holds the id already. Of a recording
         that the caller could not fetch, `problem` says why: that is its row.
@@ -294,6 +326,11 @@ def check(recordings: SupportsGetItem[int, Recording], model: Model | None = Non
     Checks recordings before any fit: the document `socam.check/1`. Without a model all channels are checked.
     """
 
+def compare(recording: Recording, simulation: Recording, *, maps: SupportsGetItem[int, str], offset_s: SupportsFloat | SupportsIndex, false_alarm_rate: SupportsFloat | SupportsIndex) -> Comparison:
+    """
+    Compares a recording with the output of a simulator: channels of the same name and unit, and those of `maps`, `SIMULATED=MEASURED`.
+    """
+
 def design(model: Model, recordings: SupportsGetItem[int, Recording], *, rival: Model | None, names: SupportsLenAndGetItem[str], duration_s: SupportsFloat | SupportsIndex, voltage: SupportsFloat | SupportsIndex | None, slew_v_s: SupportsFloat | SupportsIndex, limits: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], one_way: bool, progress: "object" = None) -> str:
     """
     Proposes the next experiment: the document `socam.design/1`.
@@ -304,14 +341,29 @@ def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdo
     Finds the physics that a model lacks, by recordings.
     """
 
+def fleet_list(place: str | PathLike[str], content: bytes) -> list[tuple[str, Path, str | None, int | None]]:
+    """
+    The same of a list that was fetched from `place`.
+    """
+
 def fleet_sources(place: str | PathLike[str]) -> list[tuple[str, Path, str | None, int | None]]:
     """
     The recordings of a folder, or of a CSV list with the columns file, machine and date: name, path, machine, date in ms since 1970.
     """
 
+def frf(recordings: SupportsGetItem[int, Recording], model: Model, *, outputs: SupportsGetItem[int, str], reference: str | None, band: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, period_s: SupportsFloat | SupportsIndex | None, outliers: SupportsFloat | SupportsIndex | None, low_pass: tuple[SupportsFloat | SupportsIndex, SupportsIndex] | None, quietest: bool) -> tuple[str, list[tuple[list[str], list[tuple[str, str]]]], list[str]]:
+    """
+    Frequency responses: the document `socam.frequency-response/1`, of each output what is seen in it, and warnings and notes of all.
+    """
+
 def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, method: str, holdout: SupportsGetItem[int, Recording], starts: SupportsIndex, seed: SupportsIndex, start: str, noise: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], band: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, progress: "object" = None) -> Identification:
     """
     Fits the free parameters of a model to recordings.
+    """
+
+def is_recording(name: str | PathLike[str]) -> bool:
+    """
+    Whether a file of this name is taken for a recording where a folder is given.
     """
 
 def profiles() -> list[str]:
@@ -327,4 +379,9 @@ def replay(model: Model, inputs: Recording, *, values: SupportsGetItem[int, tupl
 def simulate(model: Model, profile: str, *, name: str, duration_s: SupportsFloat | SupportsIndex | None, rate_hz: SupportsFloat | SupportsIndex, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], hide: SupportsGetItem[int, str], seed: SupportsIndex, noise: bool) -> Recording:
     """
     Records a profile (its name, or the text of a profile file) on the virtual bench of a model.
+    """
+
+def watch(recordings: SupportsGetItem[int, Recording], model: Model, *, baseline: SupportsGetItem[int, Recording], false_alarms_per_hour: SupportsFloat | SupportsIndex, window_s: SupportsFloat | SupportsIndex | None, block_s: SupportsFloat | SupportsIndex | None, learn_s: SupportsFloat | SupportsIndex | None) -> str:
+    """
+    Watches recordings against a model: the document `socam.watch/1`. Settings that are not given have their defaults.
     """

@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from socam import _display, _files, _socam
+from socam._files import StorageOptions
 from socam.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -167,7 +169,7 @@ Source: TypeAlias = str | os.PathLike[str] | bytes | Mapping[str, Any] | Recordi
 Sources: TypeAlias = Source | Sequence[Source]
 
 
-def read(source: Source, *, name: str | None = None) -> Recording:
+def read(source: Source, *, name: str | None = None, storage_options: StorageOptions = None) -> Recording:
     """Reads a recording.
 
     Parameters
@@ -177,20 +179,27 @@ def read(source: Source, *, name: str | None = None) -> Recording:
         names to arrays of shape (rows,), or a table of pandas, polars or pyarrow, with the times `t_s` in s, and names that end in an SI
         unit (`motor_speed_rad_s`, `torque_Nm`). Columns are copied once.
     name
-        Name in results, of bytes and columns.
+        Name in results, of URIs, bytes and columns.
+    storage_options
+        What the store's file system takes, as pandas and fsspec have it: `{"key": ..., "secret": ..., "endpoint_url": ...}` of S3. Without it,
+        the store's own environment variables and those of fsspec (`FSSPEC_S3_ENDPOINT_URL`) hold.
 
     Raises
     ------
     RecordingError
-        Where a file cannot be read, is damaged, or does not say what its numbers are.
+        Where a file cannot be fetched or read, is damaged, or does not say what its numbers are.
+    ImportError
+        Where the package of a store is not installed.
     ValueError
-        Where columns differ in length, their times do not increase, or their names have no unit.
+        Where columns differ in length, their times do not increase, or their names have no unit; where no store is known by the URI.
     """
     if isinstance(source, Recording):
         return source
     if isinstance(source, str | os.PathLike):
         if isinstance(source, str) and _files.is_remote(source):
-            return Recording(_socam.Recording.from_bytes(name or source, _files.content(source)))
+            with _files.local(source, storage_options) as copy:
+                content = Path(copy).read_bytes()
+            return Recording(_socam.Recording.from_bytes(name or _files.label(source), content))
         return Recording(_socam.Recording.open(os.fspath(source)))
     if isinstance(source, bytes | bytearray | memoryview):
         return Recording(_socam.Recording.from_bytes(name or "memory", bytes(source)))

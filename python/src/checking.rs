@@ -1,14 +1,11 @@
 //! `check`.
 
 use pyo3::prelude::*;
-use socam_recording::{
-    Carry,
-    check::{Check, CheckOptions, Document},
-};
+use socam_recording::check::{Check, CheckOptions, Document};
 
 use crate::errors::Raised;
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{self, Recording};
 use crate::waiting;
 
 /// Checks recordings before any fit: the document `socam.check/1`. Without a model all channels are checked.
@@ -28,11 +25,7 @@ pub(crate) fn check(
     let all: Vec<_> = recordings.iter().map(|recording| recording.get().data.clone()).collect();
     let checks = waiting::run(py, None, move |_| {
         let one = |data: &socam_recording::Dataset| {
-            if data.steps()?.are_irregular() {
-                socam_recording::check::check(&data.on_regular_grid(1, |_| Carry::Smooth)?, &options)
-            } else {
-                socam_recording::check::check(data, &options)
-            }
+            socam_recording::check::check(&recording::regular(data)?, &options)
         };
         all.iter().map(one).collect::<socam_recording::Result<Vec<Check>>>()
     })?;

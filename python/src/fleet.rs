@@ -44,9 +44,10 @@ impl FleetTask {
         serde_json::to_string(&self.options).map_err(Raised::raised)
     }
 
-    /// What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened.
-    fn reference(&self, py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Option<String>> {
-        let sources: Vec<Source> = paths.into_iter().map(Source::path).collect();
+    /// What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened. Names are those of errors.
+    fn reference(&self, py: Python<'_>, named: Vec<(String, PathBuf)>) -> PyResult<Option<String>> {
+        let sources: Vec<Source> =
+            named.into_iter().map(|(name, path)| Source { name, ..Source::path(path) }).collect();
         let (model, options, seed) = (self.model.clone(), self.options.clone(), self.seed);
         let found =
             waiting::run(py, None, move |_| socam_fleet::reference(&sources, (&model, &options, seed)))?;
@@ -62,7 +63,7 @@ impl FleetTask {
         &self,
         py: Python<'_>,
         name: String,
-        content: Option<Vec<u8>>,
+        content: Option<&[u8]>,
         path: Option<PathBuf>,
         problem: Option<String>,
         machine: Option<String>,
@@ -70,7 +71,7 @@ impl FleetTask {
         known: Option<Vec<String>>,
     ) -> PyResult<(String, Option<FleetRow>)> {
         let content = match (content, path, &problem) {
-            (Some(bytes), None, None) => Content::Bytes(bytes),
+            (Some(bytes), None, None) => Content::Bytes(bytes.to_vec()),
             (None, Some(path), None) => Content::Path(path),
             // No file has the empty path.
             (None, None, Some(_)) => Content::Path(PathBuf::new()),
@@ -100,12 +101,27 @@ type Listed = (String, PathBuf, Option<String>, Option<i64>);
 /// The recordings of a folder, or of a CSV list with the columns file, machine and date: name, path, machine, date in ms since 1970.
 #[pyfunction]
 pub(crate) fn fleet_sources(place: PathBuf) -> PyResult<Vec<Listed>> {
-    let sources = socam_fleet::sources(&place, &[]).map_err(Raised::raised)?;
+    Ok(listed(socam_fleet::sources(&place, &[]).map_err(Raised::raised)?))
+}
+
+/// The same of a list that was fetched from `place`.
+#[pyfunction]
+pub(crate) fn fleet_list(place: PathBuf, content: &[u8]) -> PyResult<Vec<Listed>> {
+    Ok(listed(socam_fleet::entries(&place, content).map_err(Raised::raised)?))
+}
+
+fn listed(sources: Vec<Source>) -> Vec<Listed> {
     let each = sources.into_iter().filter_map(|source| match source.content {
         Content::Path(path) => Some((source.name, path, source.machine, source.date)),
         Content::Bytes(_) => None,
     });
-    Ok(each.collect())
+    each.collect()
+}
+
+/// Whether a file of this name is taken for a recording where a folder is given.
+#[pyfunction]
+pub(crate) fn is_recording(name: PathBuf) -> bool {
+    socam_fleet::is_recording(&name)
 }
 
 /// The row of one recording, `socam.fleet/1`.
@@ -189,10 +205,8 @@ impl FleetPart {
     fn append(&self, row: &[u8]) -> PyResult<(String, String)> {
         let row: Row = postcard::from_bytes(row)
             .map_err(|error| SocamError::new_err(format!("these bytes are no row: {error}")))?;
-        let mut part = self.lock();
-        if !part.holds(&row.recording, &row.id) {
-            part.append(&row).map_err(Raised::raised)?;
-        }
+        // A later row of the same id is one of a file that could not be read again: what is wrong with it today counts.
+        self.lock().append(&row).map_err(Raised::raised)?;
         Ok((row.recording, row.id))
     }
 

@@ -12,9 +12,6 @@ use crate::model::Model;
 use crate::recording::{self, Recording};
 use crate::waiting;
 
-/// Points of a grid for each irregular sample, where inputs bend at their samples: those of the command line.
-const GRID_PARTS: u32 = 4;
-
 /// The result of a fit.
 #[pyclass(frozen, module = "socam._socam")]
 pub(crate) struct Identification {
@@ -102,8 +99,8 @@ pub(crate) fn identify(
     let start_state = start_state(start)?;
     let options =
         Options { noise, start_state, try_other_intersamples: true, starts, seed, ..Options::default() };
-    let training = recording::for_fit(&recordings, &model, GRID_PARTS)?;
-    let holdout = recording::for_fit(&holdout, &model, GRID_PARTS)?;
+    let training = recording::for_fit(&recordings, &model, socam_expectation::GRID_PARTS)?;
+    let holdout = recording::for_fit(&holdout, &model, socam_expectation::GRID_PARTS)?;
     let task = Task { model, training, holdout, options, band, by_inverse_dynamics };
     let done = waiting::run(py, progress.as_ref(), move |shared| {
         let watch = waiting::watch(shared);

@@ -6,6 +6,7 @@
 
 mod arrow;
 mod checking;
+mod comparison;
 mod design;
 mod diagnosis;
 mod errors;
@@ -13,8 +14,11 @@ mod fleet;
 mod identification;
 mod model;
 mod recording;
+mod response;
 mod simulation;
+mod summary;
 mod waiting;
+mod watching;
 
 use pyo3::prelude::*;
 
@@ -24,13 +28,17 @@ mod _socam {
     #[pymodule_export]
     use crate::{
         checking::check,
+        comparison::{Comparison, compare},
         design::design,
         diagnosis::{Diagnosis, diagnose},
-        fleet::{FleetPart, FleetRow, FleetTask, fleet_sources},
+        fleet::{FleetPart, FleetRow, FleetTask, fleet_list, fleet_sources, is_recording},
         identification::{Identification, identify},
         model::Model,
         recording::{Column, Recording},
+        response::frf,
         simulation::{profiles, replay, simulate},
+        summary::FleetSummary,
+        watching::watch,
     };
 
     /// Version of the package.

@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use socam_model::Model;
-use socam_recording::{Channel, Dataset, Selection, Shared, Unit, export_csv, import_mcap};
+use socam_recording::{Carry, Channel, Dataset, Selection, Shared, Unit, export_csv, import_mcap};
 
 use crate::arrow;
 use crate::errors::{Raised, RecordingError};
@@ -238,6 +238,11 @@ pub(crate) fn for_fit(all: &[Py<Recording>], model: &Model, parts: u32) -> PyRes
         socam_expectation::on_regular_grid(data, model, parts).map_err(Raised::raised)
     };
     all.iter().map(one).collect()
+}
+
+/// A recording with irregular samples interpolated, all channels alike: to look at.
+pub(crate) fn regular(data: &Dataset) -> socam_recording::Result<Dataset> {
+    if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(data.clone()) }
 }
 
 /// The files from which recordings were read.

@@ -109,6 +109,42 @@ def test_design_is_that_of_the_command_line(host: Path) -> None:
     assert ours._repr_html_()
 
 
+def test_frf_is_that_of_the_command_line(files: list[str], host: Path) -> None:
+    command = ["identify", *files, "--method", "frf", "--output", "output_speed", "--band", "1..40", "--low-pass", "100:2", "--json"]
+    theirs = json.loads(run(host, *command))
+    ours = socam.frf(files, outputs=["output_speed"], band=(1.0, 40.0), low_pass=(100.0, 2))
+    same(json.loads(ours.to_json()), theirs)
+    one = ours["output_speed"]
+    lines = len(theirs["outputs"][0]["lines"])
+    assert one.response.shape == one.coherence.shape == (lines,) and one.phase_ci95_deg.shape == (lines, 2)
+    np.testing.assert_allclose(abs(one.response), one.magnitude)
+    assert one.unit == "(rad/s)/(rad/s)" and list(one.to_pandas()["magnitude_low"]) == list(one.magnitude_ci95[:, 0])
+    assert ours._repr_html_().count("<img") == len(one.pictures) >= 3
+    same(json.loads(socam.frf(files).to_json()), json.loads(run(host, "identify", *files, "--method", "frf", "--json")))
+
+
+def test_compare_is_that_of_the_command_line(files: list[str], host: Path, tmp_path: Path) -> None:
+    simulation = str(tmp_path / "simulation.csv")
+    socam.simulate(inputs=files[0], values={"k4": 110.0}).recording.write(simulation)
+    command = ["compare", files[0], simulation, "--offset", "0.01", "--map", "torque_in=torque_out", "--json"]
+    theirs = json.loads(run(host, *command))
+    ours = socam.compare(files[0], simulation, names={"torque_in": "torque_out"}, offset_s=0.01)
+    same(json.loads(ours.to_json()), theirs)
+    assert ours.verdict == "differ" and ours.sentences[0] in ours._repr_html_()
+    ours.report(tmp_path / "report")
+    assert json.loads((tmp_path / "report" / "comparison.json").read_text()) == ours.document
+
+
+def test_watch_is_that_of_the_command_line(host: Path, tmp_path: Path) -> None:
+    sound, worn = str(tmp_path / "sound.csv"), str(tmp_path / "worn.csv")
+    for path, hide in [(sound, []), (worn, ["coulomb_friction@load_bearing:torque=0.4"])]:
+        socam.simulate("two-mass", "prbs", duration_s=20.0, rate_hz=200.0, hide=hide).write(path)
+    theirs = json.loads(run(host, "watch", sound, worn, "--model", "two-mass", "--baseline", sound, "--json"))
+    ours = socam.watch([sound, worn], "two-mass", baseline=sound)
+    same(json.loads(ours.to_json()), theirs)
+    assert not ours.recordings[0]["alarms"] and ours.alarms and ours.alarms[0]["channel"] in ours._repr_html_()
+
+
 def test_models() -> None:
     model = socam.Model("two-mass")
     assert "two-mass" in socam.Model.embedded() and model == socam.Model(model.text)
@@ -142,6 +178,12 @@ def test_models() -> None:
         (lambda r: socam.simulate(hide=["rust@load"]), ValueError, "rust"),
         (lambda r: socam.simulate(duration_s="long"), TypeError, "duration_s"),
         (lambda r: socam.design(duration_s=1.0), ValueError, "2 to 600 s"),
+        (lambda r: socam.frf(r, outputs=["torque"]), ValueError, "has the outputs"),
+        (lambda r: socam.frf(r, period_s=-1.0), ValueError, "positive number"),
+        (lambda r: socam.frf(r, low_pass=(1e6, 2)), socam.FitError, "Butterworth"),
+        (lambda r: socam.compare(r, {"t_s": [0.0, 1.0], "x_m": [0.0, 1.0]}), socam.RecordingError, "no channel of the same name"),
+        (lambda r: socam.compare(r, r, false_alarm_rate=0.0), ValueError, "between 0 and 1"),
+        (lambda r: socam.watch(r, learn_s=1.0), socam.FitError, "needed"),
     ],
 )
 def test_mistakes_are_said(recording: socam.Recording, call: Any, error: type[Exception], words: str) -> None:

@@ -7,6 +7,7 @@
 
 mod channel;
 mod delay;
+mod document;
 mod error;
 mod laws;
 mod page;
@@ -16,9 +17,10 @@ mod spectrum;
 mod words;
 
 pub use channel::{ChannelComparison, Estimate, Law, Period};
+pub use document::{Document, ModelCheck};
 pub use error::{CompareError, Result};
 pub use page::page;
-pub use pair::{Pairing, pair};
+pub use pair::{Pairing, pair, shifted};
 pub use words::sentences;
 
 use serde::Serialize;

@@ -46,6 +46,20 @@ pub(crate) struct Motion {
     pub(crate) speed: Vec<f64>,
 }
 
+/// A simulation with its times moved.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn shifted(simulation: Dataset, offset_s: f64) -> Result<Dataset> {
+    if offset_s == 0.0 {
+        return Ok(simulation);
+    }
+    let loaded = simulation.load_all()?;
+    let time_s = loaded.time_s.iter().map(|time| time + offset_s).collect();
+    let columns = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
+    Ok(Dataset::from_columns(simulation.name(), simulation.channels().to_vec(), time_s, columns)?)
+}
+
 /// Pairs channels of the same name and unit, and those that `maps` names (`SIMULATED=MEASURED`). The simulation is interpolated to the
 /// recording's times, and not beyond its own.
 ///

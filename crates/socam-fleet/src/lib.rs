@@ -25,7 +25,7 @@ pub mod table;
 pub use batch::{from_batch, schema, to_batch};
 pub use collected::{Counts, Member, Trouble};
 pub use error::{FleetError, Result};
-pub use listing::{shard, sources};
+pub use listing::{entries, is_recording, shard, sources};
 pub use one::diagnose_one;
 pub use options::FleetOptions;
 pub use part::Part;

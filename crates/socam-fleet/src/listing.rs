@@ -1,5 +1,7 @@
 //! Which recordings belong to a fleet: those of a folder, or those that a list names.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -67,7 +69,9 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-fn is_recording(path: &Path) -> bool {
+/// Whether a file of this name is a recording of a folder, by its extension.
+#[must_use]
+pub fn is_recording(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
@@ -79,9 +83,17 @@ fn in_folder(folder: &Path, path: PathBuf) -> Source {
 }
 
 fn listed(list: &Path) -> Result<Vec<Source>> {
+    let file = File::open(list).map_err(|e| FleetError::io(list, "open", e))?;
+    entries(list, file)
+}
+
+/// The recordings that a list names, whose text `reader` gives. Their paths begin with the folder of `list`; their names are what the list says.
+///
+/// # Errors
+/// When it is no list.
+pub fn entries(list: &Path, reader: impl Read) -> Result<Vec<Source>> {
     let problem = |problem: String| FleetError::List { path: list.into(), problem };
-    let reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_path(list);
-    let mut reader = reader.map_err(|e| problem(e.to_string()))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(reader);
     let headers = reader.headers().map_err(|e| problem(e.to_string()))?;
     if !headers.iter().any(|name| name == "file") {
         return Err(problem(

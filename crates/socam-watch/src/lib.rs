@@ -18,6 +18,7 @@ mod overlay;
 mod sequential;
 mod settings;
 mod watch;
+mod watched;
 
 #[cfg(test)]
 mod tests;
@@ -28,3 +29,4 @@ pub use error::WatchError;
 pub use overlay::{BlockSignals, Overlay, OverlayChannel, Phase};
 pub use settings::Settings;
 pub use watch::Watch;
+pub use watched::{Document, Watched};

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use serde::Serialize;
-use socam_compare::{ChannelComparison, Comparison, Options, Verdict};
+use socam_compare::{ChannelComparison, Comparison, Document, ModelCheck, Options, Verdict};
 use socam_recording::Dataset;
 use socam_sim::{Replay, Start, Truth};
 
@@ -49,23 +48,6 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// What is printed as JSON.
-#[derive(Serialize)]
-struct Document<'c> {
-    #[serde(flatten)]
-    comparison: &'c Comparison,
-    sentences: Vec<String>,
-    /// The simulator beside a model file on the same inputs.
-    model: Option<ModelCheck>,
-}
-
-#[derive(Serialize)]
-struct ModelCheck {
-    model: String,
-    sentences: Vec<String>,
-    comparison: Comparison,
-}
-
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if !(args.false_alarm_rate > 0.0 && args.false_alarm_rate < 1.0) {
         let problem =
@@ -77,7 +59,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     let model = args.model.as_deref().map(model_file::load).transpose()?;
     let recording = output::open_regular(&args.run)?;
-    let simulation = shifted(output::open(&args.simulation)?, args.offset)?;
+    let simulation = socam_compare::shifted(output::open(&args.simulation)?, args.offset)?;
     let options = Options { false_alarm_rate: args.false_alarm_rate };
     let comparison =
         socam_compare::compare(&socam_compare::pair(&recording, &simulation, &args.map)?, &options);
@@ -98,11 +80,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
         output::write_whole(&folder.join("index.html"), &socam_compare::page(&comparison, &about))?;
-        let document = Document { comparison: &comparison, sentences: sentences.clone(), model: None };
+        let document = Document::new(&comparison, None);
         output::write_whole(&folder.join("comparison.json"), &serde_json::to_string_pretty(&document)?)?;
     }
     if args.json {
-        output::print_json(&Document { comparison: &comparison, sentences, model })?;
+        output::print_json(&Document::new(&comparison, model))?;
     } else {
         output::print(&text(&comparison, &sentences, model.as_ref()))?;
     }
@@ -111,17 +93,6 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnose::of_one(&args.run, model)?;
     }
     Ok(Outcome::on([&recording, &simulation]))
-}
-
-/// The simulation with times moved.
-fn shifted(simulation: Dataset, offset_s: f64) -> anyhow::Result<Dataset> {
-    if offset_s == 0.0 {
-        return Ok(simulation);
-    }
-    let loaded = simulation.load_all()?;
-    let time_s = loaded.time_s.iter().map(|time| time + offset_s).collect();
-    let columns = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
-    Ok(Dataset::from_columns(simulation.name(), simulation.channels().to_vec(), time_s, columns)?)
 }
 
 /// Simulates a model on the recording's inputs, and compares the user's simulation with it.

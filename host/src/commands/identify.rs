@@ -1,8 +1,6 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
-mod answer;
 mod args;
-mod beside;
 mod coefficient_match;
 mod etf;
 mod files;
@@ -12,7 +10,6 @@ mod options;
 mod page;
 mod pictures;
 mod result;
-mod signals;
 mod validation;
 
 use std::io::Write;

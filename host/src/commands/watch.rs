@@ -1,8 +1,7 @@
 //! `watch`: a recorded bench beside its model, with alarms.
 
-use serde::Serialize;
 use socam_recording::Dataset;
-use socam_watch::{Alarm, Event, Summary, Watch};
+use socam_watch::{Document, Event, Watch, Watched};
 
 use super::Outcome;
 use crate::alarms::{self, WatchArgs};
@@ -41,78 +40,41 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         if Outcome::on([&data]) == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
-        let mut watch = Watch::new(&model, data.channels(), baseline.clone(), args.watch.settings())?;
-        let mut watched = Watched { recording: data.name().to_owned(), ..Watched::default() };
-        let mut events = watch.push_all(&data)?;
-        events.extend(watch.finish()?);
-        events.iter().for_each(|event| watched.take(event));
-        let overlay = watch.overlay();
-        watched.baseline = overlay.baseline;
-        watched.blocks_not_judged = overlay.not_judged;
+        let watch = Watch::new(&model, data.channels(), baseline.clone(), args.watch.settings())?;
+        let (watched, events) = Watched::of(watch, &data)?;
+        for event in &events {
+            if let Event::Learned(summary) = event {
+                alarms::say_baseline(summary);
+            }
+        }
         if !args.json {
-            output::print(&watched.text(&data, &events))?;
+            output::print(&text(&watched, &data, &events))?;
         }
         recordings.push(watched);
     }
     if args.json {
-        output::print_json(&Document { schema: "socam.watch/1", model: &model.name, recordings })?;
+        output::print_json(&Document::new(&model.name, recordings))?;
     }
     Ok(outcome)
 }
 
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    model: &'a str,
-    recordings: Vec<Watched>,
-}
-
-#[derive(Default, Serialize)]
-struct Watched {
-    recording: String,
-    /// `None` where the recording is too short to learn from.
-    baseline: Option<Summary>,
-    /// Blocks with more or less motion than the baseline, or with too few samples.
-    blocks_not_judged: usize,
-    alarms: Vec<Alarm>,
-    /// Number of the alarm and time of its end, s.
-    returned: Vec<(usize, f64)>,
-}
-
-impl Watched {
-    fn take(&mut self, event: &Event) {
-        match event {
-            Event::Learned(summary) => alarms::say_baseline(summary),
-            Event::Alarm(alarm) => self.alarms.push(alarm.clone()),
-            Event::Named(alarm) => {
-                if let Some(known) = self.alarms.iter_mut().find(|known| known.number == alarm.number) {
-                    *known = alarm.clone();
-                }
-            }
-            Event::Returned { number, time_s } => self.returned.push((*number, *time_s)),
-        }
+fn text(watched: &Watched, data: &Dataset, events: &[Event]) -> String {
+    let length_s = data.end_s() - data.start_s();
+    let count = match (&watched.baseline, watched.alarms.len()) {
+        (None, _) => "too short to learn what is healthy: give --baseline, or a shorter --learn".to_owned(),
+        (_, 0) => "no alarm".to_owned(),
+        (_, 1) => "1 alarm".to_owned(),
+        (_, many) => format!("{many} alarms"),
+    };
+    let mut text = format!("{}: {count} in {length_s:.1} s\n", watched.recording);
+    if watched.blocks_not_judged > 0 {
+        text += &format!(
+            "  {} blocks were not judged: more or less motion than in the baseline, or too few samples\n",
+            watched.blocks_not_judged
+        );
     }
-
-    fn text(&self, data: &Dataset, events: &[Event]) -> String {
-        let length_s = data.end_s() - data.start_s();
-        let count = match (&self.baseline, self.alarms.len()) {
-            (None, _) => {
-                "too short to learn what is healthy: give --baseline, or a shorter --learn".to_owned()
-            }
-            (_, 0) => "no alarm".to_owned(),
-            (_, 1) => "1 alarm".to_owned(),
-            (_, many) => format!("{many} alarms"),
-        };
-        let mut text = format!("{}: {count} in {length_s:.1} s\n", self.recording);
-        if self.blocks_not_judged > 0 {
-            text += &format!(
-                "  {} blocks were not judged: more or less motion than in the baseline, or too few samples\n",
-                self.blocks_not_judged
-            );
-        }
-        for event in events.iter().filter(|event| !matches!(event, Event::Learned(_))) {
-            text += &format!("  {}\n", alarms::text(event));
-        }
-        text
+    for event in events.iter().filter(|event| !matches!(event, Event::Learned(_))) {
+        text += &format!("  {}\n", alarms::text(event));
     }
+    text
 }

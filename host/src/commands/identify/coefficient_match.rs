@@ -241,9 +241,7 @@ impl Answer {
         let drawn = pictures::matched(&fits, &self.points);
         let mut files =
             vec![("match.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
-        files.extend(
-            drawn.iter().map(|p| (format!("{}.svg", p.name), socam_plot::standalone(&p.plot.plot()))),
-        );
+        files.extend(drawn.iter().map(|p| (format!("{}.svg", p.name), p.svg())));
         let section = |title: &str, sentences: Vec<String>, pictures, tables| {
             let sentences = sentences.iter().map(|text| sentence(text)).collect();
             Section { title: title.into(), sentences, pictures, tables }

@@ -11,10 +11,10 @@ use socam_frequency::{
     response::{self, Line},
 };
 use socam_model::{Model, Quantity};
+use socam_response::Beside;
 
 use super::{
     args::Args,
-    beside::Beside,
     files::{SCHEMA, response_file},
     frf,
     page::{self, Section},
@@ -255,11 +255,7 @@ fn files(
     let drawn = pictures::transfer(&measured.name, tried, &measured.points);
     let mut files =
         vec![("transfer.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
-    files.extend(
-        drawn
-            .iter()
-            .map(|p| (format!("{}-{}.svg", measured.name, p.name), socam_plot::standalone(&p.plot.plot()))),
-    );
+    files.extend(drawn.iter().map(|p| (format!("{}-{}.svg", measured.name, p.name), p.svg())));
     let sentences = vec![
         format!(
             "Order {}, {} lines, misfit {:.2} (1 where orders suffice).",

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::signals::Segment;
-use crate::output;
+use socam_response::Settings;
 
 /// Options of the methods frf, etf and coefficient-match.
 #[derive(Debug, Default, clap::Args)]
@@ -38,9 +37,6 @@ pub(crate) struct FrequencyArgs {
     pub(super) report: Option<PathBuf>,
 }
 
-/// Relative difference of mean inputs up to which runs count as repeated.
-const SAME: f64 = 0.05;
-
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0);
     number.ok_or_else(|| "expected a positive number".into())
@@ -60,42 +56,15 @@ fn orders(text: &str) -> Result<socam_frequency::rational::Orders, String> {
 }
 
 impl FrequencyArgs {
-    /// Selects and preprocesses segments as the options say, and reports it.
-    pub(super) fn prepared(&self, segments: Vec<Segment>) -> anyhow::Result<Vec<Segment>> {
-        let mut segments = if self.quietest { quietest(segments) } else { segments };
-        for segment in &mut segments {
-            if let Some(limit) = self.outliers {
-                let replaced = segment.without_outliers(limit);
-                if replaced > 0 {
-                    output::say(format_args!("{}: {replaced} outliers replaced", segment.recording));
-                }
-            }
-            if let Some((corner_hz, order)) = self.low_pass {
-                segment.filter(order, corner_hz)?;
-            }
-        }
-        Ok(segments)
-    }
-}
-
-/// Of repeated runs, the one with the least noise of the output (thesis section 4.1.1).
-fn quietest(segments: Vec<Segment>) -> Vec<Segment> {
-    let mean = |segment: &Segment| segment.input.iter().sum::<f64>() / segment.input.len().max(1) as f64;
-    let noise = |segment: &Segment| socam_frequency::prepare::noise_std(&segment.output);
-    let mut kept: Vec<(f64, f64, Segment)> = Vec::new();
-    for segment in segments {
-        let (mean, noise) = (mean(&segment), noise(&segment));
-        match kept.iter_mut().find(|(known, ..)| (known - mean).abs() <= SAME * known.abs()) {
-            Some(best) if best.1 <= noise => {}
-            Some(best) => *best = (best.0, noise, segment),
-            None => kept.push((mean, noise, segment)),
+    /// How responses are estimated, in this band.
+    pub(super) fn settings(&self, band_hz: Option<[f64; 2]>) -> Settings {
+        Settings {
+            reference: self.reference.clone(),
+            band_hz,
+            period_s: self.period,
+            outliers: self.outliers,
+            low_pass: self.low_pass,
+            quietest: self.quietest,
         }
     }
-    for (mean, noise, segment) in &kept {
-        output::say(format_args!(
-            "{}: taken for a mean input of {mean:.4}, output noise {noise:.3e}",
-            segment.recording
-        ));
-    }
-    kept.into_iter().map(|(_, _, segment)| segment).collect()
 }

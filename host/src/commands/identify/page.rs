@@ -3,53 +3,9 @@
 use std::path::Path;
 
 use anyhow::Context;
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
+pub(super) use socam_response::pictures::{Curve, Drawn, Picture};
 
 use crate::output;
-
-/// A series that owns its numbers.
-pub(super) struct Curve {
-    pub(super) label: String,
-    pub(super) class: &'static str,
-    pub(super) mark: Mark,
-    pub(super) x: Vec<f64>,
-    pub(super) y: Vec<f64>,
-    pub(super) spread: Vec<f64>,
-}
-
-/// A plot that owns its numbers.
-pub(super) struct Drawn {
-    pub(super) title: String,
-    pub(super) x: Axis,
-    pub(super) y: Axis,
-    pub(super) curves: Vec<Curve>,
-}
-
-impl Drawn {
-    pub(super) fn plot(&self) -> Plot<'_> {
-        let series = self.curves.iter().map(|curve| Series {
-            label: &curve.label,
-            class: curve.class,
-            mark: curve.mark,
-            x: &curve.x,
-            y: &curve.y,
-            spread: &curve.spread,
-        });
-        Plot {
-            title: self.title.clone(),
-            x: self.x.clone(),
-            y: self.y.clone(),
-            series: series.collect(),
-            columns: COLUMNS,
-        }
-    }
-}
-
-/// A plot with the name of its file.
-pub(super) struct Picture {
-    pub(super) name: &'static str,
-    pub(super) plot: Drawn,
-}
 
 /// A section of a page.
 pub(super) struct Section {

@@ -5,40 +5,39 @@ use socam_frequency::{
     prepare::{self, Butterworth},
     response::Signals,
 };
-use socam_model::{Channel, ChannelTransform, Model, Role, TransformStart};
+use socam_model::{Channel, ChannelTransform, Model, TransformStart};
 use socam_recording::Dataset;
 
-use crate::output::{self, WrongArguments};
+use crate::error::{ResponseError, Result};
 
 /// The recorded command, the default reference.
 const COMMAND: &str = "command_V";
 
 /// The channels of a response, as indices among the model's inputs and outputs.
-pub(super) struct Pair<'m> {
-    pub(super) input_index: usize,
-    pub(super) input: &'m Channel,
-    pub(super) output_index: usize,
-    pub(super) output: &'m Channel,
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'m> {
+    pub(crate) input_index: usize,
+    /// The model's input.
+    pub input: &'m Channel,
+    pub(crate) output_index: usize,
+    /// One of its outputs.
+    pub output: &'m Channel,
 }
 
 /// The model's input with each requested output (all outputs if none is requested).
-pub(super) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> anyhow::Result<Vec<Pair<'m>>> {
+pub(crate) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> Result<Vec<Pair<'m>>> {
     let moving: Vec<(usize, &Channel)> =
         model.inputs().enumerate().filter(|(_, channel)| !channel.quantity.is_clock()).collect();
     let [(input_index, input)] = moving[..] else {
-        let names: Vec<&str> = moving.iter().map(|(_, channel)| channel.name.as_str()).collect();
-        anyhow::bail!(
-            "the model {} has the inputs {}; a frequency response is of one input, so give a model with one",
-            model.name,
-            names.join(", ")
-        );
+        return Err(ResponseError::Inputs { model: model.name.clone(), inputs: names(&moving) });
     };
     let outputs: Vec<(usize, &Channel)> = model.outputs().enumerate().collect();
     if let Some(unknown) = wanted.iter().find(|name| !outputs.iter().any(|(_, o)| o.name == **name)) {
-        let names: Vec<&str> = outputs.iter().map(|(_, channel)| channel.name.as_str()).collect();
-        let message =
-            format!("--output {unknown}: the model {} has the outputs {}", model.name, names.join(", "));
-        return Err(WrongArguments(message).into());
+        return Err(ResponseError::UnknownOutput {
+            name: unknown.clone(),
+            model: model.name.clone(),
+            outputs: names(&outputs),
+        });
     }
     let asked = |channel: &Channel| wanted.is_empty() || wanted.contains(&channel.name);
     Ok(outputs
@@ -48,18 +47,23 @@ pub(super) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> anyhow::Result<V
         .collect())
 }
 
+fn names(channels: &[(usize, &Channel)]) -> String {
+    let names: Vec<&str> = channels.iter().map(|(_, channel)| channel.name.as_str()).collect();
+    names.join(", ")
+}
+
 /// One segment without gaps.
 #[derive(Debug, Clone)]
-pub(super) struct Segment {
-    pub(super) recording: String,
-    pub(super) input: Vec<f64>,
-    pub(super) output: Vec<f64>,
+pub(crate) struct Segment {
+    pub(crate) recording: String,
+    pub(crate) input: Vec<f64>,
+    pub(crate) output: Vec<f64>,
     reference: Option<Vec<f64>>,
-    pub(super) sample_time_s: f64,
+    pub(crate) sample_time_s: f64,
 }
 
 impl Segment {
-    pub(super) fn signals(&self) -> Signals<'_> {
+    pub(crate) fn signals(&self) -> Signals<'_> {
         Signals {
             input: &self.input,
             output: &self.output,
@@ -68,17 +72,17 @@ impl Segment {
         }
     }
 
-    pub(super) fn has_reference(&self) -> bool {
+    pub(crate) fn has_reference(&self) -> bool {
         self.reference.is_some()
     }
 
     /// Replaces outliers in both signals, and returns their number.
-    pub(super) fn without_outliers(&mut self, limit: f64) -> usize {
+    pub(crate) fn without_outliers(&mut self, limit: f64) -> usize {
         prepare::replace_outliers(&mut self.input, limit) + prepare::replace_outliers(&mut self.output, limit)
     }
 
     /// Filters all signals in the same way, which does not change the response between them.
-    pub(super) fn filter(&mut self, order: usize, corner_hz: f64) -> Result<(), FrequencyError> {
+    pub(crate) fn filter(&mut self, order: usize, corner_hz: f64) -> std::result::Result<(), FrequencyError> {
         let filter = Butterworth::new(order, corner_hz, 1.0 / self.sample_time_s)?;
         let signals = [Some(&mut self.input), Some(&mut self.output), self.reference.as_mut()];
         for signal in signals.into_iter().flatten() {
@@ -90,11 +94,11 @@ impl Segment {
 
 /// Reads the segments of a pair from all recordings. `reference` is the column of the reference signal; without a name it is the command,
 /// if every recording has one.
-pub(super) fn segments(
+pub(crate) fn segments(
     datasets: &[Dataset],
     pair: &Pair<'_>,
     reference: Option<&str>,
-) -> anyhow::Result<Vec<Segment>> {
+) -> Result<Vec<Segment>> {
     let known = |dataset: &Dataset| dataset.channel_index(COMMAND).is_ok();
     let reference = reference.or_else(|| datasets.iter().all(known).then_some(COMMAND));
     let mut segments = Vec::new();
@@ -109,13 +113,10 @@ fn read(
     pair: &Pair<'_>,
     reference: Option<&str>,
     segments: &mut Vec<Segment>,
-) -> anyhow::Result<()> {
+) -> Result<()> {
     for channel in [pair.input, pair.output] {
         if channel.transform != ChannelTransform::Value && channel.transform != ChannelTransform::Rate {
-            anyhow::bail!(
-                "the channel {} takes a wave of its column, which has no frequency response; use --method output-error",
-                channel.name
-            );
+            return Err(ResponseError::Wave { channel: channel.name.clone() });
         }
     }
     let mut columns =
@@ -163,14 +164,12 @@ fn complete(columns: &[Vec<f64>]) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// Whether the channel of this name is an input of the model.
-pub(super) fn say_bias(segments: &[Segment], pair: &Pair<'_>) {
-    debug_assert!(pair.input.role == Role::Input);
-    if segments.iter().all(Segment::has_reference) {
-        return;
-    }
-    output::warn(format_args!(
-        "no column tells what made {0} (`{COMMAND}`, or --reference COLUMN); where the signals do not repeat, noise of {0}'s sensor makes the response too small",
-        pair.input.name
-    ));
+/// Warns of an input whose noise biases the response, because nothing says what made it.
+pub(crate) fn bias(segments: &[Segment], pair: &Pair<'_>) -> Option<String> {
+    let input = &pair.input.name;
+    (!segments.iter().all(Segment::has_reference)).then(|| {
+        format!(
+            "no column tells what made {input} (`{COMMAND}`, or --reference COLUMN); where the signals do not repeat, noise of {input}'s sensor makes the response too small"
+        )
+    })
 }

@@ -6,9 +6,10 @@ use socam_frequency::Complex;
 /// Coherence above which a line is compared.
 const GOOD: f64 = 0.9;
 
-/// Number of all lines.
-#[derive(Default)]
-pub(super) struct Beside {
+/// An estimate beside the model's response.
+#[derive(Debug, Default)]
+pub struct Beside {
+    /// Number of all lines.
     lines: usize,
     /// Number of lines of good coherence.
     good: usize,
@@ -22,7 +23,7 @@ pub(super) struct Beside {
 
 impl Beside {
     /// Adds a line: the ratio of the estimate to the model's response, and whether the intervals of magnitude and phase contain the model's.
-    pub(super) fn add(&mut self, ratio: Complex<f64>, coherence: f64, holds: [bool; 2]) {
+    pub fn add(&mut self, ratio: Complex<f64>, coherence: f64, holds: [bool; 2]) {
         self.lines += 1;
         self.held.iter_mut().zip(holds).for_each(|(count, holds)| *count += usize::from(holds));
         if coherence > GOOD {
@@ -37,7 +38,8 @@ impl Beside {
     }
 
     /// The names are part of the JSON document.
-    pub(super) fn json(&self) -> Value {
+    #[must_use]
+    pub fn json(&self) -> Value {
         let [magnitude, phase] = self.held_percent();
         json!({
             "lines": self.lines, "lines_of_good_coherence": self.good,
@@ -46,7 +48,9 @@ impl Beside {
         })
     }
 
-    pub(super) fn sentence(&self) -> String {
+    /// The difference in a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
         let [magnitude, phase] = self.held_percent();
         format!(
             "beside the model: at most {:.2} dB and {:.2} degrees where coherence is above {GOOD} ({} lines); intervals hold it at \

@@ -1,0 +1,71 @@
+//! A whole recording under a watch.
+
+use serde::Serialize;
+use socam_recording::Dataset;
+
+use crate::alarm::{Alarm, Event, Summary};
+use crate::error::WatchError;
+use crate::watch::Watch;
+
+/// What a watch said of recordings, `socam.watch/1`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Document {
+    schema: &'static str,
+    /// Name of the model.
+    pub model: String,
+    /// In the order in which they were watched.
+    pub recordings: Vec<Watched>,
+}
+
+impl Document {
+    /// Of recordings that were watched against a model.
+    #[must_use]
+    pub fn new(model: impl Into<String>, recordings: Vec<Watched>) -> Self {
+        Self { schema: "socam.watch/1", model: model.into(), recordings }
+    }
+}
+
+/// A recording that was watched from its beginning to its end.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Watched {
+    /// Its name.
+    pub recording: String,
+    /// `None` where the recording is too short to learn from.
+    pub baseline: Option<Summary>,
+    /// Blocks with more or less motion than the baseline, or with too few samples.
+    pub blocks_not_judged: usize,
+    /// With their causes, where these were sought.
+    pub alarms: Vec<Alarm>,
+    /// Number of the alarm and time of its end, s.
+    pub returned: Vec<(usize, f64)>,
+}
+
+impl Watched {
+    /// Watches a recording; the events are in order of time.
+    ///
+    /// # Errors
+    /// When the recording cannot be read, or the model cannot be evaluated on it.
+    pub fn of(mut watch: Watch, data: &Dataset) -> Result<(Self, Vec<Event>), WatchError> {
+        let mut events = watch.push_all(data)?;
+        events.extend(watch.finish()?);
+        let mut watched = Self { recording: data.name().to_owned(), ..Self::default() };
+        events.iter().for_each(|event| watched.take(event));
+        let overlay = watch.overlay();
+        watched.baseline = overlay.baseline;
+        watched.blocks_not_judged = overlay.not_judged;
+        Ok((watched, events))
+    }
+
+    fn take(&mut self, event: &Event) {
+        match event {
+            Event::Learned(_) => {}
+            Event::Alarm(alarm) => self.alarms.push(alarm.clone()),
+            Event::Named(alarm) => {
+                if let Some(known) = self.alarms.iter_mut().find(|known| known.number == alarm.number) {
+                    *known = alarm.clone();
+                }
+            }
+            Event::Returned { number, time_s } => self.returned.push((*number, *time_s)),
+        }
+    }
+}

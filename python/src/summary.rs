@@ -1,0 +1,48 @@
+//! What the rows of a fleet's table say together.
+
+use std::path::PathBuf;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use serde::Serialize;
+use socam_fleet::{Summary, Table, page};
+
+use crate::errors::Raised;
+
+/// The summary of a table.
+#[pyclass(frozen, module = "socam._socam")]
+pub(crate) struct FleetSummary {
+    summary: Summary,
+    table: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Document<'s> {
+    table: String,
+    #[serde(flatten)]
+    summary: &'s Summary,
+}
+
+#[pymethods]
+impl FleetSummary {
+    /// Of a table, its lists at this false discovery rate.
+    #[new]
+    fn new(py: Python<'_>, table: PathBuf, fdr: f64) -> PyResult<Self> {
+        if !(fdr > 0.0 && fdr < 1.0) {
+            return Err(PyValueError::new_err(format!("fdr: {fdr} is not between 0 and 1")));
+        }
+        let made = py.detach(|| Summary::of(Table::open(&table)?, fdr));
+        Ok(Self { summary: made.map_err(Raised::raised)?, table })
+    }
+
+    /// The document `socam.fleet-summary/1`, as `socam-host fleet --json` prints it.
+    fn json(&self) -> PyResult<String> {
+        let document = Document { table: self.table.display().to_string(), summary: &self.summary };
+        serde_json::to_string_pretty(&document).map_err(Raised::raised)
+    }
+
+    /// The fleet's page; `about` are lines about how it was made.
+    fn page(&self, py: Python<'_>, about: Vec<String>) -> PyResult<String> {
+        py.detach(|| page::page(&self.summary, &self.table, &about)).map_err(Raised::raised)
+    }
+}
