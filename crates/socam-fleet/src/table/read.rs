@@ -30,7 +30,8 @@ pub struct Table {
     /// The same as it stands in the file: numbers in text need not come back to the last bit.
     pub(super) text: String,
     count: u64,
-    batches: ParquetRecordBatchReader,
+    /// `None` behind the end, or behind what cannot be read.
+    batches: Option<ParquetRecordBatchReader>,
     rows: std::vec::IntoIter<Row>,
 }
 
@@ -83,8 +84,17 @@ impl Table {
         let text = value(keys, ABOUT_KEY).unwrap_or_default();
         let about = serde_json::from_str(&text).map_err(|e| FleetError::table(path, e))?;
         let count = u64::try_from(of_file.num_rows()).unwrap_or_default();
-        let batches = builder.with_batch_size(GROUP_ROWS).build().map_err(|e| FleetError::table(path, e))?;
-        Ok(Self { path: path.into(), about, text, count, batches, rows: Vec::new().into_iter() })
+        let batches = fenced(path, || {
+            builder.with_batch_size(GROUP_ROWS).build().map_err(|e| FleetError::table(path, e))
+        })?;
+        Ok(Self {
+            path: path.into(),
+            about,
+            text,
+            count,
+            batches: Some(batches),
+            rows: Vec::new().into_iter(),
+        })
     }
 
     /// Number of rows in the file.
@@ -96,7 +106,12 @@ impl Table {
 
 fn builder(path: &Path) -> Result<Builder> {
     let file = File::open(path).map_err(|e| FleetError::io(path, "open", e))?;
-    Builder::try_new(file).map_err(|e| FleetError::table(path, e))
+    fenced(path, || Builder::try_new(file).map_err(|e| FleetError::table(path, e)))
+}
+
+/// The library that reads Parquet panics at some damaged files.
+fn fenced<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
+    socam_import::fenced(read).unwrap_or_else(|| Err(FleetError::table(path, "it is damaged")))
 }
 
 fn value(keys: Option<&Vec<KeyValue>>, name: &str) -> Option<String> {
@@ -126,10 +141,19 @@ impl Iterator for Table {
             if let Some(row) = self.rows.next() {
                 return Some(Ok(row));
             }
-            let batch = self.batches.next()?.map_err(|e| FleetError::table(&self.path, e));
-            match batch.and_then(|batch| from_batch(&batch).map_err(|e| FleetError::table(&self.path, e))) {
-                Ok(rows) => self.rows = rows.into_iter(),
-                Err(error) => return Some(Err(error)),
+            let (path, batches) = (&self.path, self.batches.as_mut()?);
+            let next = fenced(path, || {
+                let Some(batch) = batches.next() else { return Ok(None) };
+                let batch = batch.map_err(|e| FleetError::table(path, e))?;
+                from_batch(&batch).map(Some).map_err(|e| FleetError::table(path, e))
+            });
+            match next {
+                Ok(None) => return None,
+                Ok(Some(rows)) => self.rows = rows.into_iter(),
+                Err(error) => {
+                    self.batches = None;
+                    return Some(Err(error));
+                }
             }
         }
     }
