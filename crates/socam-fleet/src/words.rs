@@ -1,5 +1,7 @@
 //! What a fleet shows in words, as its page, the terminal and the window say it.
 
+use std::collections::BTreeSet;
+
 use jiff::Timestamp;
 use socam_plot::words;
 
@@ -14,16 +16,23 @@ const DAY_MS: f64 = 86_400_000.0;
 /// Of a machine that lacks physics of which nothing that is material has a name.
 pub const UNNAMED: &str = "stands out; nothing named that is material";
 
-/// One line without a full stop: how many machines lack physics, and how many parameters change.
+/// One line without a full stop: how many machines lack physics, how many parameters change, and how many machines differ.
 #[must_use]
 pub fn headline(summary: &Summary) -> String {
-    let (wrong, worse) = (summary.faulty.len(), summary.trends.len());
-    let wrong = (wrong > 0).then(|| counted(wrong as u64, "machine lacks physics", "machines lack physics"));
-    let worse = (worse > 0).then(|| {
-        counted(worse as u64, "parameter changes over the dates", "parameters change over the dates")
-    });
-    let both: Vec<String> = wrong.into_iter().chain(worse).collect();
-    if both.is_empty() { "No machine of the fleet stands out".into() } else { both.join(", ") }
+    let differ: BTreeSet<&str> = summary.differences.iter().map(|one| one.machine.as_str()).collect();
+    let parts = [
+        (summary.faulty.len(), "machine lacks physics", "machines lack physics"),
+        (summary.trends.len(), "parameter changes over the dates", "parameters change over the dates"),
+        (differ.len(), "machine differs from its sisters", "machines differ from their sisters"),
+    ];
+    let present = parts.into_iter().filter(|(count, ..)| *count > 0);
+    let said: Vec<String> =
+        present.map(|(count, one, several)| counted(count as u64, one, several)).collect();
+    match said.is_empty() {
+        false => said.join(", "),
+        true if summary.counts.without() == summary.counts.recordings => "No recording has a verdict".into(),
+        true => "No machine of the fleet stands out".into(),
+    }
 }
 
 /// `1 machine`, `2 machines`
@@ -50,25 +59,20 @@ pub fn kinds(counts: &Counts) -> [(u64, &'static str); 4] {
     ]
 }
 
-/// What became of the recordings, in sentences.
+/// What the kinds do not say, in sentences.
 #[must_use]
-pub fn counts(summary: &Summary) -> String {
+pub fn besides(summary: &Summary) -> String {
     let counts = &summary.counts;
-    let kinds = kinds(counts).map(|(number, words)| format!("{number} {words}"));
-    let [adequate, missing, unexplained, without] = kinds;
+    let by_chance = match summary.by_chance {
+        0 => String::new(),
+        count => format!(
+            " {} a finding on machines that are not listed: chance makes some.",
+            counted(count as u64, "recording has", "recordings have")
+        ),
+    };
     format!(
-        "{adequate}, {missing}, {unexplained}; {without} ({} unreadable, {} unfit, {} failed). {} got the full diagnosis.{}",
-        counts.unreadable,
-        counts.unfit,
-        counts.failed,
-        counts.diagnosed,
-        match summary.by_chance {
-            0 => String::new(),
-            count => format!(
-                " {} a finding on machines that are not listed: chance makes some.",
-                counted(count as u64, "recording has", "recordings have")
-            ),
-        }
+        "Without a verdict: {} unreadable, {} unfit, {} failed. {} got the full diagnosis.{by_chance}",
+        counts.unreadable, counts.unfit, counts.failed, counts.diagnosed
     )
 }
 

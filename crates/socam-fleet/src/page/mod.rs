@@ -53,6 +53,7 @@ fn counts(summary: &Summary) -> Markup {
     let counts = &summary.counts;
     let bad = counts.missing_physics + counts.unexplained;
     let without = counts.without();
+    let kinds = crate::words::kinds(counts).map(|(count, words)| format!("{count} {words}"));
     let share = |count: u64| format!("width: {:.3}%", 100.0 * count as f64 / counts.recordings.max(1) as f64);
     html! {
         section {
@@ -61,7 +62,7 @@ fn counts(summary: &Summary) -> Markup {
                 span class="bad" style=(share(bad)) {}
                 span class="none" style=(share(without)) {}
             }
-            p { (crate::words::counts(summary)) }
+            p { (kinds.join(", ")) ". " (crate::words::besides(summary)) }
         }
     }
 }
