@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use egui::{
     Align, Button, Id, Layout, Pos2, Role, Sense, Shape, TextWrapMode, Ui, UiBuilder, WidgetInfo, vec2,
 };
-use egui_extras::{Column as Width, TableBuilder};
+use egui_extras::{Column as Width, TableBuilder, TableRow};
 
 use crate::theme;
 
@@ -124,9 +124,9 @@ impl<'a> Table<'a> {
         is_open: impl Fn(&R) -> bool,
         mut details: impl FnMut(&mut Ui, &R),
     ) {
-        let place = Id::unique(("table", self.name));
-        let sorting: Option<Sorting> = ui.data(|data| data.get_temp(place));
-        let order = match sorting.filter(|sorting| sorting.column < self.columns.len()) {
+        let place = self.place();
+        let sorting = self.sorting(ui);
+        let order = match sorting {
             Some(by) => {
                 let keys: Vec<Key> = rows.iter().map(|row| key(row, by.column)).collect();
                 sorted(&keys, by.is_descending)
@@ -149,35 +149,79 @@ impl<'a> Table<'a> {
             .collect();
         let mut wanted = sorting;
         let full = ui.available_rect_before_wrap().x_range();
-        self.builder(ui)
-            .header(HEAD, |mut row| {
-                for (index, column) in self.columns.iter().enumerate() {
+        self.builder(ui).header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
+            body.heterogeneous_rows(heights.into_iter(), |mut row| {
+                let (index, is_details) = lines[row.index()];
+                if is_details {
                     row.col(|ui| {
-                        aligned(ui, column.is_number, |ui| head(ui, index, column, &mut wanted));
+                        let height = wide(ui, full, |ui| details(ui, &rows[index]));
+                        let known = ui.data(|data| data.get_temp::<f32>(height_of(index)));
+                        if known != Some(height) {
+                            ui.data_mut(|data| data.insert_temp(height_of(index), height));
+                            ui.ctx().request_repaint();
+                        }
+                    });
+                    return;
+                }
+                for (number, column) in self.columns.iter().enumerate() {
+                    row.col(|ui| aligned(ui, column.is_number, |ui| cell(ui, &rows[index], number)));
+                }
+            });
+        });
+        self.keep(ui, wanted);
+    }
+
+    /// For lists too long to be sorted in every pass: the caller keeps their `order` for [`Self::sorting`]. Rows are clicked as a whole;
+    /// returns the one that was.
+    pub fn show_ordered(
+        self,
+        ui: &mut Ui,
+        order: &[usize],
+        selected: Option<usize>,
+        mut cell: impl FnMut(&mut Ui, usize, usize),
+    ) -> Option<usize> {
+        let mut wanted = self.sorting(ui);
+        let mut clicked = None;
+        let builder = self.builder(ui).sense(Sense::click());
+        builder.header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
+            body.rows(ROW, order.len(), |mut row| {
+                let index = order[row.index()];
+                row.set_selected(selected == Some(index));
+                for (number, column) in self.columns.iter().enumerate() {
+                    row.col(|ui| {
+                        ui.style_mut().interaction.selectable_labels = false;
+                        aligned(ui, column.is_number, |ui| cell(ui, index, number));
                     });
                 }
-            })
-            .body(|body| {
-                body.heterogeneous_rows(heights.into_iter(), |mut row| {
-                    let (index, is_details) = lines[row.index()];
-                    if is_details {
-                        row.col(|ui| {
-                            let height = wide(ui, full, |ui| details(ui, &rows[index]));
-                            let known = ui.data(|data| data.get_temp::<f32>(height_of(index)));
-                            if known != Some(height) {
-                                ui.data_mut(|data| data.insert_temp(height_of(index), height));
-                                ui.ctx().request_repaint();
-                            }
-                        });
-                        return;
-                    }
-                    for (number, column) in self.columns.iter().enumerate() {
-                        row.col(|ui| aligned(ui, column.is_number, |ui| cell(ui, &rows[index], number)));
-                    }
-                });
+                clicked = clicked.or(row.response().clicked().then_some(index));
             });
-        if let Some(sorting) = wanted {
-            ui.data_mut(|data| data.insert_temp(place, sorting));
+        });
+        self.keep(ui, wanted);
+        clicked
+    }
+
+    /// The column that its rows are sorted by.
+    #[must_use]
+    pub fn sorting(&self, ui: &Ui) -> Option<Sorting> {
+        let kept: Option<Sorting> = ui.data(|data| data.get_temp(self.place()));
+        kept.filter(|sorting| sorting.column < self.columns.len())
+    }
+
+    fn place(&self) -> Id {
+        Id::unique(("table", self.name))
+    }
+
+    fn keep(&self, ui: &Ui, sorting: Option<Sorting>) {
+        if let Some(sorting) = sorting {
+            ui.data_mut(|data| data.insert_temp(self.place(), sorting));
+        }
+    }
+
+    fn heads(&self, mut row: TableRow<'_, '_>, sorting: &mut Option<Sorting>) {
+        for (index, column) in self.columns.iter().enumerate() {
+            row.col(|ui| {
+                aligned(ui, column.is_number, |ui| head(ui, index, column, sorting));
+            });
         }
     }
 
