@@ -4,10 +4,12 @@ mod folder;
 mod history;
 mod kinds;
 mod listing;
+mod lists;
 mod machine;
 mod machines;
 mod opened;
 mod overview;
+mod row;
 
 use egui::{Key, Ui};
 use socam_fleet::Row;

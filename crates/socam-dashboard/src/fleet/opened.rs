@@ -34,7 +34,8 @@ impl Opened {
         let table = Table::open(path).map_err(|error| error.to_string())?;
         let about = table.about.clone();
         let count = table.count_in_file().max(1);
-        let goes_on = |row: usize| row % BETWEEN != 0 || handle.reached(row as f32 / count as f32).is_ok();
+        let goes_on =
+            |row: usize| !row.is_multiple_of(BETWEEN) || handle.reached(row as f32 / count as f32).is_ok();
         let rows = table.enumerate().take_while(|(row, _)| goes_on(*row)).map(|(_, row)| row);
         let survey = Survey::of(rows, MOST_FDR).map_err(|error| error.to_string())?;
         handle.reached(1.0)?;
