@@ -203,6 +203,11 @@ impl Dashboard {
                 self.views.time.arrange(&plots);
                 self.layout.view = View::Time;
             }
+            #[cfg(not(target_arch = "wasm32"))]
+            Document::Fleet(opened) => {
+                self.views.fleet.show(*opened);
+                self.layout.view = View::Fleet;
+            }
             Document::Signal(_) if !live::REACHABLE => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
             ),

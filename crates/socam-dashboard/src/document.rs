@@ -1,4 +1,5 @@
-//! Documents that can be opened, recognised by their content: recordings, models, identifications, diagnoses, input signals.
+//! Documents that can be opened, recognised by their content: recordings, models, identifications, diagnoses, input signals,
+//! tables of fleets.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::Path;
@@ -32,9 +33,12 @@ pub enum Document {
     Signal(ProfileFile),
     /// Plots of the view over time.
     Layout(Box<Arrangement>),
+    /// The table of a fleet.
+    #[cfg(not(target_arch = "wasm32"))]
+    Fleet(Box<crate::fleet::Opened>),
 }
 
-/// Opens a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
+/// Opens a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, the table of a fleet, or the folder of a diagnosis' report.
 ///
 /// # Errors
 /// When it is none of these or cannot be read; one sentence.
@@ -51,6 +55,10 @@ pub fn open(path: &str, handle: &Handle) -> Result<Document, String> {
         return open(&answer.display().to_string(), handle);
     }
     let extension = place.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if socam_fleet::Table::is_one(place) {
+        let opened = crate::fleet::Opened::read(place, handle)?;
+        return Ok(Document::Fleet(Box::new(opened)));
+    }
     if extension != "toml" && extension != "json" {
         return Recording::open(path, handle).map(Document::Recording);
     }

@@ -10,7 +10,7 @@ use crate::theme;
 /// Purpose of a dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// Recordings, models, identifications, diagnoses, input signals.
+    /// Recordings, models, identifications, diagnoses, input signals, tables of fleets.
     Open,
     /// A picture or table of the view.
     Export,

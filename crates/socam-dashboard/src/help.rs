@@ -18,7 +18,7 @@ const FRAME: [(&str, Help); 2] = [
             ("a view's name", "shows that view"),
             (
                 "Ctrl+O; drop",
-                "opens recordings (.mcap, .csv, .m, and files of other programs that state their units), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder)",
+                "opens recordings (.mcap, .csv, .m, and files of other programs that state their units), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder), and the table of a fleet (.parquet)",
             ),
             ("Export what is seen", ".png and .svg are pictures, .csv has the lines' points"),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),

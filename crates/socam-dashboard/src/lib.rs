@@ -17,6 +17,8 @@ pub mod files;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod fitting;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod fleet;
+#[cfg(not(target_arch = "wasm32"))]
 mod foreign;
 mod headless;
 pub mod help;

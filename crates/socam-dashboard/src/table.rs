@@ -1,13 +1,14 @@
 //! A table that is sorted by its heads: numbers at the right, text at the left, rows that unfold.
 
-use std::cmp::Ordering;
+mod order;
 
 use egui::{
     Align, Button, Id, Layout, Pos2, Role, Sense, Shape, TextWrapMode, Ui, UiBuilder, WidgetInfo, vec2,
 };
-use egui_extras::{Column as Width, TableBuilder};
+use egui_extras::{Column as Width, TableBuilder, TableRow};
 
 use crate::theme;
+pub use order::{Key, Sorting, sorted};
 
 /// A column.
 #[derive(Debug, Clone, Copy)]
@@ -30,58 +31,6 @@ pub const fn text(head: &'static str, width: f32) -> Column {
 #[must_use]
 pub const fn number(head: &'static str, width: f32) -> Column {
     Column { head, width, is_number: true }
-}
-
-/// What a row is sorted by.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Key {
-    /// A number.
-    Number(f64),
-    /// A text; case is ignored.
-    Text(String),
-    /// Nothing, which comes last in both directions.
-    Missing,
-}
-
-impl From<Option<f64>> for Key {
-    fn from(value: Option<f64>) -> Self {
-        value.filter(|value| !value.is_nan()).map_or(Self::Missing, Self::Number)
-    }
-}
-
-impl From<&str> for Key {
-    fn from(text: &str) -> Self {
-        if text.is_empty() { Self::Missing } else { Self::Text(text.to_lowercase()) }
-    }
-}
-
-/// The column that rows are sorted by, and whether the greatest is first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sorting {
-    /// Number of the column.
-    pub column: usize,
-    /// Whether the greatest is first.
-    pub is_descending: bool,
-}
-
-/// The rows' places in the order of their keys; equal keys keep their order.
-#[must_use]
-pub fn sorted(keys: &[Key], is_descending: bool) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..keys.len()).collect();
-    order.sort_by(|a, b| {
-        let (a, b) = (&keys[*a], &keys[*b]);
-        let ordering = match (a, b) {
-            (Key::Missing, Key::Missing) => Ordering::Equal,
-            (Key::Missing, _) => return Ordering::Greater,
-            (_, Key::Missing) => return Ordering::Less,
-            (Key::Number(a), Key::Number(b)) => a.total_cmp(b),
-            (Key::Text(a), Key::Text(b)) => a.cmp(b),
-            (Key::Number(_), Key::Text(_)) => Ordering::Less,
-            (Key::Text(_), Key::Number(_)) => Ordering::Greater,
-        };
-        if is_descending { ordering.reverse() } else { ordering }
-    });
-    order
 }
 
 const HEAD: f32 = 22.0;
@@ -124,9 +73,9 @@ impl<'a> Table<'a> {
         is_open: impl Fn(&R) -> bool,
         mut details: impl FnMut(&mut Ui, &R),
     ) {
-        let place = Id::unique(("table", self.name));
-        let sorting: Option<Sorting> = ui.data(|data| data.get_temp(place));
-        let order = match sorting.filter(|sorting| sorting.column < self.columns.len()) {
+        let place = self.place();
+        let sorting = self.sorting(ui);
+        let order = match sorting {
             Some(by) => {
                 let keys: Vec<Key> = rows.iter().map(|row| key(row, by.column)).collect();
                 sorted(&keys, by.is_descending)
@@ -149,35 +98,79 @@ impl<'a> Table<'a> {
             .collect();
         let mut wanted = sorting;
         let full = ui.available_rect_before_wrap().x_range();
-        self.builder(ui)
-            .header(HEAD, |mut row| {
-                for (index, column) in self.columns.iter().enumerate() {
+        self.builder(ui).header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
+            body.heterogeneous_rows(heights.into_iter(), |mut row| {
+                let (index, is_details) = lines[row.index()];
+                if is_details {
                     row.col(|ui| {
-                        aligned(ui, column.is_number, |ui| head(ui, index, column, &mut wanted));
+                        let height = wide(ui, full, |ui| details(ui, &rows[index]));
+                        let known = ui.data(|data| data.get_temp::<f32>(height_of(index)));
+                        if known != Some(height) {
+                            ui.data_mut(|data| data.insert_temp(height_of(index), height));
+                            ui.ctx().request_repaint();
+                        }
+                    });
+                    return;
+                }
+                for (number, column) in self.columns.iter().enumerate() {
+                    row.col(|ui| aligned(ui, column.is_number, |ui| cell(ui, &rows[index], number)));
+                }
+            });
+        });
+        self.keep(ui, wanted);
+    }
+
+    /// For lists too long to be sorted in every pass: the caller keeps their `order` for [`Self::sorting`]. Rows are clicked as a whole;
+    /// returns the one that was.
+    pub fn show_ordered(
+        self,
+        ui: &mut Ui,
+        order: &[usize],
+        selected: Option<usize>,
+        mut cell: impl FnMut(&mut Ui, usize, usize),
+    ) -> Option<usize> {
+        let mut wanted = self.sorting(ui);
+        let mut clicked = None;
+        let builder = self.builder(ui).sense(Sense::click());
+        builder.header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
+            body.rows(ROW, order.len(), |mut row| {
+                let index = order[row.index()];
+                row.set_selected(selected == Some(index));
+                for (number, column) in self.columns.iter().enumerate() {
+                    row.col(|ui| {
+                        ui.style_mut().interaction.selectable_labels = false;
+                        aligned(ui, column.is_number, |ui| cell(ui, index, number));
                     });
                 }
-            })
-            .body(|body| {
-                body.heterogeneous_rows(heights.into_iter(), |mut row| {
-                    let (index, is_details) = lines[row.index()];
-                    if is_details {
-                        row.col(|ui| {
-                            let height = wide(ui, full, |ui| details(ui, &rows[index]));
-                            let known = ui.data(|data| data.get_temp::<f32>(height_of(index)));
-                            if known != Some(height) {
-                                ui.data_mut(|data| data.insert_temp(height_of(index), height));
-                                ui.ctx().request_repaint();
-                            }
-                        });
-                        return;
-                    }
-                    for (number, column) in self.columns.iter().enumerate() {
-                        row.col(|ui| aligned(ui, column.is_number, |ui| cell(ui, &rows[index], number)));
-                    }
-                });
+                clicked = clicked.or(row.response().clicked().then_some(index));
             });
-        if let Some(sorting) = wanted {
-            ui.data_mut(|data| data.insert_temp(place, sorting));
+        });
+        self.keep(ui, wanted);
+        clicked
+    }
+
+    /// The column that its rows are sorted by.
+    #[must_use]
+    pub fn sorting(&self, ui: &Ui) -> Option<Sorting> {
+        let kept: Option<Sorting> = ui.data(|data| data.get_temp(self.place()));
+        kept.filter(|sorting| sorting.column < self.columns.len())
+    }
+
+    fn place(&self) -> Id {
+        Id::unique(("table", self.name))
+    }
+
+    fn keep(&self, ui: &Ui, sorting: Option<Sorting>) {
+        if let Some(sorting) = sorting {
+            ui.data_mut(|data| data.insert_temp(self.place(), sorting));
+        }
+    }
+
+    fn heads(&self, mut row: TableRow<'_, '_>, sorting: &mut Option<Sorting>) {
+        for (index, column) in self.columns.iter().enumerate() {
+            row.col(|ui| {
+                aligned(ui, column.is_number, |ui| head(ui, index, column, sorting));
+            });
         }
     }
 
@@ -250,17 +243,4 @@ fn arrow(ui: &mut Ui, sorting: Option<Sorting>) {
     let corners =
         [Pos2::new(rect.left(), base), Pos2::new(rect.right(), base), Pos2::new(rect.center().x, tip)];
     ui.painter().add(Shape::convex_polygon(corners.to_vec(), theme::weak(ui), egui::Stroke::NONE));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn missing_values_come_last_in_both_directions_and_equal_ones_keep_their_order() {
-        let keys = [None, Some(2.0), Some(-1.0), Some(f64::NAN), Some(2.0)].map(Key::from);
-        assert_eq!(sorted(&keys, false), [2, 1, 4, 0, 3]);
-        assert_eq!(sorted(&keys, true), [1, 4, 2, 0, 3]);
-        assert_eq!(sorted(&["b", "", "A"].map(Key::from), false), [2, 0, 1]);
-    }
 }

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::Checks;
 use crate::diagnosis::DiagnosisView;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::fleet::FleetView;
 use crate::identify::Identify;
 use crate::live::Live;
 use crate::review::Review;
@@ -123,6 +125,8 @@ views! {
     Diagnosis: diagnosis = DiagnosisView, "What physics the model lacks.";
     #[cfg(not(target_arch = "wasm32"))]
     Watch: watch = WatchView, "A bench or recording with the model running beside it.";
+    #[cfg(not(target_arch = "wasm32"))]
+    Fleet: fleet = FleetView, "What the recordings of many machines say together.";
 }
 
 impl View {

@@ -31,6 +31,29 @@ pub struct Counts {
     pub diagnosed: u64,
 }
 
+impl Counts {
+    /// Without a verdict.
+    #[must_use]
+    pub fn without(&self) -> u64 {
+        self.unreadable + self.unfit + self.failed
+    }
+
+    fn take(&mut self, row: &Row) {
+        self.recordings += 1;
+        self.diagnosed += u64::from(row.stage == Stage::Diagnosis);
+        *match row.status {
+            Status::Ok => match row.verdict {
+                Some(Verdict::Adequate) | None => &mut self.adequate,
+                Some(Verdict::MissingPhysics) => &mut self.missing_physics,
+                Some(Verdict::Unexplained) => &mut self.unexplained,
+            },
+            Status::Unreadable => &mut self.unreadable,
+            Status::Unfit => &mut self.unfit,
+            Status::Failed => &mut self.failed,
+        } += 1;
+    }
+}
+
 /// A recording without a verdict.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Trouble {
@@ -71,8 +94,8 @@ pub(crate) struct Found {
 
 /// A machine.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Machine {
-    pub(crate) recordings: u64,
+pub(crate) struct Known {
+    pub(crate) counts: Counts,
     pub(crate) p_values: Vec<f64>,
     /// Material findings, as `EFFECT@PLACE`.
     pub(crate) findings: BTreeSet<String>,
@@ -84,7 +107,7 @@ pub(crate) struct Machine {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Collected {
     pub(crate) counts: Counts,
-    pub(crate) machines: BTreeMap<String, Machine>,
+    pub(crate) machines: BTreeMap<String, Known>,
     /// Names and units.
     pub(crate) parameters: Vec<(String, String)>,
     /// By effect and place.
@@ -102,7 +125,7 @@ impl Collected {
     }
 
     fn take(&mut self, row: &Row) {
-        self.count(row);
+        self.counts.take(row);
         if row.status != Status::Ok && self.troubles.len() < MOST_TROUBLES {
             let Row { recording, status, message, .. } = row.clone();
             self.troubles.push(Trouble { recording, status, message });
@@ -117,7 +140,7 @@ impl Collected {
             })
             .collect();
         let machine = self.machines.entry(row.machine_name().to_owned()).or_default();
-        machine.recordings += 1;
+        machine.counts.take(row);
         machine.p_values.extend(row.p_value);
         machine.findings.extend(row.findings.iter().filter(|one| one.material).map(Finding::key));
         for (index, point) in parameters {
@@ -140,22 +163,6 @@ impl Collected {
                 share: finding.share,
             });
         }
-    }
-
-    fn count(&mut self, row: &Row) {
-        let counts = &mut self.counts;
-        counts.recordings += 1;
-        counts.diagnosed += u64::from(row.stage == Stage::Diagnosis);
-        *match row.status {
-            Status::Ok => match row.verdict {
-                Some(Verdict::Adequate) | None => &mut counts.adequate,
-                Some(Verdict::MissingPhysics) => &mut counts.missing_physics,
-                Some(Verdict::Unexplained) => &mut counts.unexplained,
-            },
-            Status::Unreadable => &mut counts.unreadable,
-            Status::Unfit => &mut counts.unfit,
-            Status::Failed => &mut counts.failed,
-        } += 1;
     }
 
     /// Index of a parameter.

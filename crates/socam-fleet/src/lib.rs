@@ -21,6 +21,7 @@ mod source;
 pub mod statistics;
 mod summary;
 pub mod table;
+pub mod words;
 
 pub use batch::{from_batch, schema, to_batch};
 pub use collected::{Counts, Member, Trouble};
@@ -33,5 +34,5 @@ pub use row::{Row, SCHEMA};
 pub use run::{Observer, reference, run};
 pub use socam_diagnose::Frozen;
 pub use source::{Content, Source};
-pub use summary::{Different, Faulty, Group, SUMMARY_SCHEMA, Spread, Summary, Trend};
+pub use summary::{Different, Faulty, Group, Machine, SUMMARY_SCHEMA, Spread, Summary, Survey, Trend};
 pub use table::Table;

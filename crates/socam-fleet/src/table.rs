@@ -3,15 +3,13 @@
 //! The bytes depend on the rows and on [`About`] alone: rows are sorted by recording and id, row groups and pages have fixed sizes, and
 //! nothing holds a time of writing.
 
+mod read;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use parquet::arrow::{
-    ArrowWriter,
-    arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder},
-};
+use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -20,11 +18,12 @@ use sha2::{Digest, Sha256};
 use socam_model::Model;
 use socam_recording::OutputFile;
 
-use crate::batch::{from_batch, schema, to_batch};
+use crate::batch::{schema, to_batch};
 use crate::error::{FleetError, Result};
 use crate::options::FleetOptions;
 use crate::row::{Row, SCHEMA};
 use crate::source::VERSION;
+pub use read::Table;
 
 /// Rows of a batch and of a row group. A group of rows with a hundred texts and numbers each takes some MB.
 const GROUP_ROWS: usize = 4096;
@@ -51,14 +50,19 @@ impl About {
     /// Of a run.
     #[must_use]
     pub fn new(model: &Model, options: &FleetOptions, seed: u64) -> Self {
-        let hash = Sha256::digest(model.text.as_bytes());
         Self {
             model: model.name.clone(),
-            model_sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+            model_sha256: hash_of(model),
             options: options.clone(),
             seed,
             version: VERSION.into(),
         }
+    }
+
+    /// Whether this is the model.
+    #[must_use]
+    pub fn is_of(&self, model: &Model) -> bool {
+        self.model_sha256 == hash_of(model)
     }
 
     /// What differs from another table.
@@ -73,6 +77,11 @@ impl About {
             None
         }
     }
+}
+
+fn hash_of(model: &Model) -> String {
+    let hash = Sha256::digest(model.text.as_bytes());
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Writes rows, which must be sorted by recording and id, to a file that is replaced when all are written. Returns their number.
@@ -111,60 +120,6 @@ fn write_as(path: &Path, about: &str, rows: impl Iterator<Item = Result<Row>>) -
     let target = writer.into_inner().map_err(fail)?;
     target.commit().map_err(|e| FleetError::table(path, e))?;
     Ok(count)
-}
-
-/// A table that is read row by row.
-pub struct Table {
-    path: PathBuf,
-    /// What its rows were made with.
-    pub about: About,
-    /// The same as it stands in the file: numbers in text need not come back to the last bit.
-    text: String,
-    batches: ParquetRecordBatchReader,
-    rows: std::vec::IntoIter<Row>,
-}
-
-impl Table {
-    /// Opens a table.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or is no table of this schema.
-    pub fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(|e| FleetError::io(path, "open", e))?;
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| FleetError::table(path, e))?;
-        let keys = builder.metadata().file_metadata().key_value_metadata();
-        let value = |name: &str| keys?.iter().find(|key| key.key == name)?.value.clone();
-        match value(SCHEMA_KEY).as_deref() {
-            Some(SCHEMA) => {}
-            other => {
-                let found = other.unwrap_or("none");
-                let problem = format!("its schema is {found}; expected {SCHEMA}");
-                return Err(FleetError::table(path, problem));
-            }
-        }
-        let text = value(ABOUT_KEY).unwrap_or_default();
-        let about = serde_json::from_str(&text).map_err(|e| FleetError::table(path, e))?;
-        let batches = builder.with_batch_size(GROUP_ROWS).build().map_err(|e| FleetError::table(path, e))?;
-        Ok(Self { path: path.into(), about, text, batches, rows: Vec::new().into_iter() })
-    }
-}
-
-impl Iterator for Table {
-    type Item = Result<Row>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some(row) = self.rows.next() {
-                return Some(Ok(row));
-            }
-            let batch = self.batches.next()?.map_err(|e| FleetError::table(&self.path, e));
-            match batch.and_then(|batch| from_batch(&batch)) {
-                Ok(rows) => self.rows = rows.into_iter(),
-                Err(error) => return Some(Err(error)),
-            }
-        }
-    }
 }
 
 /// Merges parts that were made alike into one table. Rows that several parts hold are written once. Returns the number of rows.

@@ -1,7 +1,7 @@
 //! The formats, and how a file's is found.
 
 mod arrow;
-mod fence;
+pub(crate) mod fence;
 mod hdf5;
 mod matlab;
 mod mcap;

@@ -17,7 +17,7 @@ mod times;
 pub mod unit;
 
 pub use error::{ImportError, Result};
-pub use formats::{Kind, detect, read};
+pub use formats::{Kind, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};
 pub use open::{Opened, open, open_either, open_selection};

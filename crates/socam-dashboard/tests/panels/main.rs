@@ -3,6 +3,7 @@
 mod clicks;
 mod files;
 mod fits;
+mod fleet;
 mod live;
 mod pictures;
 mod sample;

@@ -6,11 +6,12 @@ use std::path::Path;
 use maud::{Markup, Render, html};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
-use super::words::{anchor, dates, day, days, half, number, scientific, status};
+use super::words::{anchor, dates, half};
 use crate::error::Result;
 use crate::row::Row;
 use crate::summary::Summary;
 use crate::table::Table;
+use crate::words::{day, days, number, scientific, verdict};
 
 /// Most machines that have a section.
 const MOST_MACHINES: usize = 200;
@@ -40,7 +41,7 @@ pub(super) fn machine(summary: &Summary, name: &str, rows: &[Row]) -> Markup {
             tr { th { "date" } th { "recording" } th { "verdict" } th class="n" { "p" } th class="n" { "residual power" } th { "what" } }
             @for row in rows { tr {
                 td { (row.date.map_or_else(String::new, day)) } td { (row.recording) }
-                td { (verdict(row)) }
+                td { (verdict(row.verdict, row.status)) }
                 td class="n" { (row.p_value.map_or_else(String::new, scientific)) }
                 td class="n" { (row.excess.map_or_else(String::new, number)) }
                 td class="wrap" {
@@ -80,14 +81,4 @@ fn history(parameter: &str, unit: &str, rows: &[Row]) -> Markup {
         columns: COLUMNS,
     };
     plot.render()
-}
-
-fn verdict(row: &Row) -> String {
-    match row.verdict {
-        Some(verdict) => format!("{verdict:?}").chars().fold(String::new(), |text, c| match c {
-            c if c.is_uppercase() && !text.is_empty() => text + " " + &c.to_lowercase().to_string(),
-            c => text + &c.to_lowercase().to_string(),
-        }),
-        None => status(row.status).into(),
-    }
 }

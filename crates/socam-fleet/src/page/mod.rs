@@ -14,9 +14,10 @@ use socam_plot::{
 };
 
 use self::machine::{machine, sections};
-use self::words::{anchor, dates, days, half, number, percent, scientific, status};
+use self::words::{anchor, dates, half};
 use crate::error::Result;
 use crate::summary::{Group, Summary};
+use crate::words::{days, headline, number, scientific, status};
 
 /// Most rows of a list.
 const MOST_LINES: usize = 200;
@@ -32,7 +33,7 @@ pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String>
     let machines = sections(summary, table)?;
     let body = html! {
         h1 { (headline(summary)) }
-        p class="over" { (format!("{} recordings of {} machines", summary.counts.recordings, summary.machines)) }
+        p class="over" { (crate::words::size(summary)) }
         main {
             (counts(summary))
             (faulty(summary))
@@ -44,7 +45,7 @@ pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String>
             section { h2 { "Machines" } @for (name, rows) in &machines { (machine(summary, name, rows)) } }
             section {
                 h2 { "About this page" }
-                p { (format!("Each list holds at most {} % false entries on average (Benjamini and Hochberg). The first is made from the p-values of the screening, before any search.", percent(summary.fdr))) }
+                p { (crate::words::rate(summary.fdr)) " (Benjamini and Hochberg). The first is made from the p-values of the screening, before any search." }
                 @for line in about { p { code { (line) } } }
             }
         }
@@ -52,23 +53,11 @@ pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String>
     Ok(document("Fleet", STYLE, &body).into_string())
 }
 
-fn headline(summary: &Summary) -> String {
-    let (wrong, worse) = (summary.faulty.len(), summary.trends.len());
-    let wrong = (wrong > 0).then(|| counted(wrong, "machine lacks physics", "machines lack physics"));
-    let worse = (worse > 0)
-        .then(|| counted(worse, "parameter changes over the dates", "parameters change over the dates"));
-    let both: Vec<String> = wrong.into_iter().chain(worse).collect();
-    if both.is_empty() { "No machine of the fleet stands out".into() } else { both.join(", ") }
-}
-
-fn counted(count: usize, one: &str, several: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { several })
-}
-
 fn counts(summary: &Summary) -> Markup {
     let counts = &summary.counts;
     let bad = counts.missing_physics + counts.unexplained;
-    let without = counts.unreadable + counts.unfit + counts.failed;
+    let without = counts.without();
+    let kinds = crate::words::kinds(counts).map(|(count, words)| format!("{count} {words}"));
     let share = |count: u64| format!("width: {:.3}%", 100.0 * count as f64 / counts.recordings.max(1) as f64);
     html! {
         section {
@@ -77,8 +66,7 @@ fn counts(summary: &Summary) -> Markup {
                 span class="bad" style=(share(bad)) {}
                 span class="none" style=(share(without)) {}
             }
-            p { (format!("{} adequate, {} with missing physics, {} unexplained; {} without a verdict ({} unreadable, {} unfit, {} failed). {} got the full diagnosis. {} recordings have a finding on machines that are not listed: chance makes some.",
-                counts.adequate, counts.missing_physics, counts.unexplained, without, counts.unreadable, counts.unfit, counts.failed, counts.diagnosed, summary.by_chance)) }
+            p { (kinds.join(", ")) ". " (crate::words::besides(summary)) }
         }
     }
 }
@@ -93,7 +81,7 @@ fn faulty(summary: &Summary) -> Markup {
                     td { (link(&one.machine)) }
                     td class="n" { (one.recordings) }
                     td class="n" { (scientific(one.p_value)) }
-                    td class="wrap" { (if one.findings.is_empty() { "stands out; nothing named that is material".to_owned() } else { one.findings.join(", ") }) }
+                    td class="wrap" { (if one.findings.is_empty() { crate::words::UNNAMED.to_owned() } else { one.findings.join(", ") }) }
                 } }
             } } (more(summary.faulty.len())) }
         }

@@ -4,19 +4,16 @@
 //! of parameters, and machines that differ from their sisters.
 
 mod parameters;
+mod survey;
 
 use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use self::parameters::{Parameters, parameters};
-use crate::collected::{Collected, Counts, Found, Member, Trouble};
+pub use self::survey::{Machine, Survey};
+use crate::collected::{Counts, Member, Trouble};
 use crate::error::Result;
 use crate::row::Row;
-use crate::statistics::{
-    discovery::{adjusted, simes},
-    median,
-};
 
 /// Version of [`Summary`]'s JSON form.
 pub const SUMMARY_SCHEMA: &str = "socam.fleet-summary/1";
@@ -162,32 +159,7 @@ impl Summary {
     /// # Errors
     /// When a row cannot be read.
     pub fn of(rows: impl Iterator<Item = Result<Row>>, fdr: f64) -> Result<Self> {
-        let mut all = Collected::of(rows)?;
-        let faulty = faulty(&all, fdr);
-        let listed: BTreeSet<&str> = faulty.iter().map(|one| one.machine.as_str()).collect();
-        let found = std::mem::take(&mut all.found);
-        let total: usize = found.values().map(|group| group.members.len()).sum();
-        let mut groups: Vec<Group> =
-            found.into_iter().filter_map(|(key, group)| grouped(key, group, &listed)).collect();
-        groups.sort_by(|a, b| b.machines.cmp(&a.machines).then(a.effect.cmp(&b.effect)));
-        let by_chance = total - groups.iter().map(|group| group.members.len()).sum::<usize>();
-        let Parameters { trends, differences, spreads } = parameters(&all, fdr);
-        let (trends_tested, differences_tested) = (trends.len(), differences.len());
-        Ok(Self {
-            schema: SUMMARY_SCHEMA,
-            fdr,
-            counts: all.counts,
-            machines: all.machines.len(),
-            faulty,
-            groups,
-            by_chance,
-            trends: discoveries(trends, fdr, |one| (&mut one.q_value, one.p_value)),
-            trends_tested,
-            differences: discoveries(differences, fdr, |one| (&mut one.q_value, one.p_value)),
-            differences_tested,
-            parameters: spreads,
-            troubles: all.troubles,
-        })
+        Ok(Survey::of(rows, fdr)?.at(fdr))
     }
 
     /// Machines of all three lists.
@@ -197,43 +169,4 @@ impl Summary {
         let trends = self.trends.iter().map(|one| one.machine.as_str());
         faulty.chain(trends).chain(self.differences.iter().map(|one| one.machine.as_str())).collect()
     }
-}
-
-/// Sets the adjusted p-values and keeps the discoveries, the smallest p-value first.
-fn discoveries<T>(mut all: Vec<T>, fdr: f64, parts: impl Fn(&mut T) -> (&mut f64, f64)) -> Vec<T> {
-    let p_values: Vec<f64> = all.iter_mut().map(|one| parts(one).1).collect();
-    for (one, q) in all.iter_mut().zip(adjusted(&p_values)) {
-        *parts(one).0 = q;
-    }
-    let mut kept: Vec<(f64, T)> = p_values
-        .into_iter()
-        .zip(all)
-        .filter_map(|(p, mut one)| (*parts(&mut one).0 <= fdr).then_some((p, one)))
-        .collect();
-    kept.sort_by(|a, b| a.0.total_cmp(&b.0));
-    kept.into_iter().map(|(_, one)| one).collect()
-}
-
-fn faulty(all: &Collected, fdr: f64) -> Vec<Faulty> {
-    let screened = all.machines.iter().filter(|(_, machine)| !machine.p_values.is_empty());
-    let machines = screened.map(|(name, machine)| Faulty {
-        machine: name.clone(),
-        recordings: machine.recordings,
-        p_value: simes(&machine.p_values),
-        q_value: 1.0,
-        findings: machine.findings.iter().cloned().collect(),
-    });
-    discoveries(machines.collect(), fdr, |one| (&mut one.q_value, one.p_value))
-}
-
-/// The findings of machines that are listed; `None` where there are none.
-fn grouped((effect, place): (String, String), found: Found, listed: &BTreeSet<&str>) -> Option<Group> {
-    let Found { parameter, unit, mut members } = found;
-    members.retain(|member| listed.contains(member.machine.as_str()));
-    members.sort_by(|a, b| (&a.machine, a.date, &a.recording).cmp(&(&b.machine, b.date, &b.recording)));
-    let machines: BTreeSet<&str> = members.iter().map(|member| member.machine.as_str()).collect();
-    let machines = machines.len();
-    let mut sizes: Vec<f64> = members.iter().filter_map(|member| member.size).collect();
-    let median = Some(median(&mut sizes)).filter(|median| median.is_finite());
-    (machines > 0).then_some(Group { effect, place, parameter, unit, machines, median, members })
 }

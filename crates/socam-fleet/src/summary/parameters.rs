@@ -16,12 +16,13 @@ pub(super) struct Parameters {
     pub(super) trends: Vec<Trend>,
     pub(super) differences: Vec<Different>,
     pub(super) spreads: Vec<Spread>,
+    /// Slopes of all machines, by parameter.
+    pub(super) slopes: Vec<Vec<Slope>>,
 }
 
-/// At a false discovery rate, which says how large a change must be to be listed.
-pub(super) fn parameters(all: &Collected, fdr: f64) -> Parameters {
-    let mut found = Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new() };
-    let mut usual: Vec<Vec<Slope>> = Vec::new();
+pub(super) fn parameters(all: &Collected) -> Parameters {
+    let mut found =
+        Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new(), slopes: Vec::new() };
     for (index, (name, unit)) in all.parameters.iter().enumerate() {
         let own: Vec<(&String, &Vec<Point>)> = all
             .machines
@@ -34,7 +35,7 @@ pub(super) fn parameters(all: &Collected, fdr: f64) -> Parameters {
             Some(trend(machine, (name, unit), points.len(), slope.as_ref()?))
         });
         found.trends.extend(trends);
-        usual.push(slopes.into_iter().flatten().collect());
+        found.slopes.push(slopes.into_iter().flatten().collect());
         let means: Vec<(&String, Value)> = own
             .iter()
             .filter_map(|(machine, points)| {
@@ -60,13 +61,13 @@ pub(super) fn parameters(all: &Collected, fdr: f64) -> Parameters {
             detectable_change: None,
         });
     }
-    // A machine that is alone in the list has to pass this.
-    let p_value = fdr / found.trends.len().max(1) as f64;
-    for (spread, slopes) in found.spreads.iter_mut().zip(usual) {
-        let mut changes: Vec<f64> = slopes.iter().filter_map(|slope| slope.detectable(p_value)).collect();
-        spread.detectable_change = Some(median(&mut changes)).filter(|change| change.is_finite());
-    }
     found
+}
+
+/// The change that a test of this size finds in the usual machine.
+pub(super) fn detectable(slopes: &[Slope], p_value: f64) -> Option<f64> {
+    let mut changes: Vec<f64> = slopes.iter().filter_map(|slope| slope.detectable(p_value)).collect();
+    Some(median(&mut changes)).filter(|change| change.is_finite())
 }
 
 fn trend(machine: &str, (name, unit): (&str, &str), recordings: usize, slope: &Slope) -> Trend {

@@ -8,8 +8,8 @@ thread_local! {
     static IS_FENCED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The result of a function, `None` where it panicked.
-pub(super) fn fenced<T>(read: impl FnOnce() -> T) -> Option<T> {
+/// The result of a function, `None` where it panicked; the panic prints nothing.
+pub fn fenced<T>(read: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let usual = take_hook();

@@ -25,21 +25,22 @@ use crate::output::{self, WrongArguments};
 /// Open the dashboard: the running bench, recordings, identification and diagnosis
 ///
 /// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
-/// report). With --screenshot it draws one picture without a display; when a recording in it is damaged or cut off, or lacks samples, it
+/// report), and the table of a fleet (.parquet). With --screenshot it draws one picture without a display; when a recording in it is damaged or cut off, or lacks samples, it
 /// ends with exit code 3.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host dashboard                                  connect to a board, or drop files into the window
   socam-host dashboard run.mcap@2..8 other.csv
-  socam-host dashboard report --screenshot bench.png    a diagnosis as a picture")]
+  socam-host dashboard report --screenshot bench.png    a diagnosis as a picture
+  socam-host dashboard fleet.parquet                    the machines of a fleet")]
 pub(crate) struct Args {
-    /// Files to open: recordings or parts of them (RUN@FROM..TO, seconds), .toml, .json, or the folder of a report
+    /// Files to open: recordings or parts of them (RUN@FROM..TO, seconds), .toml, .json, the table of a fleet, or the folder of a report
     #[arg(value_name = "RUN")]
     files: Vec<String>,
     /// Draw a picture into this file (.png), without a display
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch
+    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch, fleet
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
     /// Light theme
@@ -229,6 +230,8 @@ fn size(text: &str) -> Result<[f32; 2], String> {
 
 #[cfg(test)]
 mod diagnosis_tests;
+#[cfg(test)]
+mod fleet_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Things to show, made up: recordings with gaps, spikes and missing values, a diagnosis, and a running bench.
 
 pub(crate) mod bench;
+pub(crate) mod fleet;
 
 mod tiles;
 mod troubled;
@@ -198,7 +199,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 34] = [
+pub(crate) const STATES: [&str; 39] = [
     "time-tiles",
     "time-thirty",
     "time-derive",
@@ -232,6 +233,11 @@ pub(crate) const STATES: [&str; 34] = [
     "live-empty",
     "live",
     "live-fault",
+    "fleet",
+    "fleet-machine",
+    "fleet-findings",
+    "fleet-unfit",
+    "fleet-empty",
     "help",
 ];
 
@@ -265,6 +271,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "live-empty" => dashboard(look, View::Live),
         "live" => bench::running(look),
         "live-fault" => bench::stopped(look),
+        "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
+        "fleet-empty" => dashboard(look, View::Fleet),
         "help" => with_runs(look, View::Time, 1),
         _ => return None,
     };
