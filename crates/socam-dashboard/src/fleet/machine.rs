@@ -17,7 +17,7 @@ use crate::{numbers, theme};
 const FEW: usize = 2;
 /// Greatest height of the table of recordings, points.
 const TABLE: f32 = 300.0;
-/// Least width and the height of a chart, points.
+/// Least width and least height of a chart, points.
 const CHART: [f32; 2] = [300.0, 165.0];
 
 /// The rows of the machine that is looked at.
@@ -173,6 +173,8 @@ impl Fleet {
         };
         ui.label(RichText::new(text).small().color(theme::weak(ui)));
         let count = (ui.available_width() / CHART[0]).floor().clamp(1.0, 4.0);
+        let rows = all.len().div_ceil(count as usize) as f32;
+        let height = (ui.available_height() / rows - 30.0).clamp(CHART[1], 1.6 * CHART[1]);
         let gap = ui.spacing().item_spacing.x;
         let width = (ui.available_width() - (count - 1.0) * gap) / count;
         for row in all.chunks(count as usize) {
@@ -189,7 +191,7 @@ impl Fleet {
                         let spread =
                             summary.parameters.iter().find(|own| own.parameter == *name && own.machines > 1);
                         let lit = !says.is_empty();
-                        let size = vec2(width, CHART[1]);
+                        let size = vec2(width, height);
                         history::parameter(ui, (name, unit), &self.page.rows, spread, (size, lit), seen);
                     });
                 }
