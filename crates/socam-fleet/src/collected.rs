@@ -108,7 +108,7 @@ pub(crate) struct Known {
 pub(crate) struct Collected {
     pub(crate) counts: Counts,
     pub(crate) machines: BTreeMap<String, Known>,
-    /// Names and units.
+    /// Names and units of those that some recording determines, or fails to.
     pub(crate) parameters: Vec<(String, String)>,
     /// By effect and place.
     pub(crate) found: BTreeMap<(String, String), Found>,
@@ -134,6 +134,9 @@ impl Collected {
             .parameters
             .iter()
             .filter_map(|own| {
+                if own.value.is_none() {
+                    self.parameter(&own.name, &own.unit);
+                }
                 let (value, std) = own.value.filter(|_| own.determined).zip(own.std)?;
                 let day = row.date.map_or(f64::NAN, |date| date as f64 / DAY_MS);
                 Some((self.parameter(&own.name, &own.unit), Point { day, value, std }))

@@ -4,7 +4,7 @@ use socam_diagnose::{
     Diagnosis, Screening,
     document::{self, UNEXPLAINED},
 };
-use socam_identify::ParameterEstimate;
+use socam_identify::{CombinationEstimate, ParameterEstimate};
 use socam_model::{Model, effects};
 
 use crate::row::{ChannelFit, Finding, Parameter, Row, Verdict, finite};
@@ -13,7 +13,8 @@ use crate::row::{ChannelFit, Finding, Parameter, Row, Verdict, finite};
 pub(crate) fn screening(found: &Screening, model: &Model, row: &mut Row) {
     row.p_value = finite(found.p_value);
     row.excess = finite(found.excess);
-    row.parameters = found.fit.parameters.iter().map(parameter).collect();
+    let combinations = found.fit.combinations.iter().map(combination);
+    row.parameters = found.fit.parameters.iter().map(parameter).chain(combinations).collect();
     let channels = model.outputs().zip(&found.fit.fit.channels);
     row.channels = channels
         .map(|(output, (name, fit))| ChannelFit {
@@ -37,6 +38,19 @@ fn parameter(estimate: &ParameterEstimate) -> Parameter {
         high: estimate.ci95[1].and_then(finite),
         unit: estimate.unit.clone(),
         determined: estimate.identifiable,
+    }
+}
+
+fn combination(estimate: &CombinationEstimate) -> Parameter {
+    let value = estimate.value.and_then(finite);
+    Parameter {
+        name: estimate.name.clone(),
+        value,
+        std: estimate.std.and_then(finite),
+        low: estimate.ci95[0].and_then(finite),
+        high: estimate.ci95[1].and_then(finite),
+        unit: estimate.unit.clone(),
+        determined: value.is_some(),
     }
 }
 

@@ -66,7 +66,8 @@ pub struct Row {
     pub duration_s: Option<f64>,
     /// What is missing from the model, strongest first.
     pub findings: Vec<Finding>,
-    /// All parameters of the base model, fitted to this recording under the frozen noise.
+    /// All parameters of the base model, fitted to this recording under the frozen noise, and their combinations: what two springs in series
+    /// or the bearings of one drivetrain are together is determined where each of them is not.
     pub parameters: Vec<Parameter>,
     /// Fit of all outputs.
     pub channels: Vec<ChannelFit>,
@@ -117,7 +118,7 @@ impl Finding {
     }
 }
 
-/// A parameter of the base model.
+/// A parameter of the base model, or a combination of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Name.

@@ -82,6 +82,23 @@ pub fn rate(fdr: f64) -> String {
     format!("Each list holds at most {} % false entries on average", number(100.0 * fdr))
 }
 
+/// Which changes over the dates the recordings are able to show; `None` where there is nothing to say.
+#[must_use]
+pub fn sensitivity(summary: &Summary) -> Option<String> {
+    let listed = summary.parameters.iter().filter_map(|one| {
+        Some(format!("{} by {} %", one.parameter, words::rough(100.0 * one.detectable_change?)))
+    });
+    let listed: Vec<String> = listed.collect();
+    let changes = (!listed.is_empty()).then(|| {
+        let listed = listed.join(", ");
+        format!("Changes from the first date to the last that would be listed with a probability of 80 %: {listed}.")
+    });
+    let unknown = (!summary.undetermined.is_empty())
+        .then(|| format!("No recording determines {}.", summary.undetermined.join(", ")));
+    let said: Vec<String> = changes.into_iter().chain(unknown).collect();
+    (!said.is_empty()).then(|| said.join(" "))
+}
+
 /// Name of a status.
 #[must_use]
 pub fn status(status: Status) -> &'static str {

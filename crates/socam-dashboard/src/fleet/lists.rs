@@ -19,6 +19,9 @@ impl Fleet {
             text("unit", 80.0),
             number("p", 60.0),
         ];
+        if let Some(sensitivity) = words::sensitivity(&self.listing.summary) {
+            note(ui, &sensitivity);
+        }
         let trends = &self.listing.summary.trends;
         if trends.is_empty() {
             return nothing(

@@ -180,18 +180,18 @@ fn parameters(summary: &Summary) -> Markup {
     let share =
         |value: Option<f64>| value.map_or_else(String::new, |share| format!("{} %", rough(100.0 * share)));
     html! {
-        @if !summary.parameters.is_empty() { section {
+        @if !summary.parameters.is_empty() || !summary.undetermined.is_empty() { section {
             h2 { "Parameters of the fleet" }
             div class="scroll" { table {
-                tr { th { "parameter" } th class="n" { "machines" } th class="n" { "median" } th { "unit" } th class="n" { "spread between machines" } th class="n" { "repeatability" } th class="n" { "change that would be listed" } }
+                tr { th { "parameter" } th class="n" { "machines" } th class="n" { "median" } th { "unit" } th class="n" { "spread between machines" } th class="n" { "repeatability" } }
                 @for one in &summary.parameters { tr {
                     td { (one.parameter) } td class="n" { (one.machines) } td class="n" { (number(one.median)) } td { (unit(&one.unit)) }
                     td class="n" { (share(one.between_std.map(|std| (std / one.median).abs()))) }
                     td class="n" { (rough(one.repeatability)) }
-                    td class="n" { (share(one.detectable_change)) }
                 } }
             } }
-            p class="small" { "Repeatability: scatter of a machine about its own line, over what the intervals say. Change that would be listed: from a machine's first date to its last, with a probability of 80 %; smaller ones need more or longer recordings." }
+            p class="small" { "Repeatability: scatter of a machine about its own line, over what the intervals say." }
+            @if let Some(text) = crate::words::sensitivity(summary) { p { (text) } }
         } }
     }
 }

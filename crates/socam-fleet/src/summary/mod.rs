@@ -45,6 +45,8 @@ pub struct Summary {
     pub differences_tested: usize,
     /// How the parameters are spread over the fleet.
     pub parameters: Vec<Spread>,
+    /// Parameters that no recording determines: nothing is said of their wear.
+    pub undetermined: Vec<String>,
     /// Recordings without a verdict, the first thousand.
     pub troubles: Vec<Trouble>,
 }

@@ -16,19 +16,30 @@ pub(super) struct Parameters {
     pub(super) trends: Vec<Trend>,
     pub(super) differences: Vec<Different>,
     pub(super) spreads: Vec<Spread>,
+    /// Those that no recording determines.
+    pub(super) undetermined: Vec<String>,
     /// Slopes of all machines, by parameter.
     pub(super) slopes: Vec<Vec<Slope>>,
 }
 
 pub(super) fn parameters(all: &Collected) -> Parameters {
-    let mut found =
-        Parameters { trends: Vec::new(), differences: Vec::new(), spreads: Vec::new(), slopes: Vec::new() };
+    let mut found = Parameters {
+        trends: Vec::new(),
+        differences: Vec::new(),
+        spreads: Vec::new(),
+        undetermined: Vec::new(),
+        slopes: Vec::new(),
+    };
     for (index, (name, unit)) in all.parameters.iter().enumerate() {
         let own: Vec<(&String, &Vec<Point>)> = all
             .machines
             .iter()
             .filter_map(|(machine, known)| Some((machine, known.estimates.get(&index)?)))
             .collect();
+        if own.is_empty() {
+            found.undetermined.push(name.clone());
+            continue;
+        }
         let points: Vec<Vec<Point>> = own.iter().map(|(_, points)| (*points).clone()).collect();
         let (slopes, dispersion) = trend::slopes(&points);
         let trends = own.iter().zip(&slopes).filter_map(|((machine, points), slope)| {

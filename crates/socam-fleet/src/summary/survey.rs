@@ -21,6 +21,7 @@ pub struct Survey {
     /// All machines, by name.
     pub machines: Vec<Machine>,
     parameters: Vec<Spread>,
+    undetermined: Vec<String>,
     /// Slopes over the dates of all machines, by parameter.
     slopes: Vec<Vec<Slope>>,
     found: BTreeMap<(String, String), Found>,
@@ -51,12 +52,13 @@ impl Survey {
     /// When a row cannot be read.
     pub fn of(rows: impl Iterator<Item = Result<Row>>, most_fdr: f64) -> Result<Self> {
         let all = Collected::of(rows)?;
-        let Parameters { trends, differences, spreads, slopes } = parameters(&all);
+        let Parameters { trends, differences, spreads, undetermined, slopes } = parameters(&all);
         let (trends_tested, differences_tested) = (trends.len(), differences.len());
         Ok(Self {
             counts: all.counts,
             machines: machines(all.machines),
             parameters: spreads,
+            undetermined,
             slopes,
             found: all.found,
             trends: discoveries(trends, most_fdr, |one| (&mut one.q_value, one.p_value)),
@@ -90,6 +92,7 @@ impl Survey {
             differences: self.differences.iter().filter(|one| one.q_value <= fdr).cloned().collect(),
             differences_tested: self.differences_tested,
             parameters: self.parameters(fdr),
+            undetermined: self.undetermined.clone(),
             troubles: self.troubles.clone(),
         }
     }

@@ -33,7 +33,9 @@ pub(crate) fn of(summary: &Summary) -> String {
     text.push_str(&listed(&["effect", "machines", "median size"], &[false, true, false], rows));
     text.push_str(&trends(summary));
     text.push_str(&differences(summary));
-    text.push_str(&parameters(summary));
+    if let Some(sensitivity) = socam_fleet::words::sensitivity(summary) {
+        text.push_str(&format!("\n{sensitivity}\n"));
+    }
     if !summary.troubles.is_empty() {
         text.push_str(&format!("\nWithout a verdict: {}\n", unreadable + unfit + failed));
         for trouble in summary.troubles.iter().take(MOST) {
@@ -70,26 +72,6 @@ fn differences(summary: &Summary) -> String {
     });
     let names = ["machine", "parameter", "value", "sisters", "their spread", "deviations"];
     head + &listed(&names, &[false, false, true, true, true, true], rows)
-}
-
-fn parameters(summary: &Summary) -> String {
-    if summary.parameters.is_empty() {
-        return String::new();
-    }
-    let share = |value: Option<f64>| {
-        value.map_or_else(String::new, |share| format!("{} %", table::short(100.0 * share)))
-    };
-    let rows = summary.parameters.iter().map(|one| {
-        vec![
-            format!("{}, {}", one.parameter, one.unit),
-            one.machines.to_string(),
-            table::number(one.median),
-            share(one.between_std.map(|std| (std / one.median).abs())),
-            share(one.detectable_change),
-        ]
-    });
-    let names = ["parameter", "machines", "median", "spread", "change that would be listed (80 %)"];
-    "\nParameters of the fleet\n".to_owned() + &listed(&names, &[false, true, true, true, true], rows)
 }
 
 fn listed(head: &[&str], right: &[bool], rows: impl ExactSizeIterator<Item = Vec<String>>) -> String {
