@@ -70,12 +70,14 @@ impl VirtualFleet {
         let (faulty, worn) = (count(plan.faulty_share), count(plan.worn_share));
         let mut machines: Vec<FleetMachine> =
             (0..plan.machines).map(|number| sister(plan, number, &mut random)).collect();
+        // Fleets of few faulty machines have other faults with other seeds.
+        let turn = (plan.seed % 1_000_000) as usize;
         for (rank, number) in order.into_iter().enumerate().take(faulty + worn) {
             let machine = &mut machines[number];
             if rank < faulty && !plan.faults.is_empty() {
-                machine.fault = Some(sized(&plan.faults[rank % plan.faults.len()], &mut random));
+                machine.fault = Some(sized(&plan.faults[(turn + rank) % plan.faults.len()], &mut random));
             } else if rank >= faulty && !plan.wear.is_empty() {
-                machine.wear = Some(plan.wear[rank % plan.wear.len()].clone());
+                machine.wear = Some(plan.wear[(turn + rank) % plan.wear.len()].clone());
             }
         }
         Self { machines, model: plan.model.clone(), dates: plan.dates }
