@@ -1,6 +1,6 @@
 //! Power and false discoveries of fleets whose truth is known.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -130,16 +130,19 @@ fn of_faults(
     }
 }
 
-/// A trend of another parameter of a machine that wears is not false: its parameters are estimated together.
+/// A machine that wears is found by a trend of any of its parameters in the direction of the wear: by that of a combination where the
+/// parameter itself is not determined.
 fn of_trends(summary: &Summary, truth: &BTreeMap<&str, &FleetMachine>) -> Tally {
     let wears = |machine: &str| truth[machine].wear.is_some();
-    let is_right = |one: &socam_fleet::Trend| {
+    let is_right = |one: &&socam_fleet::Trend| {
         let wear = truth[one.machine.as_str()].wear.as_ref();
-        wear.is_some_and(|wear| wear.name == one.parameter && wear.value.signum() == one.change.signum())
+        wear.is_some_and(|wear| wear.value.signum() == one.change.signum())
     };
+    let found: BTreeSet<&str> =
+        summary.trends.iter().filter(is_right).map(|one| one.machine.as_str()).collect();
     Tally {
         there: truth.values().filter(|machine| machine.wear.is_some()).count(),
-        found: summary.trends.iter().filter(|one| is_right(one)).count(),
+        found: found.len(),
         listed: summary.trends.len(),
         wrong: summary.trends.iter().filter(|one| !wears(&one.machine)).count(),
     }
