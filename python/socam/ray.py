@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 from urllib.parse import quote, unquote
 
 import numpy as np
@@ -25,9 +25,6 @@ from socam._files import StorageOptions
 from socam._progress import Progress, reporter
 from socam.fleet import row_of, task
 from socam.model import Model
-
-if TYPE_CHECKING:
-    import ray.data
 
 __all__ = ["Recording", "diagnose", "recordings"]
 
@@ -137,25 +134,15 @@ def _named(places: Iterable[str | os.PathLike[str] | Recording], storage_options
 class _Worker:
     """An actor: makes the rows of recordings, one at a time, on one thread."""
 
-    def __init__(
-        self,
-        model: str,
-        options: str,
-        seed: int,
-        storage_options: StorageOptions,
-        known: "ray.ObjectRef[dict[str, list[str]]]",
-    ) -> None:
-        import ray
-
+    def __init__(self, model: str, options: str, seed: int, storage_options: StorageOptions) -> None:
         self._task = _socam.FleetTask(_socam.Model(model), options, seed)
         self._storage_options = storage_options
-        self._known: dict[str, list[str]] = ray.get(known)
 
     def __call__(self, batch: dict[str, Any]) -> dict[str, Any]:
         results = [self._one(*values) for values in zip(*(batch[name] for name in _COLUMNS), strict=True)]
         return {"name": batch["name"], "id": [one[0] for one in results], "row": [one[1] for one in results]}
 
-    def _one(self, name: str, place: str, machine: str, date_ms: float) -> tuple[str, bytes]:
+    def _one(self, name: str, place: str, machine: str, date_ms: float, known: str) -> tuple[str, bytes]:
         id_, row = row_of(
             self._task,
             str(name),
@@ -163,12 +150,12 @@ class _Worker:
             self._storage_options,
             machine=str(machine) or None,
             date_ms=None if np.isnan(date_ms) else int(date_ms),
-            known=self._known.get(str(name)),
+            known=str(known).split() or None,
         )
         return id_, b"" if row is None else row.to_bytes()
 
 
-_COLUMNS = ("name", "place", "machine", "date_ms")
+_COLUMNS = ("name", "place", "machine", "date_ms", "known")
 
 
 def diagnose(
@@ -276,13 +263,20 @@ def _rows(
     workers = workers or max(1, int(ray.cluster_resources().get("CPU", 1)))
     workers = min(workers, len(found))
     blocks = max(-(-len(found) // _BLOCK_ROWS), min(len(found), 4 * workers))
+    # Ids that are done go with their recording, so that a worker that is started again needs nothing else.
     items = [
-        {"name": one.name, "place": one.place, "machine": one.machine or "", "date_ms": float("nan") if one.date_ms is None else one.date_ms}
+        {
+            "name": one.name,
+            "place": one.place,
+            "machine": one.machine or "",
+            "date_ms": float("nan") if one.date_ms is None else one.date_ms,
+            "known": " ".join(known.get(one.name, ())),
+        }
         for one in found
     ]
     rows = ray.data.from_items(items, override_num_blocks=blocks).map_batches(
         _Worker,
-        fn_constructor_args=(*made_with, ray.put(known)),
+        fn_constructor_args=made_with,
         batch_size=1,
         batch_format="numpy",
         num_cpus=1,
