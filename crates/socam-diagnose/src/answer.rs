@@ -24,7 +24,7 @@ use inputs::Inputs;
 const CONTRADICTION: f64 = 2.0;
 /// Mean square of the whitened residuals of all channels, in units of sensor noise, above which the model is called inadequate. Complete
 /// models with a noisy input and coarse converters leave up to 1.09.
-pub(crate) const INADEQUATE: f64 = 1.2;
+pub const INADEQUATE: f64 = 1.2;
 
 /// The document. `cpu_s` is the processor time that the diagnosis took, s.
 pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, IdentifyError> {

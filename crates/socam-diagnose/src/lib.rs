@@ -72,6 +72,7 @@ mod spectrum;
 pub mod steady;
 mod words;
 
+pub use answer::INADEQUATE;
 pub use diagnose::{Answer, DiagnoseError, diagnose};
 pub use options::Options;
 pub use screening::{Frozen, Screening, Suspect, screen};

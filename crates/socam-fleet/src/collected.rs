@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use socam_diagnose::INADEQUATE;
+
 use crate::error::Result;
 use crate::row::{Finding, Row, Stage, Status, Verdict};
 use crate::statistics::trend::Point;
@@ -97,6 +99,8 @@ pub(crate) struct Found {
 pub(crate) struct Known {
     pub(crate) counts: Counts,
     pub(crate) p_values: Vec<f64>,
+    /// Whether any recording has a finding or a residual that matters.
+    pub(crate) is_material: bool,
     /// Material findings, as `EFFECT@PLACE`.
     pub(crate) findings: BTreeSet<String>,
     /// By parameter: estimates. A day is NaN where no date is known.
@@ -113,6 +117,13 @@ pub(crate) struct Collected {
     /// By effect and place.
     pub(crate) found: BTreeMap<(String, String), Found>,
     pub(crate) troubles: Vec<Trouble>,
+}
+
+/// Whether what stands out matters: its diagnosis has a finding or an unexplained rest, or the residual has clearly more power than the
+/// noise.
+fn is_material(row: &Row) -> bool {
+    matches!(row.verdict, Some(Verdict::MissingPhysics | Verdict::Unexplained))
+        || row.excess.is_some_and(|excess| excess > INADEQUATE)
 }
 
 impl Collected {
@@ -145,6 +156,7 @@ impl Collected {
         let machine = self.machines.entry(row.machine_name().to_owned()).or_default();
         machine.counts.take(row);
         machine.p_values.extend(row.p_value);
+        machine.is_material |= is_material(row);
         machine.findings.extend(row.findings.iter().filter(|one| one.material).map(Finding::key));
         for (index, point) in parameters {
             machine.estimates.entry(index).or_default().push(point);

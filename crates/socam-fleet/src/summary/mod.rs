@@ -29,7 +29,7 @@ pub struct Summary {
     pub counts: Counts,
     /// Number of machines.
     pub machines: usize,
-    /// Machines that stand out in the screening, the smallest p-value first.
+    /// Machines that stand out in the screening by something that matters, the smallest p-value first.
     pub faulty: Vec<Faulty>,
     /// Their findings by effect and place, those on the most machines first.
     pub groups: Vec<Group>,

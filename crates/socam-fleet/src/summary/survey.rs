@@ -41,6 +41,8 @@ pub struct Machine {
     pub counts: Counts,
     /// p-value over its recordings, and the smallest false discovery rate at which it is listed; `None` where none was screened.
     pub p_and_q: Option<(f64, f64)>,
+    /// Whether anything that stands out in it matters; it is not listed otherwise.
+    pub is_material: bool,
     /// What was found in any of its recordings, as `EFFECT@PLACE`.
     pub findings: Vec<String>,
 }
@@ -111,7 +113,7 @@ impl Survey {
     }
 
     fn faulty(&self, fdr: f64) -> Vec<Faulty> {
-        let listed = self.machines.iter().filter_map(|machine| {
+        let listed = self.machines.iter().filter(|machine| machine.is_material).filter_map(|machine| {
             let (p_value, q_value) = machine.p_and_q.filter(|(_, q)| *q <= fdr)?;
             Some(Faulty {
                 machine: machine.name.clone(),
@@ -134,6 +136,7 @@ fn machines(known: BTreeMap<String, Known>) -> Vec<Machine> {
     let each = known.into_iter().map(|(name, known)| Machine {
         name,
         p_and_q: if known.p_values.is_empty() { None } else { tests.next() },
+        is_material: known.is_material,
         counts: known.counts,
         findings: known.findings.into_iter().collect(),
     });
