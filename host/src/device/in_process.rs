@@ -74,9 +74,10 @@ fn serve(
 impl Read for InProcess {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.read == self.incoming.len() {
-            let gone = || io::Error::other("the virtual board is gone");
-            self.to_board.send(std::mem::take(&mut self.outgoing)).map_err(|_| gone())?;
-            let answer = self.from_board.recv().map_err(|_| gone())?;
+            // A board that has ended takes nothing any more, and has left its reason.
+            let _ = self.to_board.send(std::mem::take(&mut self.outgoing));
+            let answer = self.from_board.recv();
+            let answer = answer.map_err(|_| io::Error::other("the virtual board is gone"))?;
             self.incoming = answer.map_err(io::Error::other)?;
             self.read = 0;
         }
