@@ -50,14 +50,29 @@ pub struct Slope {
     pub freedom: f64,
 }
 
-impl Slope {
-    /// The change from the first date to the last, as a share of the level, that is found with a probability of 80 % by a two-sided test
-    /// of this size; `None` where the level is zero.
+/// How well changes from the first date to the last are known in the usual machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensitivity {
+    /// Standard error of the change, as a share of the level: median over machines.
+    relative_std: f64,
+    freedom: f64,
+}
+
+impl Sensitivity {
+    /// Of the slopes of all machines; `None` without one whose level is not zero.
+    #[must_use]
+    pub fn of(slopes: &[Slope]) -> Option<Self> {
+        let each = slopes.iter().map(|slope| (slope.std * slope.span_days / slope.level).abs());
+        let mut each: Vec<f64> = each.filter(|std| std.is_finite()).collect();
+        let freedom = slopes.first()?.freedom;
+        Some(Self { relative_std: median(&mut each), freedom }).filter(|one| one.relative_std.is_finite())
+    }
+
+    /// The change, as a share of the level, that is found with a probability of 80 % by a two-sided test of this size.
     #[must_use]
     pub fn detectable(&self, p_value: f64) -> Option<f64> {
         let t = StudentsT::new(0.0, 1.0, self.freedom).ok()?;
-        let errors = t.inverse_cdf(1.0 - 0.5 * p_value) + t.inverse_cdf(POWER);
-        Some((errors * self.std * self.span_days / self.level).abs()).filter(|change| change.is_finite())
+        Some((t.inverse_cdf(1.0 - 0.5 * p_value) + t.inverse_cdf(POWER)) * self.relative_std)
     }
 }
 
@@ -175,7 +190,8 @@ mod tests {
         let small = found.iter().flatten().filter(|slope| slope.p_value < 0.05).count();
         assert!((15..=45).contains(&small), "{small}");
         // Four of five machines whose slope is the smallest that is detectable are found.
-        let least = found[1].unwrap().detectable(0.001).unwrap() * 10.0 / 150.0;
+        let all: Vec<Slope> = found.iter().flatten().copied().collect();
+        let least = Sensitivity::of(&all).unwrap().detectable(0.001).unwrap() * 10.0 / 150.0;
         let (same, _) = slopes(&fleet(least));
         let seen = same.iter().step_by(20).filter(|slope| slope.unwrap().p_value < 0.001).count();
         assert!((13..=19).contains(&seen), "{seen} of 20");

@@ -5,7 +5,7 @@ use crate::collected::Collected;
 use crate::statistics::{
     median,
     sisters::{self, Value},
-    trend::{self, Point, Slope},
+    trend::{self, Point, Sensitivity, Slope},
 };
 
 /// Days of a year.
@@ -18,8 +18,8 @@ pub(super) struct Parameters {
     pub(super) spreads: Vec<Spread>,
     /// Those that no recording determines.
     pub(super) undetermined: Vec<String>,
-    /// Slopes of all machines, by parameter.
-    pub(super) slopes: Vec<Vec<Slope>>,
+    /// By parameter, beside the spreads.
+    pub(super) sensitivities: Vec<Option<Sensitivity>>,
 }
 
 pub(super) fn parameters(all: &Collected) -> Parameters {
@@ -28,7 +28,7 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
         differences: Vec::new(),
         spreads: Vec::new(),
         undetermined: Vec::new(),
-        slopes: Vec::new(),
+        sensitivities: Vec::new(),
     };
     for (index, (name, unit)) in all.parameters.iter().enumerate() {
         let own: Vec<(&String, &Vec<Point>)> = all
@@ -46,7 +46,8 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
             Some(trend(machine, (name, unit), points.len(), slope.as_ref()?))
         });
         found.trends.extend(trends);
-        found.slopes.push(slopes.into_iter().flatten().collect());
+        let slopes: Vec<Slope> = slopes.into_iter().flatten().collect();
+        found.sensitivities.push(Sensitivity::of(&slopes));
         let means: Vec<(&String, Value)> = own
             .iter()
             .filter_map(|(machine, points)| {
@@ -73,12 +74,6 @@ pub(super) fn parameters(all: &Collected) -> Parameters {
         });
     }
     found
-}
-
-/// The change that a test of this size finds in the usual machine.
-pub(super) fn detectable(slopes: &[Slope], p_value: f64) -> Option<f64> {
-    let mut changes: Vec<f64> = slopes.iter().filter_map(|slope| slope.detectable(p_value)).collect();
-    Some(median(&mut changes)).filter(|change| change.is_finite())
 }
 
 fn trend(machine: &str, (name, unit): (&str, &str), recordings: usize, slope: &Slope) -> Trend {

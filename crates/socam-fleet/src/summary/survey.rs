@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::parameters::{Parameters, detectable, parameters};
+use super::parameters::{Parameters, parameters};
 use super::{Different, Faulty, Group, SUMMARY_SCHEMA, Spread, Summary, Trend};
 use crate::collected::{Collected, Counts, Found, Known, Trouble};
 use crate::error::Result;
@@ -10,7 +10,7 @@ use crate::row::Row;
 use crate::statistics::{
     discovery::{adjusted, simes},
     median,
-    trend::Slope,
+    trend::Sensitivity,
 };
 
 /// What the rows of a fleet say together, before a false discovery rate is chosen.
@@ -22,8 +22,8 @@ pub struct Survey {
     pub machines: Vec<Machine>,
     parameters: Vec<Spread>,
     undetermined: Vec<String>,
-    /// Slopes over the dates of all machines, by parameter.
-    slopes: Vec<Vec<Slope>>,
+    /// By parameter, beside the spreads.
+    sensitivities: Vec<Option<Sensitivity>>,
     found: BTreeMap<(String, String), Found>,
     trends: Vec<Trend>,
     trends_tested: usize,
@@ -54,14 +54,14 @@ impl Survey {
     /// When a row cannot be read.
     pub fn of(rows: impl Iterator<Item = Result<Row>>, most_fdr: f64) -> Result<Self> {
         let all = Collected::of(rows)?;
-        let Parameters { trends, differences, spreads, undetermined, slopes } = parameters(&all);
+        let Parameters { trends, differences, spreads, undetermined, sensitivities } = parameters(&all);
         let (trends_tested, differences_tested) = (trends.len(), differences.len());
         Ok(Self {
             counts: all.counts,
             machines: machines(all.machines),
             parameters: spreads,
             undetermined,
-            slopes,
+            sensitivities,
             found: all.found,
             trends: discoveries(trends, most_fdr, |one| (&mut one.q_value, one.p_value)),
             trends_tested,
@@ -104,9 +104,9 @@ impl Survey {
     pub fn parameters(&self, fdr: f64) -> Vec<Spread> {
         // What a machine that is alone in the list has to pass.
         let p_value = fdr / self.trends_tested.max(1) as f64;
-        let each = self.parameters.iter().zip(&self.slopes);
-        each.map(|(spread, slopes)| Spread {
-            detectable_change: detectable(slopes, p_value),
+        let each = self.parameters.iter().zip(&self.sensitivities);
+        each.map(|(spread, known)| Spread {
+            detectable_change: known.and_then(|known| known.detectable(p_value)),
             ..spread.clone()
         })
         .collect()

@@ -200,7 +200,7 @@ fn reference(
         None => output::warn(
             "no --reference: the noise is taken from each recording itself, so that a sensor that became noisier is not seen",
         ),
-        Some(frozen) if frozen.excess > EXCESS => output::warn(format_args!(
+        Some(frozen) if frozen.excess > socam_diagnose::INADEQUATE => output::warn(format_args!(
             "{} leaves {:.1} times the power of noise in the reference itself: correct the model with `diagnose` first, or every machine stands out",
             model.name, frozen.excess
         )),
@@ -211,9 +211,6 @@ fn reference(
     }
     Ok(found)
 }
-
-/// Mean square of the reference's whitened residuals, in units of its noise, above which the model is called incomplete.
-const EXCESS: f64 = 1.2;
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
