@@ -9,7 +9,7 @@ mod batch;
 mod collected;
 mod error;
 mod fill;
-pub mod labels;
+mod labels;
 mod listing;
 mod one;
 mod options;
