@@ -31,7 +31,8 @@ pub struct Diagnosis {
     /// Cross-validation among the training recordings: leave one recording out, or blocks.
     #[serde(default)]
     pub selection: Option<Validation>,
-    /// Validation on held-out recordings, which are opened after the last choice; `None` if none was held out or nothing was found.
+    /// Validation on held-out recordings, which are read only after the last choice; until then only their checksums are compared. `None` if
+    /// none was held out or there is no corrected model.
     #[serde(default)]
     pub held_out: Option<HeldOut>,
     /// Findings, strongest first; unique in effect and location.
@@ -106,6 +107,8 @@ pub enum ProofOutcome {
     Holds,
     /// It does not.
     Failed,
+    /// The held-out recordings could not be used. A warning says why.
+    Unusable,
 }
 
 /// A recording and what it was used for.

@@ -17,7 +17,8 @@ mod tests;
 
 pub use socam_model::drawing::PlaceMark;
 
-use crate::document::{Diagnosis, Finding, ProofOutcome, UNEXPLAINED, Verdict};
+use crate::document::{Diagnosis, Finding, UNEXPLAINED, Verdict};
+use crate::proof::Proof;
 use crate::words;
 
 /// Weight of a competing explanation, as a share of the finding's own, from which on both stand in the headline. Odds below 3 to 1 are "not
@@ -67,7 +68,7 @@ pub struct Claim {
 #[must_use]
 pub fn headline(diagnosis: &Diagnosis) -> Headline {
     let claims: Vec<Claim> = diagnosis.findings.iter().map(claim::claim).collect();
-    let failed = diagnosis.held_out.as_ref().is_some_and(|proof| proof.outcome == ProofOutcome::Failed);
+    let failed = matches!(Proof::of(diagnosis), Proof::Failed(_));
     let tone = match diagnosis.verdict {
         Verdict::Adequate => Tone::Adequate,
         _ if failed => Tone::Contradicted,

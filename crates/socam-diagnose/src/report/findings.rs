@@ -1,6 +1,7 @@
 //! Findings as HTML: sentence, law, parameters, localisation, evidence and competing models of each.
 
 use maud::{Markup, html};
+use socam_answer::Proof;
 use socam_model::{Model, Motion};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
@@ -8,7 +9,7 @@ use super::{drawing, words};
 use crate::document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED};
 
 /// One finding, numbered from 1 as in the drawing.
-pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup {
+pub(super) fn finding(finding: &Finding, number: usize, model: &Model, proof: Proof<'_>) -> Markup {
     html! {
         article class="finding" id=(format!("finding-{number}")) {
             h3 {
@@ -23,7 +24,7 @@ pub(super) fn finding(finding: &Finding, number: usize, model: &Model) -> Markup
                     (region(finding, model.motion))
                 }
                 div {
-                    (evidence(finding))
+                    (evidence(finding, proof))
                     (rivals(finding))
                 }
             }
@@ -97,12 +98,13 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
 }
 
 /// Test results of a finding.
-fn evidence(finding: &Finding) -> Markup {
+fn evidence(finding: &Finding, proof: Proof<'_>) -> Markup {
     let evidence = &finding.evidence;
     let percent = |value: Option<f64>| match value.filter(|value| value.is_finite()) {
         Some(value) => format!("{} %", words::rough(value)),
         None => "–".to_owned(),
     };
+    let gain = proof.tried_on().zip(proof.gain_percent(finding));
     html! {
         h4 { "Why it is believed" }
         dl {
@@ -114,8 +116,8 @@ fn evidence(finding: &Finding) -> Markup {
                 dt { "Gain in log score, cross-validated" }
                 dd { (words::rough(gain)) " (standard error " (words::rough(std)) ")" }
             }
-            dt { "Misfit removed from held-out recordings" }
-            dd { (percent(evidence.holdout_gain_percent)) }
+            dt { "Misfit removed from " (gain.map_or("held-out recordings", |(data, _)| data)) }
+            dd { (percent(gain.map(|(_, gain)| gain))) }
             @if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
                 dt { "Moves " (channel) " by" }
                 dd { (words::rough(share)) " % of its standard deviation" @if evidence.material == Some(false) { ", less than the tolerance" } }

@@ -3,7 +3,10 @@
 use maud::{Markup, html};
 use socam_model::Model;
 
-use socam_answer::headline::{self, Headline, PlaceMark, Tone};
+use socam_answer::{
+    Proof,
+    headline::{self, Headline, PlaceMark, Tone},
+};
 
 use super::{Provenance, drawing, findings, method, picture, residuals, tables, words};
 use crate::{Diagnosis, Evidence};
@@ -164,7 +167,7 @@ fn bench(diagnosis: &Diagnosis, headline: &Headline, model: &Model) -> Markup {
 fn missing(diagnosis: &Diagnosis, model: &Model) -> Markup {
     html! {
         @for (index, finding) in diagnosis.findings.iter().enumerate() {
-            (findings::finding(finding, index + 1, model))
+            (findings::finding(finding, index + 1, model, Proof::of(diagnosis)))
         }
     }
 }
