@@ -98,9 +98,14 @@ pub(crate) fn open_regular(run: &str) -> anyhow::Result<Dataset> {
 /// The same for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
 /// that bend at their samples.
 pub(crate) fn open_for(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let data = socam_expectation::on_regular_grid(socam_import::open(run)?, model, parts)?;
+    let data = open_silently(run, model, parts)?;
     say_warnings(run, &data);
     Ok(data)
+}
+
+/// As [`open_for`], without a word about the recording's warnings.
+pub(crate) fn open_silently(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
+    Ok(socam_expectation::on_regular_grid(socam_import::open(run)?, model, parts)?)
 }
 
 /// Says a recording's warnings.

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use socam_diagnose::{Answer, Options, report};
+use socam_diagnose::{Answer, HeldOut, Options, report};
+use socam_recording::Dataset;
 
 use crate::errors::Raised;
 use crate::identification::start_state;
@@ -95,11 +96,13 @@ pub(crate) fn diagnose(
     let model = model.0.clone();
     // Outputs that are missing at most grid points would have no spectra.
     let training = recording::for_fit(&recordings, &model, 1)?;
-    let holdout = recording::for_fit(&holdout, &model, 1)?;
+    let holdout: Vec<Dataset> = holdout.iter().map(|recording| recording.get().data.clone()).collect();
     let own = model.clone();
     let answer = waiting::run(py, progress.as_ref(), move |shared| {
+        let prepare = |data| socam_expectation::on_regular_grid(data, &own, 1);
+        let held_out = holdout.into_iter().fold(HeldOut::none(), |all, data| all.with_dataset(data, prepare));
         let options = Options { watch: waiting::watch(shared), ..options };
-        socam_diagnose::diagnose(&own, &training, &holdout, &options)
+        socam_diagnose::diagnose(&own, &training, held_out, &options)
     })?;
     Ok(Diagnosis { answer: answer.map_err(Raised::raised)?, model })
 }

@@ -16,7 +16,7 @@ pub(super) fn method(diagnosis: &Diagnosis, provenance: &Provenance, written: &[
     let proof = match (&diagnosis.held_out, diagnosis.validation) {
         (Some(held_out), _) => held_out.sentence.as_str(),
         (None, Validation::Holdout) => {
-            "Held-out recordings were opened after the last choice, and never fitted."
+            "Held-out recordings were read only after the last choice, and never fitted; until then only their checksums were compared."
         }
         (None, _) => "No recording was held out, so that nothing here is proven beyond that.",
     };

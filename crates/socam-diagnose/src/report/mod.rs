@@ -70,10 +70,11 @@ pub fn picture_of(diagnosis: &Diagnosis) -> Option<String> {
 /// [`ReportError`] with the path.
 ///
 /// ```
-/// use socam_diagnose::{Options, diagnose, report};
+/// use socam_diagnose::{HeldOut, Options, diagnose, report};
 ///
 /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
-/// let answer = diagnose(&model, &recordings[..1], &[], &Options { most_effects: 1, ..Options::default() })?;
+/// let options = Options { most_effects: 1, ..Options::default() };
+/// let answer = diagnose(&model, &recordings[..1], HeldOut::none(), &options)?;
 /// # let folder = tempfile::tempdir()?;
 /// # let folder = folder.path();
 /// let made = report::Provenance::default();
