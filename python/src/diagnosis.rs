@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use socam_diagnose::{Answer, HeldOut, Options, report};
+use socam_answer::headline::marks;
+use socam_diagnose::{Answer, HeldOut, Options};
 use socam_recording::Dataset;
+use socam_report::{Provenance, diagnosis};
 
 use crate::errors::Raised;
 use crate::identification::start_state;
@@ -44,20 +46,20 @@ impl Diagnosis {
 
     /// The bench with the places of the findings, as SVG.
     fn drawing(&self) -> String {
-        report::bench_of(&self.answer.diagnosis, &self.model)
+        socam_report::bench::svg(&self.model, &marks(&self.answer.diagnosis))
     }
 
     /// The most improved channel, measured and predicted, as SVG.
     fn picture(&self) -> Option<String> {
-        report::picture_of(&self.answer.diagnosis)
+        diagnosis::picture(&self.answer.diagnosis)
     }
 
     /// Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
     fn report(&self, py: Python<'_>, folder: PathBuf, date: String) -> PyResult<()> {
-        let Answer { diagnosis, evidence, model_toml } = &self.answer;
-        let made = report::Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };
+        let Answer { diagnosis: document, evidence, model_toml } = &self.answer;
+        let made = Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };
         let models = (&self.model, Some(model_toml.as_str()));
-        let written = py.detach(|| report::write(&folder, diagnosis, evidence, models, &made));
+        let written = py.detach(|| diagnosis::write(&folder, document, evidence, models, &made));
         written.map_err(Raised::raised)
     }
 }

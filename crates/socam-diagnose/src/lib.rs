@@ -8,12 +8,12 @@
 //! * [`diagnose_steady`] compares it with tables of steady operating points ([`steady`]).
 //! * [`Options`] and [`SteadyOptions`] hold the false-alarm rate and the limits of the search.
 //! * [`Answer`] holds the [`Diagnosis`], which scripts read ([`document`]), the [`Evidence`] for pictures ([`evidence`]) and the corrected
-//!   model; [`report::write`] makes a page of these.
+//!   model. `socam_report::diagnosis` makes a page of these.
 //!
 //! All quantities are in SI, with the unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 //!
 //! ```no_run
-//! use socam_diagnose::{HeldOut, Options, diagnose, report};
+//! use socam_diagnose::{HeldOut, Options, diagnose};
 //! use socam_model::Model;
 //! use socam_recording::Dataset;
 //!
@@ -26,9 +26,7 @@
 //!     for finding in &answer.diagnosis.findings {
 //!         println!("{} at {}: {}", finding.effect, finding.location, finding.sentence);
 //!     }
-//!     let directory = std::path::Path::new("report");
-//!     let made = report::Provenance { command: "my program".into(), ..report::Provenance::default() };
-//!     report::write(directory, &answer.diagnosis, &answer.evidence, (&model, Some(&answer.model_toml)), &made)?;
+//!     std::fs::write("corrected.toml", &answer.model_toml)?;
 //!     Ok(())
 //! }
 //! ```
@@ -63,7 +61,6 @@ mod prescribed;
 mod proof;
 pub mod ranking;
 mod region;
-pub mod report;
 mod scales;
 mod score_test;
 mod screening;

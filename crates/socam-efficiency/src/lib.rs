@@ -2,13 +2,12 @@
 //!
 //! [`measure`] turns recordings into [`Moment`]s, fits [`Losses`] to them, and compares both tachometers. In a positive drive (gears,
 //! shafts and couplings that cannot slip) the speed ratio is fixed, efficiency is a ratio of torques, and a difference between speeds is
-//! a gain error of a tachometer. [`map`] draws efficiency over speed and torque.
+//! a gain error of a tachometer.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 
 mod error;
 mod losses;
-pub mod map;
 mod moments;
 mod section;
 mod tachometers;

@@ -138,7 +138,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let Answer { diagnosis, evidence, model_toml } = &answer;
     if let Some(dir) = &args.report {
         let made = provenance::of(&args.model, &model, args.runs.iter().chain(&args.holdout))?;
-        socam_diagnose::report::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
+        socam_report::diagnosis::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;

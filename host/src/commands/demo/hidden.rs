@@ -43,7 +43,7 @@ pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcom
     let report = dir.join("report");
     let made = provenance::of(MODEL, model, &names)?;
     let Answer { diagnosis, evidence, model_toml } = &answer;
-    socam_diagnose::report::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
+    socam_report::diagnosis::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     output::print(&format!("\nDiagnosis: {}", diagnose::text(&answer.diagnosis)))?;
     output::print(&format!("\nConcealed was {HIDDEN}.\n"))?;
     Ok(outcome)

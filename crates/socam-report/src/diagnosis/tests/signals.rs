@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::sample::CHANNELS;
-use crate::{
+use socam_answer::{
     document::{Overlay, RecordingUse},
     evidence::*,
 };
+
+use super::sample::CHANNELS;
 
 /// Numbers that look like noise, the same on every machine.
 struct Noise(u64);

@@ -1,9 +1,10 @@
 //! How a report was made: recordings, cross-validation, false-alarm rate, command, date, and hashes of files.
 
 use maud::{Markup, html};
+use socam_answer::{Diagnosis, document::Validation};
 
-use super::{FileHash, Provenance, tables, words};
-use crate::{Diagnosis, document::Validation};
+use super::{tables, words};
+use crate::{FileHash, Provenance, scaffold::hashes};
 
 /// The section. `written` are the hashes of the files beside the page.
 pub(super) fn method(diagnosis: &Diagnosis, provenance: &Provenance, written: &[FileHash]) -> Markup {
@@ -39,18 +40,5 @@ pub(super) fn method(diagnosis: &Diagnosis, provenance: &Provenance, written: &[
         }
         (hashes("File that was read", &provenance.files))
         (hashes("File beside this page", written))
-    }
-}
-
-fn hashes(head: &str, files: &[FileHash]) -> Markup {
-    html! {
-        @if !files.is_empty() {
-            div class="scroll" {
-                table class="hashes" {
-                    thead { tr { th { (head) } th { "SHA-256" } } }
-                    tbody { @for file in files { tr { td { code { (file.name) } } td { code { (file.sha256) } } } } }
-                }
-            }
-        }
     }
 }

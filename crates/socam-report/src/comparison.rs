@@ -1,53 +1,51 @@
 //! A comparison as a page: measured against simulated first.
 
 use maud::{Markup, Render, html};
-use socam_plot::{Axis, COLUMNS, Mark, Plot, Series, document, words};
+use socam_compare::{ChannelComparison, Comparison, Verdict, number, sentences};
+use socam_plot::{Axis, COLUMNS, Mark, Plot, Series, words};
 
-use crate::channel::ChannelComparison;
-use crate::words::{number, sentences};
-use crate::{Comparison, Verdict};
+use crate::scaffold::{self, Head, heading, heads};
 
-/// A self-contained HTML page. `about`: command, date and files, each a line.
+/// Heads of the table of channels.
+const CHANNELS: [&str; 8] =
+    ["channel", "unit", "std measured", "rms of error", "share", "delay, ms", "gain", "differs"];
+
+/// The page of a comparison as HTML. `about`: command, date and files, each a line.
 #[must_use]
 pub fn page(comparison: &Comparison, about: &[String]) -> String {
     let title = match comparison.verdict {
         Verdict::Agree => "Simulation and recording agree",
         Verdict::Differ => "Simulation and recording differ",
     };
-    let body = html! {
-        h1 { (title) }
-        p class="over" { (comparison.simulation) " beside " (comparison.recording) }
-        main {
-            section { @for sentence in sentences(comparison) { p { (sentence) } } (table(comparison)) }
-            @for channel in &comparison.channels { (section(channel)) }
-            section {
-                h2 { "About this comparison" }
-                @for warning in &comparison.warnings { p { (warning) } }
-                @for line in about { p { (line) } }
-            }
+    let over = html! { (comparison.simulation) " beside " (comparison.recording) };
+    let main = html! {
+        section { @for sentence in sentences(comparison) { p { (sentence) } } (table(comparison)) }
+        @for channel in &comparison.channels { (section(channel)) }
+        section {
+            h2 { "About this comparison" }
+            @for warning in &comparison.warnings { p { (warning) } }
+            @for line in about { p { (line) } }
         }
     };
-    document(title, "", &body).into_string()
+    scaffold::page(title, "", &heading(title, &over), &main)
 }
 
 fn table(comparison: &Comparison) -> Markup {
-    html! {
-        div class="scroll" { table {
-            tr { th { "channel" } th { "unit" } th { "std measured" } th { "rms of error" } th { "share" } th { "delay, ms" } th { "gain" } th { "differs" } }
-            @for channel in &comparison.channels {
-                tr {
-                    td { (channel.name) }
-                    td { (words::unit(channel.unit)) }
-                    td { (number(channel.measured_std)) }
-                    td { (number(channel.error_rms)) }
-                    td { (number(100.0 * channel.error_share)) " %" }
-                    td { (channel.delay_s.map_or_else(|| "-".into(), |delay| number(1e3 * delay.value))) }
-                    td { (channel.gain.map_or_else(|| "-".into(), |gain| number(gain.value))) }
-                    td { (if channel.differs { "yes" } else { "no" }) }
-                }
+    scaffold::table(&html! {
+        (heads(&CHANNELS.map(Head::Text)))
+        @for channel in &comparison.channels {
+            tr {
+                td { (channel.name) }
+                td { (words::unit(channel.unit)) }
+                td { (number(channel.measured_std)) }
+                td { (number(channel.error_rms)) }
+                td { (number(100.0 * channel.error_share)) " %" }
+                td { (channel.delay_s.map_or_else(|| "-".into(), |delay| number(1e3 * delay.value))) }
+                td { (channel.gain.map_or_else(|| "-".into(), |gain| number(gain.value))) }
+                td { (if channel.differs { "yes" } else { "no" }) }
             }
-        } }
-    }
+        }
+    })
 }
 
 fn section(channel: &ChannelComparison) -> Markup {
@@ -98,15 +96,15 @@ fn section(channel: &ChannelComparison) -> Markup {
         }],
         columns: COLUMNS,
     });
-    let lines = &drawn.spectra;
-    let skip = 1.min(lines.frequency_hz.len());
+    // A logarithmic axis has no zero.
+    let skip = 1.min(drawn.frequency_hz.len());
     let density = Plot {
         title: format!("Power density of {} and of its error", channel.name),
         x: Axis::logarithmic("frequency", "Hz"),
         y: Axis::logarithmic("power density", &format!("({})\u{b2}/Hz", channel.unit)),
         series: vec![
-            series("measured", "before", &lines.frequency_hz[skip..], &lines.measured[skip..]),
-            series("error", "third", &lines.frequency_hz[skip..], &lines.error[skip..]),
+            series("measured", "before", &drawn.frequency_hz[skip..], &drawn.measured_density[skip..]),
+            series("error", "third", &drawn.frequency_hz[skip..], &drawn.error_density[skip..]),
         ],
         columns: COLUMNS,
     };

@@ -1,9 +1,8 @@
 //! The first picture: measured against predicted before and after, and the residuals below.
 
 use maud::{Markup, html};
+use socam_answer::{Diagnosis, document::Overlay};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
-
-use crate::{Diagnosis, document::Overlay};
 
 /// Heights of both plots on a wide screen.
 const HEIGHTS: [f64; 2] = [270.0, 180.0];
@@ -40,7 +39,7 @@ pub(super) fn file(diagnosis: &Diagnosis) -> Option<String> {
     Some(signals(overlay, socam_plot::standalone))
 }
 
-/// The measured signal under both predictions, drawn in a way.
+/// Plots the measured signal with both predictions by `draw`.
 fn signals<T>(overlay: &Overlay, draw: impl FnOnce(&Plot<'_>) -> T) -> T {
     let [measured, before, after] =
         [&overlay.measured, &overlay.before, &overlay.after].map(|values| numbers(values));

@@ -1,11 +1,9 @@
 //! The report of a diagnosis: one page that explains it, its JSON document, and the corrected model.
 
-mod drawing;
 mod findings;
 mod method;
 mod page;
 mod picture;
-mod provenance;
 mod residuals;
 mod tables;
 mod words;
@@ -18,12 +16,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use socam_answer::{Diagnosis, Evidence, document::SuggestedExperiment};
 use socam_model::Model;
-use socam_recording::{OutputFile, RecordingError};
+use socam_recording::{OutputFile, ProfileFile, RecordingError};
 use thiserror::Error;
 
-use crate::{Diagnosis, Evidence, experiment};
-pub use provenance::{FileHash, Provenance};
+use crate::{FileHash, Provenance};
+pub(crate) use page::STYLE;
 
 /// A report that could not be written.
 #[derive(Debug, Error)]
@@ -41,24 +40,9 @@ pub enum ReportError {
     File(#[from] RecordingError),
 }
 
-/// A model's drawing as an SVG file, in light colours.
-///
-/// ```
-/// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
-/// assert!(socam_diagnose::report::drawing_of(&model).starts_with("<svg"));
-/// ```
-#[must_use]
-pub fn drawing_of(model: &Model) -> String {
-    drawing::file(model, page::STYLE, &[])
-}
-
-/// The bench with the places of the findings and of their rivals marked, as an SVG file in light colours.
-pub fn bench_of(diagnosis: &Diagnosis, model: &Model) -> String {
-    drawing::file(model, page::STYLE, &socam_answer::headline::marks(diagnosis))
-}
-
 /// The first picture of the page, the most improved channel measured and predicted, as an SVG file; `None` without recordings over time.
-pub fn picture_of(diagnosis: &Diagnosis) -> Option<String> {
+#[must_use]
+pub fn picture(diagnosis: &Diagnosis) -> Option<String> {
     picture::file(diagnosis)
 }
 
@@ -70,17 +54,18 @@ pub fn picture_of(diagnosis: &Diagnosis) -> Option<String> {
 /// [`ReportError`] with the path.
 ///
 /// ```
-/// use socam_diagnose::{HeldOut, Options, diagnose, report};
+/// use socam_answer::{Diagnosis, Evidence};
+/// use socam_model::Model;
+/// use socam_report::{Provenance, diagnosis};
 ///
-/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
-/// let options = Options { most_effects: 1, ..Options::default() };
-/// let answer = diagnose(&model, &recordings[..1], HeldOut::none(), &options)?;
+/// # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../socam-answer/src/headline/example.json"));
 /// # let folder = tempfile::tempdir()?;
 /// # let folder = folder.path();
-/// let made = report::Provenance::default();
-/// report::write(folder, &answer.diagnosis, &answer.evidence, (&model, Some(&answer.model_toml)), &made)?;
+/// let found: Diagnosis = serde_json::from_str(text)?;
+/// let (model, made) = (Model::builtin("speed-o-cam").expect("an embedded model"), Provenance::default());
+/// diagnosis::write(folder, &found, &Evidence::default(), (&model, None), &made)?;
 /// assert!(folder.join("index.html").exists() && folder.join("model.toml").exists());
-/// assert!(report::page(&answer.diagnosis, &answer.evidence, &model, &made).contains("guide"));
+/// assert!(diagnosis::page(&found, &Evidence::default(), &model, &made).contains("motor_bearing"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(
@@ -99,7 +84,7 @@ pub fn write(
     };
     keep("model.toml", corrected_model_toml.unwrap_or(&model.text).as_bytes())?;
     let next = dir.join("next.toml");
-    match diagnosis.suggested_experiment.as_ref().and_then(experiment::profile_text) {
+    match diagnosis.suggested_experiment.as_ref().and_then(profile_text) {
         Some(profile) => keep("next.toml", profile.as_bytes())?,
         // A file of an earlier diagnosis does not belong to this one.
         None if next.exists() => std::fs::remove_file(&next).map_err(|source| RecordingError::Io {
@@ -116,13 +101,22 @@ pub fn write(
     })?;
     json.push(b'\n');
     keep("diagnosis.json", &json)?;
-    let page = page::page(diagnosis, evidence, model, (provenance, &written)).into_string();
+    let page = page::page(diagnosis, evidence, model, (provenance, &written));
     write_file(&dir.join("index.html"), page.as_bytes())
 }
 
 /// The page's HTML, without hashes of files beside it.
+#[must_use]
 pub fn page(diagnosis: &Diagnosis, evidence: &Evidence, model: &Model, provenance: &Provenance) -> String {
-    page::page(diagnosis, evidence, model, (provenance, &[])).into_string()
+    page::page(diagnosis, evidence, model, (provenance, &[]))
+}
+
+/// Text of a suggestion's profile file for `record --profile`. Its purpose is the suggestion's sentence.
+fn profile_text(suggestion: &SuggestedExperiment) -> Option<String> {
+    let text = ProfileFile::built_in_text(&suggestion.profile).unwrap_or(&suggestion.profile);
+    let profile = ProfileFile::parse(text).ok()?;
+    let purpose = suggestion.sentence.replace('`', "");
+    Some(ProfileFile { purpose: Some(purpose), ..profile }.to_toml())
 }
 
 fn write_file(path: &Path, content: &[u8]) -> Result<(), ReportError> {

@@ -5,8 +5,7 @@ use socam_frequency::{
     response::{Driven, Line},
 };
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
-
-use crate::answer::{Answer, decibel};
+use socam_response::answer::{Answer, decibel};
 
 /// A series that owns its numbers.
 #[derive(Debug)]
@@ -78,20 +77,17 @@ impl Picture {
 }
 
 /// The axis of frequencies.
-#[must_use]
-pub fn frequency() -> Axis {
+pub(super) fn frequency() -> Axis {
     Axis::logarithmic("Frequency", "Hz")
 }
 
 /// Magnitudes, dB.
-#[must_use]
-pub fn decibels(values: &[Complex<f64>]) -> Vec<f64> {
+pub(super) fn decibels(values: &[Complex<f64>]) -> Vec<f64> {
     values.iter().map(|value| decibel(value.norm())).collect()
 }
 
 /// Unwrapped phases, degrees.
-#[must_use]
-pub fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
+pub(super) fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
     let mut turns = 0.0;
     let mut last: Option<f64> = None;
     values
@@ -109,7 +105,7 @@ pub fn unwrapped(values: &[Complex<f64>]) -> Vec<f64> {
 
 /// Plots of magnitude, phase, coherence and the output's lines.
 #[must_use]
-pub fn response(answer: &Answer<'_>) -> Vec<Picture> {
+pub fn pictures(answer: &Answer<'_>) -> Vec<Picture> {
     let lines = &answer.response.lines;
     let (output, input) = (&answer.pair.output.name, &answer.pair.input.name);
     let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();

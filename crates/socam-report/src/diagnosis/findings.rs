@@ -1,22 +1,25 @@
 //! Findings as HTML: sentence, law, parameters, localisation, evidence and competing models of each.
 
 use maud::{Markup, html};
-use socam_answer::Proof;
+use socam_answer::{
+    Proof,
+    document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED},
+};
 use socam_model::{Model, Motion};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
-use super::{drawing, words};
-use crate::document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED};
+use super::words;
+use crate::{bench, scaffold::prose};
 
 /// One finding, numbered from 1 as in the drawing.
 pub(super) fn finding(finding: &Finding, number: usize, model: &Model, proof: Proof<'_>) -> Markup {
     html! {
         article class="finding" id=(format!("finding-{number}")) {
             h3 {
-                (drawing::marker(number))
+                (bench::marker(number))
                 span { (words::effect(&finding.effect)) " at " code { (finding.location) } }
             }
-            p class="sentence" { (words::prose(&finding.sentence)) }
+            p class="sentence" { (prose(&finding.sentence)) }
             @if !finding.equation.is_empty() { p class="equation" { code { (finding.equation) } } }
             div class="columns" {
                 div {
@@ -87,7 +90,7 @@ fn region(finding: &Finding, motion: Motion) -> Markup {
     }
     html! {
         h4 { "Where it acts" }
-        @if !region.text.is_empty() { p { (words::prose(&region.text)) } }
+        @if !region.text.is_empty() { p { (prose(&region.text)) } }
         dl {
             @for (name, [low, high], unit) in ranges() {
                 dt { (name) }

@@ -8,6 +8,8 @@ use socam_model::{
     drawing::{Drawing, Item, Paint, PlaceMark, Point, Shape, Style, diamond},
 };
 
+use crate::diagnosis::STYLE;
+
 /// The drawing on a wide screen, and on a narrow one, where the chain is wrapped.
 const STYLES: [(&str, Style); 2] = [
     ("bench wide", Style { columns: 13, column_width: 88.0 }),
@@ -15,7 +17,7 @@ const STYLES: [(&str, Style); 2] = [
 ];
 
 /// The bench with marks at places or channels by name, for wide and for narrow screens.
-pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
+pub(crate) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
     html! {
         @for (class, style) in STYLES {
             @let drawing = Drawing::of(model, marks, style);
@@ -26,16 +28,23 @@ pub(super) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
     }
 }
 
-/// The bench with marks as an SVG file of its own.
-pub(super) fn file(model: &Model, style: &str, marks: &[(&str, PlaceMark)]) -> String {
+/// The bench as an SVG file in light colours, with marks at places or channels by name: [`marks`](socam_answer::headline::marks) gives those
+/// of a diagnosis.
+///
+/// ```
+/// let model = socam_model::Model::builtin("two-mass").expect("an embedded model");
+/// assert!(socam_report::bench::svg(&model, &[]).starts_with("<svg"));
+/// ```
+#[must_use]
+pub fn svg(model: &Model, marks: &[(&str, PlaceMark)]) -> String {
     let drawing = Drawing::of(model, marks, Style::default());
-    let own = style.lines().filter(|line| line.starts_with(".bench")).collect::<Vec<_>>().join("\n");
+    let own = STYLE.lines().filter(|line| line.starts_with(".bench")).collect::<Vec<_>>().join("\n");
     let title = format!("Drawing of {}", model.name);
     socam_plot::drawing(drawing.size, &title, ("bench", &own), &content(&drawing))
 }
 
 /// The marker of a finding as it stands in the drawing, to name it elsewhere.
-pub(super) fn marker(number: usize) -> Markup {
+pub(crate) fn marker(number: usize) -> Markup {
     html! {
         svg class="bench marker" viewBox="-11 -11 22 22" aria-hidden="true" { (shapes(&diamond([0.0, 0.0], number))) }
     }

@@ -4,8 +4,6 @@ pub(super) use socam_answer::words::{
     capital, chance, estimate, interval, level, list, minus, number, percent, rough, unit,
 };
 
-use maud::{Markup, html};
-
 /// An effect's name at the head of a sentence.
 pub(super) fn effect(id: &str) -> String {
     capital(&socam_answer::words::effect(id))
@@ -14,13 +12,4 @@ pub(super) fn effect(id: &str) -> String {
 /// A list in words.
 pub(super) fn and(items: &[String]) -> String {
     list(items, "and")
-}
-
-/// A sentence as HTML: names in backticks become code.
-pub(super) fn prose(sentence: &str) -> Markup {
-    html! {
-        @for (index, part) in sentence.split('`').enumerate() {
-            @if index % 2 == 1 { code { (part) } } @else { (part) }
-        }
-    }
 }

@@ -2,13 +2,11 @@
 
 use std::{fs, path::Path};
 
+use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 
 use super::{KEEP, MOST_BYTES, drawing};
-use crate::{
-    Diagnosis, Evidence,
-    report::{FileHash, Provenance, write},
-};
+use crate::{FileHash, Provenance, diagnosis::write};
 
 /// Writes a report, checks what must hold of every page, and returns its text as a reader sees it, a line per element.
 pub(super) fn report(name: &str, diagnosis: &Diagnosis, evidence: &Evidence, model: &Model) -> String {

@@ -1,9 +1,9 @@
 //! Tests of the drawings on a page: the bench with its marks, and the text of every picture.
 
+use socam_answer::Evidence;
 use socam_model::Model;
 
 use super::{reader::report, sample};
-use crate::Evidence;
 
 /// Two windings and two differentials.
 const WRIST: &str = include_str!("../../../../socam-model/tests/wrist.toml");

@@ -8,16 +8,22 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use maud::{Markup, Render, html};
+use socam_fleet::{
+    Group, Result, Summary,
+    words::{self as told, days, headline, number, scientific, status},
+};
 use socam_plot::{
-    Axis, COLUMNS, Mark, Plot, Series, document,
+    Axis, COLUMNS, Mark, Plot, Series,
     words::{rough, unit},
 };
 
 use self::machine::{machine, sections};
 use self::words::{anchor, dates, half};
-use crate::error::Result;
-use crate::summary::{Group, Summary};
-use crate::words::{days, headline, number, scientific, status};
+use crate::scaffold::{
+    self,
+    Head::{Number, Text},
+    heading, heads, table,
+};
 
 /// Most rows of a list.
 const MOST_LINES: usize = 200;
@@ -31,33 +37,30 @@ const STYLE: &str = ".bar { display: flex; height: 18px; margin: 12px 0 4px; } .
 /// When the table cannot be read again.
 pub fn page(summary: &Summary, table: &Path, about: &[String]) -> Result<String> {
     let machines = sections(summary, table)?;
-    let body = html! {
-        h1 { (headline(summary)) }
-        p class="over" { (crate::words::size(summary)) }
-        main {
-            (counts(summary))
-            (faulty(summary))
-            section { h2 { "What is missing, where, and how often" } (groups(summary)) }
-            (trends(summary))
-            (differences(summary))
-            (parameters(summary))
-            (troubles(summary))
-            section { h2 { "Machines" } @for (name, rows) in &machines { (machine(summary, name, rows)) } }
-            section {
-                h2 { "About this page" }
-                p { (crate::words::rate(summary.fdr)) " (Benjamini and Hochberg). The first is made from the p-values of the screening, before any search." }
-                @for line in about { p { code { (line) } } }
-            }
+    let main = html! {
+        (counts(summary))
+        (faulty(summary))
+        section { h2 { "What is missing, where, and how often" } (groups(summary)) }
+        (trends(summary))
+        (differences(summary))
+        (parameters(summary))
+        (troubles(summary))
+        section { h2 { "Machines" } @for (name, rows) in &machines { (machine(summary, name, rows)) } }
+        section {
+            h2 { "About this page" }
+            p { (told::rate(summary.fdr)) " (Benjamini and Hochberg). The first is made from the p-values of the screening, before any search." }
+            @for line in about { p { code { (line) } } }
         }
     };
-    Ok(document("Fleet", STYLE, &body).into_string())
+    let head = heading(&headline(summary), &html! { (told::size(summary)) });
+    Ok(scaffold::page("Fleet", STYLE, &head, &main))
 }
 
 fn counts(summary: &Summary) -> Markup {
     let counts = &summary.counts;
     let bad = counts.missing_physics + counts.unexplained;
     let without = counts.without();
-    let kinds = crate::words::kinds(counts).map(|(count, words)| format!("{count} {words}"));
+    let kinds = told::kinds(counts).map(|(count, words)| format!("{count} {words}"));
     let share = |count: u64| format!("width: {:.3}%", 100.0 * count as f64 / counts.recordings.max(1) as f64);
     html! {
         section {
@@ -66,7 +69,7 @@ fn counts(summary: &Summary) -> Markup {
                 span class="bad" style=(share(bad)) {}
                 span class="none" style=(share(without)) {}
             }
-            p { (kinds.join(", ")) ". " (crate::words::besides(summary)) }
+            p { (kinds.join(", ")) ". " (told::besides(summary)) }
         }
     }
 }
@@ -75,15 +78,15 @@ fn faulty(summary: &Summary) -> Markup {
     html! {
         section {
             h2 { (format!("Machines that lack physics: {}", summary.faulty.len())) }
-            @if !summary.faulty.is_empty() { div class="scroll" { table {
-                tr { th { "machine" } th class="n" { "recordings" } th class="n" { "p" } th { "what" } }
+            @if !summary.faulty.is_empty() { (table(&html! {
+                (heads(&[Text("machine"), Number("recordings"), Number("p"), Text("what")]))
                 @for one in summary.faulty.iter().take(MOST_LINES) { tr {
                     td { (link(&one.machine)) }
                     td class="n" { (one.recordings) }
                     td class="n" { (scientific(one.p_value)) }
-                    td class="wrap" { (if one.findings.is_empty() { crate::words::UNNAMED.to_owned() } else { one.findings.join(", ") }) }
+                    td class="wrap" { (if one.findings.is_empty() { told::UNNAMED.to_owned() } else { one.findings.join(", ") }) }
                 } }
-            } } (more(summary.faulty.len())) }
+            })) (more(summary.faulty.len())) }
         }
     }
 }
@@ -91,13 +94,13 @@ fn faulty(summary: &Summary) -> Markup {
 fn groups(summary: &Summary) -> Markup {
     html! {
         @if summary.groups.is_empty() { p class="none" { "Nothing." } } @else {
-            div class="scroll" { table {
-                tr { th { "effect" } th { "place" } th class="n" { "machines" } th class="n" { "recordings" } th { "median size" } }
+            (table(&html! {
+                (heads(&[Text("effect"), Text("place"), Number("machines"), Number("recordings"), Text("median size")]))
                 @for group in &summary.groups { tr {
                     td { (group.effect) } td { (group.place) } td class="n" { (group.machines) } td class="n" { (group.members.len()) }
                     td { @if let Some(size) = group.median { (group.parameter.as_deref().unwrap_or("")) " " (number(size)) " " (unit(&group.unit)) } }
                 } }
-            } }
+            }))
             div class="plots" { @for group in summary.groups.iter().filter(|group| group.median.is_some() && group.members.len() > 1) {
                 figure { (sizes(group)) }
             } }
@@ -145,8 +148,8 @@ fn trends(summary: &Summary) -> Markup {
     html! {
         section {
             h2 { (format!("Parameters that change over the dates: {} of {}", summary.trends.len(), summary.trends_tested)) }
-            @if !summary.trends.is_empty() { div class="scroll" { table {
-                tr { th { "machine" } th { "parameter" } th class="n" { "change in all" } th class="n" { "a year" } th { "95 % interval" } th { "unit" } th class="n" { "p" } }
+            @if !summary.trends.is_empty() { (table(&html! {
+                (heads(&[Text("machine"), Text("parameter"), Number("change in all"), Number("a year"), Text("95 % interval"), Text("unit"), Number("p")]))
                 @for one in summary.trends.iter().take(MOST_LINES) { tr {
                     td { (link(&one.machine)) } td { (one.parameter) }
                     td class="n" { (format!("{:+.1} %", 100.0 * one.change)) }
@@ -154,7 +157,7 @@ fn trends(summary: &Summary) -> Markup {
                     td { (number(one.low)) " to " (number(one.high)) }
                     td { (unit(&one.unit)) } td class="n" { (scientific(one.p_value)) }
                 } }
-            } } (more(summary.trends.len())) }
+            })) (more(summary.trends.len())) }
         }
     }
 }
@@ -163,14 +166,14 @@ fn differences(summary: &Summary) -> Markup {
     html! {
         section {
             h2 { (format!("Machines that differ from their sisters: {} of {}", summary.differences.len(), summary.differences_tested)) }
-            @if !summary.differences.is_empty() { div class="scroll" { table {
-                tr { th { "machine" } th { "parameter" } th class="n" { "value" } th class="n" { "sisters' median" } th class="n" { "their spread" } th { "unit" } th class="n" { "deviations" } }
+            @if !summary.differences.is_empty() { (table(&html! {
+                (heads(&[Text("machine"), Text("parameter"), Number("value"), Number("sisters' median"), Number("their spread"), Text("unit"), Number("deviations")]))
                 @for one in summary.differences.iter().take(MOST_LINES) { tr {
                     td { (link(&one.machine)) } td { (one.parameter) }
                     td class="n" { (number(one.value)) } td class="n" { (number(one.median)) } td class="n" { (number(one.between_std)) }
                     td { (unit(&one.unit)) } td class="n" { (format!("{:+.1}", one.z)) }
                 } }
-            } } (more(summary.differences.len())) }
+            })) (more(summary.differences.len())) }
         }
     }
 }
@@ -182,16 +185,16 @@ fn parameters(summary: &Summary) -> Markup {
     html! {
         @if !summary.parameters.is_empty() || !summary.undetermined.is_empty() { section {
             h2 { "Parameters of the fleet" }
-            div class="scroll" { table {
-                tr { th { "parameter" } th class="n" { "machines" } th class="n" { "median" } th { "unit" } th class="n" { "spread between machines" } th class="n" { "repeatability" } }
+            (table(&html! {
+                (heads(&[Text("parameter"), Number("machines"), Number("median"), Text("unit"), Number("spread between machines"), Number("repeatability")]))
                 @for one in &summary.parameters { tr {
                     td { (one.parameter) } td class="n" { (one.machines) } td class="n" { (number(one.median)) } td { (unit(&one.unit)) }
                     td class="n" { (share(one.between_std.map(|std| (std / one.median).abs()))) }
                     td class="n" { (rough(one.repeatability)) }
                 } }
-            } }
+            }))
             p class="small" { "Repeatability: scatter of a machine about its own line, over what the intervals say." }
-            @if let Some(text) = crate::words::sensitivity(summary) { p { (text) } }
+            @if let Some(text) = told::sensitivity(summary) { p { (text) } }
         } }
     }
 }
@@ -200,12 +203,12 @@ fn troubles(summary: &Summary) -> Markup {
     html! {
         @if !summary.troubles.is_empty() { section {
             h2 { "Recordings without a verdict" }
-            div class="scroll" { table {
-                tr { th { "recording" } th { "trouble" } th { "why" } }
+            (table(&html! {
+                (heads(&[Text("recording"), Text("trouble"), Text("why")]))
                 @for one in summary.troubles.iter().take(MOST_LINES) { tr {
                     td { (one.recording) } td { (status(one.status)) } td class="wrap" { (one.message) }
                 } }
-            } }
+            }))
             (more(summary.troubles.len()))
         } }
     }

@@ -1,8 +1,7 @@
 //! A picture of a line through its pairs and, beside it, of the residuals.
 
+use socam_calibrate::Line;
 use socam_plot::{Axis, COLUMNS, Mark, Panel, Plot, Row, Series};
-
-use crate::Line;
 
 /// A line with its labels.
 #[derive(Debug, Clone, PartialEq)]

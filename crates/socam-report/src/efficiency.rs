@@ -2,13 +2,12 @@
 //!
 //! Only operating points near recorded ones are coloured; other values would be extrapolated.
 
+use socam_efficiency::Efficiency;
 use socam_plot::{Axis, Contour, Heat, Panel, Row};
-
-use crate::Efficiency;
 
 /// Columns and rows of a map.
 const CELLS: [usize; 2] = [33, 25];
-/// Greatest distance of a drawn cell from a moment, cells.
+/// Greatest distance of a drawn cell from a recorded operating point, cells.
 const REACH: f64 = 2.6;
 /// Least efficiency of a drawn cell; below, there is almost no torque.
 const LEAST: f64 = 0.3;

@@ -1,12 +1,13 @@
 //! Tables: the fit of each channel, the parameters, effects that were not found, and the recordings.
 
 use maud::{Markup, html};
-
-use super::words;
-use crate::{
+use socam_answer::{
     Diagnosis,
     document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
 };
+
+use super::words;
+use crate::scaffold::{self, Head, heads};
 
 /// Whether a named effect was found, so that the model was corrected.
 pub(super) fn is_corrected(diagnosis: &Diagnosis) -> bool {
@@ -190,7 +191,7 @@ pub(super) fn not_found(entries: &[NotFound]) -> Markup {
     html! {
         div class="scroll" {
             table class="not-found" {
-                thead { tr { th { "Effect" } th { "Parameter" } th { "Would have been seen" } th { "Unit" } } }
+                thead { (heads(&["Effect", "Parameter", "Would have been seen", "Unit"].map(Head::Text))) }
                 tbody {
                     @for (first, places) in rows {
                         tr {
@@ -221,23 +222,24 @@ fn is_limit(effect: &str) -> bool {
 
 /// The recordings and what each was used for.
 pub(super) fn recordings(diagnosis: &Diagnosis) -> Markup {
-    html! {
-        @if !diagnosis.recordings.is_empty() {
-            div class="scroll" {
-                table {
-                    thead { tr { th { "Recording" } th { "Used for" } th class="n" { "Samples" } th class="n" { "Duration (s)" } } }
-                    tbody {
-                        @for it in &diagnosis.recordings {
-                            tr {
-                                td { code { (it.name) } }
-                                td { @if it.held_out { "proof only, never fitted" } @else { "training" } }
-                                td class="n" { (it.samples) }
-                                td class="n" { (words::number(Some(it.duration_s))) }
-                            }
-                        }
-                    }
+    let columns = [
+        Head::Text("Recording"),
+        Head::Text("Used for"),
+        Head::Number("Samples"),
+        Head::Number("Duration (s)"),
+    ];
+    let rows = html! {
+        thead { (heads(&columns)) }
+        tbody {
+            @for it in &diagnosis.recordings {
+                tr {
+                    td { code { (it.name) } }
+                    td { @if it.held_out { "proof only, never fitted" } @else { "training" } }
+                    td class="n" { (it.samples) }
+                    td class="n" { (words::number(Some(it.duration_s))) }
                 }
             }
         }
-    }
+    };
+    html! { @if !diagnosis.recordings.is_empty() { (scaffold::table(&rows)) } }
 }

@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use maud::{Markup, Render, html};
+use socam_fleet::{
+    Result, Row, Summary, Table,
+    words::{day, days, number, scientific, verdict},
+};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 use super::words::{anchor, dates, half};
-use crate::error::Result;
-use crate::row::Row;
-use crate::summary::Summary;
-use crate::table::Table;
-use crate::words::{day, days, number, scientific, verdict};
+use crate::scaffold::{
+    Head::{Number, Text},
+    heads, table,
+};
 
 /// Most machines that have a section.
 const MOST_MACHINES: usize = 200;
@@ -37,8 +40,8 @@ pub(super) fn machine(summary: &Summary, name: &str, rows: &[Row]) -> Markup {
     let changing = summary.trends.iter().filter(|trend| trend.machine == name);
     html! {
         h3 id=(anchor(name)) { (name) }
-        div class="scroll" { table {
-            tr { th { "date" } th { "recording" } th { "verdict" } th class="n" { "p" } th class="n" { "residual power" } th { "what" } }
+        (table(&html! {
+            (heads(&[Text("date"), Text("recording"), Text("verdict"), Number("p"), Number("residual power"), Text("what")]))
             @for row in rows { tr {
                 td { (row.date.map_or_else(String::new, day)) } td { (row.recording) }
                 td { (verdict(row.verdict, row.status)) }
@@ -49,7 +52,7 @@ pub(super) fn machine(summary: &Summary, name: &str, rows: &[Row]) -> Markup {
                     @for finding in &row.findings { p { (finding.sentence) } }
                 }
             } }
-        } }
+        }))
         div class="plots" { @for trend in changing { figure { (history(&trend.parameter, &trend.unit, rows)) } } }
     }
 }

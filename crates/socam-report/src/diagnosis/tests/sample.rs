@@ -1,7 +1,8 @@
 //! A made-up but plausible diagnosis of the default bench.
 
+use socam_answer::document::*;
+
 use super::signals::overlay;
-use crate::document::*;
 
 pub(super) const CHANNELS: [(&str, &str, f64); 3] =
     [("output_speed", "rad/s", 0.01), ("torque_in", "N m", 0.004), ("torque_out", "N m", 0.02)];

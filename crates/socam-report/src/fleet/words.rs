@@ -1,8 +1,7 @@
 //! Ids and axes of the page.
 
+use socam_fleet::words::day;
 use socam_plot::Axis;
-
-use crate::words::day;
 
 /// An id of the page: names may hold anything.
 pub(super) fn anchor(machine: &str) -> String {

@@ -8,11 +8,11 @@ use std::{fs, path::Path};
 use socam_model::Model;
 
 use super::*;
-use crate::{
+use reader::{made, report};
+use socam_answer::{
     document::{Component, EffectParameter, RecordingUse, Rival, Validation, Verdict},
     evidence::{ChannelEvidence, RecordingTraces, Trace},
 };
-use reader::{made, report};
 
 const AALTO: &str = include_str!("../../../../tests/models/aalto.toml");
 /// A page must open at once and fit in a mail.
@@ -31,7 +31,7 @@ fn the_sample_reads_as_expected() {
     let diagnosis = sample::diagnosis();
     let evidence = signals::evidence(&diagnosis.recordings, 10_000);
     let text = report("sample", &diagnosis, &evidence, &speed_o_cam());
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report/tests/sample.txt");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/diagnosis/tests/sample.txt");
     if std::env::var_os(UPDATE).is_some() {
         fs::write(&path, &text).unwrap();
     }

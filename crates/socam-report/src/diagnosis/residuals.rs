@@ -1,14 +1,14 @@
 //! Residuals before and after: over speed, angle, torque and frequency for each channel, over time for each recording.
 
 use maud::{Markup, html};
+use socam_answer::{
+    Diagnosis, Evidence,
+    evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
+};
 use socam_model::{Model, Motion};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 use super::{tables, words};
-use crate::{
-    Diagnosis, Evidence,
-    evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
-};
 
 /// Largest size of all traces together, bytes, so that a page opens quickly.
 const TRACE_BYTES: usize = 700_000;

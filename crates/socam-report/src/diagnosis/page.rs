@@ -1,17 +1,19 @@
 //! The report page: the headline and the first picture, the bench, then sections that can be folded.
 
 use maud::{Markup, html};
-use socam_model::Model;
-
 use socam_answer::{
-    Proof,
+    Diagnosis, Evidence, Proof,
     headline::{self, Headline, PlaceMark, Tone},
 };
+use socam_model::Model;
 
-use super::{Provenance, drawing, findings, method, picture, residuals, tables, words};
-use crate::{Diagnosis, Evidence};
+use super::{findings, method, picture, residuals, tables, words};
+use crate::{
+    FileHash, Provenance, bench,
+    scaffold::{self, folded, prose},
+};
 
-pub(super) const STYLE: &str = include_str!("style.css");
+pub(crate) const STYLE: &str = include_str!("style.css");
 
 /// A part of the page under the headline and the first picture, which can be folded.
 struct Section {
@@ -28,21 +30,19 @@ pub(super) fn page(
     diagnosis: &Diagnosis,
     evidence: &Evidence,
     model: &Model,
-    provenance: (&Provenance, &[super::FileHash]),
-) -> Markup {
+    provenance: (&Provenance, &[FileHash]),
+) -> String {
     let headline = headline::headline(diagnosis);
     let sections = sections(diagnosis, evidence, model, provenance);
-    let body = html! {
-        (head(&headline, model))
-        main {
-            (picture::first(diagnosis))
-            (warnings(diagnosis))
-            (contents(&sections))
-            (bench(diagnosis, &headline, model))
-            @for section in &sections { (folded(section)) }
-        }
+    let main = html! {
+        (picture::first(diagnosis))
+        (warnings(diagnosis))
+        (contents(&sections))
+        (bench_section(diagnosis, &headline, model))
+        @for section in &sections { (folded(section.id, section.title, section.open, &section.body)) }
     };
-    socam_plot::document(&format!("{} - diagnosis of {}", headline.title, model.name), STYLE, &body)
+    let title = format!("{} - diagnosis of {}", headline.title, model.name);
+    scaffold::page(&title, STYLE, &head(&headline, model), &main)
 }
 
 /// All sections that have something to say.
@@ -50,7 +50,7 @@ fn sections(
     diagnosis: &Diagnosis,
     evidence: &Evidence,
     model: &Model,
-    (provenance, written): (&Provenance, &[super::FileHash]),
+    (provenance, written): (&Provenance, &[FileHash]),
 ) -> Vec<Section> {
     let section = |id, title, open, body| Section { id, title, open, body };
     let corrected = tables::is_corrected(diagnosis);
@@ -74,17 +74,6 @@ fn sections(
     let method = method::method(diagnosis, provenance, written);
     all.push(section("method", "How this was made", false, method));
     all
-}
-
-/// A section under its title, which folds it.
-fn folded(section: &Section) -> Markup {
-    html! {
-        details open[section.open] {
-            summary { h2 { (section.title) } }
-            // A browser unfolds a section when a link leads to something within it.
-            div id=(section.id) class="folded" { (section.body) }
-        }
-    }
 }
 
 /// Links to the bench and to each section.
@@ -115,7 +104,7 @@ fn head(headline: &Headline, model: &Model) -> Markup {
                 ol class="claims" {
                     @for (index, claim) in headline.claims.iter().enumerate() {
                         li {
-                            (drawing::marker(index + 1))
+                            (bench::marker(index + 1))
                             // The title has said what a single finding is.
                             span { a href=(format!("#finding-{}", index + 1)) {
                                 @match &claim.size {
@@ -127,7 +116,7 @@ fn head(headline: &Headline, model: &Model) -> Markup {
                     }
                 }
             }
-            p class="summary" { @for sentence in &headline.certainty { (words::prose(sentence)) " " } }
+            p class="summary" { @for sentence in &headline.certainty { (prose(sentence)) " " } }
         }
     }
 }
@@ -136,22 +125,22 @@ fn warnings(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.warnings.is_empty() {
             ul class="warnings" {
-                @for warning in &diagnosis.warnings { li { b { "Warning: " } (words::prose(warning)) } }
+                @for warning in &diagnosis.warnings { li { b { "Warning: " } (prose(warning)) } }
             }
         }
     }
 }
 
 /// Drawing of the bench with the places of findings and of competing explanations.
-fn bench(diagnosis: &Diagnosis, headline: &Headline, model: &Model) -> Markup {
+fn bench_section(diagnosis: &Diagnosis, headline: &Headline, model: &Model) -> Markup {
     let marks = headline::marks(diagnosis);
     html! {
         section id="bench" {
             h2 { "The bench" }
-            (drawing::bench(model, &marks))
+            (bench::bench(model, &marks))
             ul class="key" {
                 @for (index, claim) in headline.claims.iter().enumerate() {
-                    li { (drawing::marker(index + 1)) span { (words::capital(&claim.what)) } }
+                    li { (bench::marker(index + 1)) span { (words::capital(&claim.what)) } }
                 }
                 @if marks.iter().any(|(_, mark)| *mark == PlaceMark::Rival) {
                     li { span class="dashed" {} "place of a rival" }
@@ -186,7 +175,7 @@ fn before_and_after(diagnosis: &Diagnosis) -> Markup {
 fn next(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if let Some(experiment) = &diagnosis.suggested_experiment {
-            p { (words::prose(&experiment.sentence)) }
+            p { (prose(&experiment.sentence)) }
             dl {
                 dt { "Profile" }
                 dd { code { (experiment.profile) } ", as " code { "next.toml" } " beside this page: "

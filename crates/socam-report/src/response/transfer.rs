@@ -5,16 +5,16 @@ use socam_frequency::{
     rational::{Fit, Point, TransferFunction, response_std_among},
 };
 use socam_plot::{Axis, Mark};
-use socam_response::pictures::{decibels, frequency, unwrapped};
 
-use super::page::{Curve, Drawn, Picture};
+use super::pictures::{Curve, Drawn, Picture, decibels, frequency, unwrapped};
 
 /// Ratio of a root to the highest line above which the root is not drawn, since it would compress the scale.
 const FAR: f64 = 3.0;
 
 /// Plots of magnitude and phase of a transfer function with its data, and of its poles and zeros.
 /// `fits`: the first is drawn; the others only widen its interval.
-pub(super) fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Picture> {
+#[must_use]
+pub fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Picture> {
     let Some(Fit { transfer, .. }) = fits.first() else { return Vec::new() };
     let mut bode = bode(&format!(" of {name}"), points, &[("fit", "before", transfer)], true);
     // The interval of the fit, behind data and fit: relative magnitude in dB, phase in degrees.
@@ -50,7 +50,8 @@ pub(super) fn transfer(name: &str, fits: &[Fit], points: &[Point]) -> Vec<Pictur
 }
 
 /// Magnitude and phase of transfer functions with the data that they match.
-pub(super) fn matched(fits: &[(String, TransferFunction)], points: &[Point]) -> Vec<Picture> {
+#[must_use]
+pub fn matched(fits: &[(String, TransferFunction)], points: &[Point]) -> Vec<Picture> {
     let classes = ["before", "third", "noise"];
     let fits: Vec<_> = fits
         .iter()
