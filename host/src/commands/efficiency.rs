@@ -165,10 +165,10 @@ fn text(efficiency: &Efficiency) -> String {
         "both tachometers believed"
     };
     let mut text = format!(
-        "{} from {from} to {to}, ratio {}; {} moments, {tied}\n",
+        "{} from {from} to {to}, ratio {}; {} averaging windows, {tied}\n",
         efficiency.model,
         table::number(efficiency.ratio),
-        efficiency.losses.moments
+        efficiency.losses.windows
     );
     let head = ["input speed", "torque in", "efficiency", "95 % interval", "by tachometers"]
         .map(String::from)

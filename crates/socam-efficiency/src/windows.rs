@@ -1,4 +1,4 @@
-//! Moments of recordings: weighted means over a fraction of a second, which need no differentiation of signals.
+//! Averaging windows: weighted means of a recording over a fraction of a second, which need no differentiation of signals.
 //!
 //! The equation of motion is multiplied by a smooth weight h(t) and integrated by parts, which moves derivatives from the noisy signals to
 //! the weight (modulating functions, Shinbrot 1957): the mean of an acceleration is -int h' speed, that of the second derivative of a
@@ -10,7 +10,7 @@ use socam_recording::Dataset;
 
 use crate::{EfficiencyError, Section};
 
-/// Length of a moment, s: long compared with oscillations of couplings (20 Hz and more), short compared with changes of the load.
+/// Averaging window, s: long compared with oscillations of couplings (20 Hz and more), short compared with changes of the load.
 const LENGTH_S: f64 = 0.16;
 /// Least speed at the input, rad/s, for the laws of sliding friction; it must hold at every sample.
 const STANDSTILL_RAD_S: f64 = 2.0;
@@ -18,9 +18,9 @@ const STANDSTILL_RAD_S: f64 = 2.0;
 /// Least fraction of a large torque; below, near a reversal, play and the friction of the mesh dominate.
 const LEAST_TORQUE: f64 = 0.1;
 
-/// Weighted means over one moment, at the input side unless stated otherwise.
+/// Weighted means over one averaging window, at the input side unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct Window {
     /// Torque in, N m.
     pub torque_in: f64,
     /// Torque out over the ratio, N m.
@@ -44,8 +44,8 @@ pub struct Moment {
     pub torque_slopes: [f64; 2],
 }
 
-/// All moments of a recording with motion in one direction.
-pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Moment>, EfficiencyError> {
+/// The averaging windows of a recording in which the motion keeps its direction; each overlaps the next by half.
+pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Window>, EfficiencyError> {
     let mut names = vec![&*section.torque_in.column, &section.torque_out.column, &section.speed_in.column];
     let out = section.speed_out.as_ref().filter(|channel| data.channel_index(&channel.column).is_ok());
     names.extend(out.map(|channel| &*channel.column));
@@ -66,19 +66,19 @@ pub(crate) fn of(data: &Dataset, section: &Section) -> Result<Vec<Moment>, Effic
         let mut from = 0;
         while from + length <= columns[0].len() {
             let part: Vec<&[f64]> = columns.iter().map(|column| &column[from..from + length]).collect();
-            found.extend(weights.moment(&part, section));
+            found.extend(weights.window(&part, section));
             from += length / 2;
         }
     }
     Ok(found)
 }
 
-/// Moments with substantial torque: near zero torque the proportional law does not hold, and an efficiency is meaningless.
-pub(crate) fn substantial(moments: &[Moment]) -> Vec<Moment> {
-    let mut sizes: Vec<f64> = moments.iter().map(|moment| moment.size).collect();
+/// Averaging windows with substantial torque: near zero torque the proportional law does not hold, and an efficiency is meaningless.
+pub(crate) fn substantial(windows: &[Window]) -> Vec<Window> {
+    let mut sizes: Vec<f64> = windows.iter().map(|window| window.size).collect();
     sizes.sort_by(f64::total_cmp);
     let large = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
-    moments.iter().filter(|moment| moment.size > LEAST_TORQUE * large).copied().collect()
+    windows.iter().filter(|window| window.size > LEAST_TORQUE * large).copied().collect()
 }
 
 /// A weight of mean one and its derivatives, sample by sample.
@@ -105,7 +105,7 @@ impl Weights {
     }
 
     /// `None` if a value is missing, or if motion or torque changes its sign.
-    fn moment(&self, columns: &[&[f64]], section: &Section) -> Option<Moment> {
+    fn window(&self, columns: &[&[f64]], section: &Section) -> Option<Window> {
         let [torque_in, torque_out, speed] = [columns[0], columns[1], columns[2]];
         let mean =
             |weight: &[f64], values: &[f64]| weight.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
@@ -124,7 +124,7 @@ impl Weights {
             return None;
         }
         let torque = mean(&self.h, &carried);
-        Some(Moment {
+        Some(Window {
             torque_in: mean(&self.h, torque_in),
             torque_out: mean(&self.h, torque_out) / section.ratio,
             speed: mean(&self.h, speed) * into,
