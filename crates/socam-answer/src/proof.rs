@@ -7,11 +7,11 @@ use crate::document::{Diagnosis, Finding, ProofOutcome, Validation};
 pub enum Proof<'d> {
     /// The corrected model predicts them better than the base model, and no channel worse.
     Holds,
-    /// It does not; a sentence.
+    /// The corrected model does not predict them better; a sentence that says where.
     Failed(&'d str),
-    /// They could not be used; a sentence.
+    /// The held-out recordings could not be used; a sentence.
     Unusable(&'d str),
-    /// There is no corrected model to try on them.
+    /// Recordings are held out, but there is no corrected model to try on them.
     NothingToTry,
     /// Nothing was held out. Models were compared by this cross-validation.
     NothingHeldOut(Validation),

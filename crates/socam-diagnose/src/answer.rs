@@ -1,4 +1,4 @@
-//! The answer of a diagnosis: the document that other people's scripts read, made from the results of all stages.
+//! The document of a diagnosis, made from the results of all stages.
 
 mod findings;
 pub(crate) mod inputs;

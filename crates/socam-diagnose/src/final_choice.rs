@@ -62,7 +62,7 @@ fn determined(
         if let Some(without) = &near {
             path.terms[term].gain = path.gain(&path.last, without);
         }
-        // Where no fit without the term comes near, the gain at which it was added stays.
+        // Without a fit that converges near the last one, the term keeps the gain with which it was added.
         let without = near.map_or_else(|| path.validated_without(context, term), |near| Ok(Some(near)))?;
         path.terms[term].without = without;
     }

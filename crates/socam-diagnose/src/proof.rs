@@ -22,7 +22,7 @@ const CONTRADICTION: f64 = 0.05;
 pub(crate) enum Outcome {
     /// No recording is held out.
     NothingHeldOut,
-    /// They cannot be used. The text says why, for behind a colon.
+    /// The held-out recordings cannot be used. The text says why; it continues a sentence.
     Unusable(String),
     /// The base model and the corrected model predicted them.
     Predicted(Box<Proof>),
@@ -47,11 +47,11 @@ pub(crate) struct Proof {
     /// The outliers that were masked.
     pub(crate) outliers: Vec<LeftOut>,
     pub(crate) base: Evaluation,
-    /// The corrected model's, with the nonparametric term if there is one.
+    /// Evaluation of the corrected model, with the nonparametric term if there is one.
     pub(crate) corrected: Evaluation,
-    /// The last model's.
+    /// Evaluation of the last model.
     last: Evaluation,
-    /// The last model's without each of its terms, in their order.
+    /// Evaluation of the last model without each of its terms, in their order.
     without: Vec<Option<Evaluation>>,
     /// Sensor noise level of each output, SI.
     noise_std: Vec<f64>,

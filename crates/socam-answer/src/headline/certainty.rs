@@ -5,7 +5,7 @@ use crate::document::{Diagnosis, Finding, UNEXPLAINED};
 use crate::proof::Proof;
 use crate::words;
 
-/// Residual on data that were not fitted, in noise floors, from which on it is said that something is left.
+/// Residual on data that were not fitted, in noise floors, above which a sentence says that something is left.
 const LEFT: f64 = 2.0;
 
 /// The sentences, the most important first.
