@@ -103,11 +103,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    check_held_out(&args)?;
     // Outputs that are missing at most grid points would have no spectra.
     let training: anyhow::Result<Vec<Dataset>> =
         args.runs.iter().map(|run| output::open_for(run, &model, 1)).collect();
     let training = training?;
+    check_held_out(&args)?;
     let opened = Mutex::new(Vec::new());
     let open = |run: &str| {
         let data = output::open_silently(run, &model, 1)?;
