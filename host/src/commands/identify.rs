@@ -10,8 +10,6 @@ mod files;
 mod frf;
 mod noise;
 mod options;
-mod page;
-mod pictures;
 mod result;
 mod validation;
 
