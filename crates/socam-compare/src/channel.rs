@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use crate::delay::Matched;
-use crate::laws::laws;
-use crate::pair::{Motion, Pair, Pairing};
+use crate::estimate::Estimate;
+use crate::laws::{Law, laws};
+use crate::pair::{Motion, Pair, Pairing, rms};
 use crate::spectrum::{Spectra, spectra};
 
 /// Periods of a recording that are looked at one by one.
@@ -13,45 +14,6 @@ const PERIODS: usize = 50;
 const OUTSTANDING: f64 = 2.0;
 /// Bins of speed.
 const BINS: usize = 40;
-
-/// The law of an offset.
-pub(crate) const CONSTANT: &str = "a constant";
-
-/// A number with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// The number.
-    pub value: f64,
-    /// Its interval.
-    pub ci95: [f64; 2],
-}
-
-impl Estimate {
-    pub(crate) fn new(value: f64, half_width: f64) -> Self {
-        Self { value, ci95: [value - half_width, value + half_width] }
-    }
-
-    /// Whether the interval leaves out a value.
-    #[must_use]
-    pub fn excludes(&self, value: f64) -> bool {
-        value < self.ci95[0] || value > self.ci95[1]
-    }
-}
-
-/// What an error follows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Law {
-    /// What it is a function of, in words.
-    pub of: String,
-    /// Factor, in the channel's unit per unit of what it follows.
-    pub factor: Estimate,
-    /// Unit of the factor.
-    pub unit: String,
-    /// Share of the error's power that nothing else here explains.
-    pub share: f64,
-    /// Probability of this by chance, corrected for the number of tests.
-    pub p_value: f64,
-}
 
 /// A span of time in which the error stands out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -167,12 +129,6 @@ pub(crate) fn compare(
             spectra,
         },
     }
-}
-
-pub(crate) fn rms(values: &[f64]) -> f64 {
-    let held = values.iter().filter(|value| value.is_finite());
-    let (sum, count) = held.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
-    (sum / f64::from(count.max(1))).sqrt()
 }
 
 fn std(values: &[f64]) -> f64 {

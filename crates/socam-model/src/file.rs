@@ -7,7 +7,8 @@ use crate::{
 };
 
 use raw::RawModel;
-use reader::{Reader, line_of};
+use reader::Reader;
+use wording::line_of;
 
 mod channel;
 mod clocks;

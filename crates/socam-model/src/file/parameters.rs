@@ -4,8 +4,8 @@ use toml::Spanned;
 
 use super::{
     raw::{Name, RawParameter, Reference, Written},
-    reader::{Reader, line_of},
-    wording::meant,
+    reader::Reader,
+    wording::{line_of, meant},
 };
 use crate::{ModelError, Parameter, Prior, effects::Kind, units};
 
