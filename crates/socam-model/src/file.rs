@@ -27,7 +27,6 @@ mod wording;
 
 pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
-pub use parameters::LARGEST_VALUE;
 
 const SCHEMA: &str = "socam.model/1";
 
