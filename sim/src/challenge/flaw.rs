@@ -1,10 +1,10 @@
-//! Sensor flaws: the catalogue's `sensor_*` effects, applied to a channel.
+//! Flaws of sensors: the challenge's own formulation of the catalogue's effects at a channel.
 
-use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use crate::SimError;
 use crate::concealed::{Concealed, Override};
+use crate::late::{Delay, Lag};
 
 /// A sensor's flaw, with its parameters in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,20 +115,18 @@ impl Flaw {
 #[derive(Debug)]
 pub(crate) struct FlawedChannel {
     flaw: Flaw,
-    /// Value before and after the flaw at the last sample.
-    last: Option<(f64, f64)>,
-    /// Times and values before the flaw, newest last.
-    past: VecDeque<(f64, f64)>,
+    lag: Lag,
+    delay: Delay,
 }
 
 impl FlawedChannel {
     pub(crate) fn new(flaw: Flaw) -> Self {
-        Self { flaw, last: None, past: VecDeque::new() }
+        Self { flaw, lag: Lag::default(), delay: Delay::default() }
     }
 
     /// The flawed reading of `value` at `time_s`, `step_s` after the last sample, with the shaft at `angle_rad`.
     pub(crate) fn pass(&mut self, value: f64, time_s: f64, step_s: f64, angle_rad: f64) -> f64 {
-        let read = match self.flaw {
+        match self.flaw {
             Flaw::Gain { gain } => gain * value,
             Flaw::Offset { offset } => value + offset,
             Flaw::Saturation { limit } => value.clamp(-limit, limit),
@@ -139,41 +137,9 @@ impl FlawedChannel {
                 value + amplitude * (order * angle_rad + phase_rad).sin()
             }
             Flaw::GainDrift { rate_per_s } => value * (1.0 + rate_per_s * time_s),
-            Flaw::Lag { time_constant_s } => self.lag(value, step_s / time_constant_s),
-            Flaw::Delay { delay_s } => self.delay(value, time_s, delay_s),
-        };
-        self.last = Some((value, read));
-        read
-    }
-
-    /// First-order lag, exact for a value that is linear between samples.
-    fn lag(&self, value: f64, steps: f64) -> f64 {
-        let Some((before, read)) = self.last else { return value };
-        if steps <= 0.0 {
-            return read;
+            Flaw::Lag { time_constant_s } => self.lag.pass(value, step_s / time_constant_s),
+            Flaw::Delay { delay_s } => self.delay.pass(value, time_s, delay_s),
         }
-        let decay = (-steps).exp();
-        let rise = (value - before) / steps;
-        // The response to a ramp is value - rise after the transient.
-        (value - rise) + decay * (read - (before - rise))
-    }
-
-    /// Interpolates the delayed value by a cubic through the four nearest samples; constant before the first.
-    fn delay(&mut self, value: f64, time_s: f64, delay_s: f64) -> f64 {
-        let wanted_s = time_s - delay_s;
-        self.past.push_back((time_s, value));
-        while self.past.len() > 4 && self.past[2].0 <= wanted_s {
-            self.past.pop_front();
-        }
-        let points: Vec<(f64, f64)> = self.past.iter().take(4).copied().collect();
-        if wanted_s <= points[0].0 {
-            return points[0].1;
-        }
-        let weight = |i: usize| {
-            let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-            others.map(|(_, (t, _))| (wanted_s - t) / (points[i].0 - t)).product::<f64>()
-        };
-        points.iter().enumerate().map(|(i, (_, value))| weight(i) * value).sum()
     }
 }
 
