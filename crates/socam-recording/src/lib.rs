@@ -52,7 +52,6 @@ mod steady;
 mod table;
 mod unit;
 mod warning;
-mod welch;
 
 pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
@@ -86,4 +85,3 @@ pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};
 pub use warning::{Cut, Warning};
-pub use welch::{Welch, without_mean};
