@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use egui::{RawInput, Rect, pos2, vec2};
-use socam_dashboard::draw::raster::Raster;
+use socam_chart::raster::Raster;
 use socam_dashboard::live::{Batch, Bench, News, link};
 use socam_dashboard::{Dashboard, Layout, View};
 use socam_recording::{Channel, Unit};

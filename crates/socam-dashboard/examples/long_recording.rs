@@ -11,10 +11,11 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 use egui::{RawInput, Rect, pos2, vec2};
+use socam_chart::raster::Raster;
+use socam_dashboard::Dashboard;
 use socam_dashboard::recording::{About, Recording};
-use socam_dashboard::samples::index::{Writer, open};
-use socam_dashboard::{Dashboard, draw::raster::Raster};
 use socam_recording::{Channel, Segment, Unit};
+use socam_samples::index::{Writer, open};
 
 const CHANNELS: usize = 5;
 const STEP_S: f64 = 1e-4;

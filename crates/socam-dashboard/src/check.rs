@@ -8,15 +8,15 @@ use egui::{RichText, Ui};
 use socam_model::Model;
 use socam_recording::check::{Check, check};
 
-use crate::draw::chart;
 use crate::job::Job;
 use crate::recording::short;
 use crate::review::Entry;
-use crate::table::Table;
-use crate::theme;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::Workspace;
 use row::{COLUMNS, Row};
+use socam_chart::chart;
+use socam_chart::table::Table;
+use socam_chart::theme;
 
 /// Relative tolerance of the ratio of mean speeds.
 const RATIO_TOLERANCE: f64 = 0.01;

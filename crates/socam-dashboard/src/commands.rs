@@ -4,8 +4,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use crate::files::Purpose;
 use crate::live::{self, signal::Settings};
-use crate::theme::{self, Look};
 use crate::{Dashboard, View};
+use socam_chart::theme::{self, Look};
 
 /// A command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -16,7 +16,8 @@ use crate::recording::Recording;
 use crate::review::Entry;
 use crate::view::{View, Views};
 use crate::workspace::{Content, Request, Workspace};
-use crate::{live, outside, theme};
+use crate::{live, outside};
+use socam_chart::theme;
 
 /// An error or a remark; it is shown until it is dismissed.
 #[derive(Debug, Clone, PartialEq, Eq)]

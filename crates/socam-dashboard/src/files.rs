@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Button, Key, Modal, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
-use crate::theme;
+use socam_chart::theme;
 
 /// Purpose of a dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

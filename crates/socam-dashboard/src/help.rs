@@ -3,8 +3,8 @@
 use egui::{Button, Grid, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
 use crate::commands::Command;
-use crate::theme;
 use crate::view::{Help, View};
+use socam_chart::theme;
 
 /// Controls of the frame around the views.
 const FRAME: [(&str, Help); 2] = [

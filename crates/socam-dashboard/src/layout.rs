@@ -7,8 +7,8 @@ use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
 use crate::review::Arrangement;
-use crate::theme::Look;
 use crate::view::View;
+use socam_chart::theme::Look;
 
 /// Settings that are kept from one start to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -12,7 +12,6 @@ mod commands;
 mod dashboard;
 pub mod diagnosis;
 pub mod document;
-pub mod draw;
 pub mod files;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod fitting;
@@ -29,16 +28,12 @@ pub mod live;
 mod menu;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
-mod numbers;
 mod outside;
 pub mod parameters;
 pub mod recording;
 pub mod review;
-pub mod samples;
 mod save;
 pub mod spectra;
-pub mod table;
-pub mod theme;
 mod view;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod watch;

@@ -5,12 +5,12 @@ use std::path::Path;
 use egui::{Button, LayerId, Role, Ui, WidgetInfo};
 
 use crate::commands::Command;
-use crate::draw::{export, raster, svg};
 use crate::live::{
     self,
     signal::{Kind, Settings},
 };
 use crate::{Dashboard, View};
+use socam_chart::{export, raster, svg};
 
 /// An item; the shortcut is not part of its accessible name.
 fn item(ui: &mut Ui, enabled: bool, text: &str, keys: Option<egui::KeyboardShortcut>) -> bool {

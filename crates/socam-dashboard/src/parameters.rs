@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use egui::{RichText, Ui};
 use serde::Deserialize;
 
-use crate::theme;
+use socam_chart::theme;
 
 /// Schema of the document.
 pub const SCHEMA: &str = "socam.identification/1";

@@ -10,7 +10,7 @@ pub use crate::about::{About, Happening, short};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::foreign;
 use crate::job::Handle;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// A recording that is open.
 #[derive(Debug, Clone)]
@@ -64,8 +64,8 @@ impl Recording {
     /// When it is no recording, cannot be read, or opening was cancelled; one sentence.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn open(run: &str, handle: &Handle) -> Result<Self, String> {
-        use crate::samples::index;
         use socam_recording::Selection;
+        use socam_samples::index;
 
         let selection = Selection::parse(run).map_err(sentence)?;
         let whole = selection.span == socam_recording::Span::ALL;
@@ -128,7 +128,7 @@ pub fn indexed(
     target: &std::path::Path,
     handle: &Handle,
 ) -> Result<(About, Samples), String> {
-    use crate::samples::index::Writer;
+    use socam_samples::index::Writer;
 
     let about = about(data);
     let middles =

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use socam_model::Model;
 use socam_recording::{Channel, ProfileFile};
 
-use crate::draw::chart::Seen;
 use crate::files::Purpose;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::fitting::Setup;
@@ -14,6 +13,7 @@ use crate::live::Batch;
 use crate::recording::Recording;
 use crate::review::Entry;
 use crate::view::View;
+use socam_chart::chart::Seen;
 
 /// What is saved once its place is known.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use socam_recording::check::{Check, Finding, Severity, Verdict};
 
 use crate::parameters::number;
 use crate::recording::{Recording, short};
-use crate::table::{self, Key};
-use crate::theme;
+use socam_chart::table::{self, Key};
+use socam_chart::theme;
 
 pub(super) const COLUMNS: [table::Column; 8] = [
     table::text("", 18.0),

@@ -3,8 +3,9 @@
 use egui::{Align, Button, Frame, Layout as Direction, Margin, RichText, Stroke, Ui};
 
 use super::Dashboard;
+use crate::live;
 use crate::view::View;
-use crate::{live, theme};
+use socam_chart::theme;
 
 /// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
 const ONE_ROW: f32 = 1140.0;

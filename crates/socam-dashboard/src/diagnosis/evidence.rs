@@ -9,9 +9,9 @@ use socam_answer::evidence::{Binned, ChannelEvidence};
 use socam_answer::{Diagnosis, Evidence};
 
 use super::choice::{Choice, Over, Sides};
-use crate::draw::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
 use crate::review::thinned;
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
+use socam_chart::theme;
 
 pub(super) fn ui(
     ui: &mut Ui,

@@ -6,9 +6,9 @@ use socam_answer::document::{EffectParameter, Finding, ParameterChange};
 use socam_answer::words;
 use socam_recording::ProfileFile;
 
-use crate::numbers;
 use crate::parameters::{heads, number};
-use crate::theme;
+use socam_chart::numbers;
+use socam_chart::theme;
 
 /// Draws the list. Returns the profile of the suggested experiment if its button was pressed.
 pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<String>) -> Option<ProfileFile> {

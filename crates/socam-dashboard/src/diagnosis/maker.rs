@@ -9,8 +9,8 @@ use socam_model::Model;
 use super::report::{Made, provenance};
 use crate::fitting::{Chosen, datasets, watch};
 use crate::job::{Attempt, CANCELLED, Handle};
-use crate::theme;
 use crate::workspace::{Request, Workspace};
+use socam_chart::theme;
 
 /// The result.
 #[derive(Debug)]

@@ -15,13 +15,13 @@ use egui::{ScrollArea, Ui};
 use socam_answer::{Diagnosis, Evidence};
 use socam_model::Model;
 
-use crate::draw::chart::{self, Seen};
 use crate::layout;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::{Request, Workspace};
 pub use choice::{Over, Sides};
 #[cfg(not(target_arch = "wasm32"))]
 pub use report::Report;
+use socam_chart::chart::{self, Seen};
 
 /// State of the view.
 #[derive(Debug, Default)]

@@ -6,8 +6,8 @@ use egui::{DragValue, RichText, Ui};
 use socam_model::{Model, Parameter};
 
 use crate::parameters::number;
-use crate::table::{self, Key, Table};
-use crate::theme;
+use socam_chart::table::{self, Key, Table};
+use socam_chart::theme;
 
 const COLUMNS: [table::Column; 5] = [
     table::text("fixed", 38.0),

@@ -6,7 +6,7 @@ use egui::{RichText, Ui};
 
 use crate::recording::short;
 use crate::review::Entry;
-use crate::table::{self, Table};
+use socam_chart::table::{self, Table};
 
 /// What a recording is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]

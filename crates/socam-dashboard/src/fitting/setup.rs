@@ -7,7 +7,7 @@ use super::parameters::Changes;
 use super::roles::{Role, Roles};
 use crate::recording::{Recording, short};
 use crate::review::Entry;
-use crate::theme;
+use socam_chart::theme;
 
 /// Which recordings are fitted and which are held out, and which parameters are fixed. Both views show the same set-up.
 #[derive(Debug, Clone, Default)]

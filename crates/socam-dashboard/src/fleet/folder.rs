@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use egui::{Frame, Key, Margin, RichText, Role, TextEdit, Ui, WidgetInfo};
 
 use super::opened::Opened;
-use crate::theme;
 use crate::view::View;
 use crate::workspace::{Request, Workspace};
+use socam_chart::theme;
 
 /// Where recordings are.
 #[derive(Debug, Default)]

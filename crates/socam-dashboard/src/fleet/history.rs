@@ -6,8 +6,8 @@ use egui::{Ui, Vec2};
 use socam_fleet::row::Row;
 use socam_fleet::{Group, Spread, words};
 
-use crate::draw::chart::{Chart, Curve, MarkerShape, Seen, Style, range_of};
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, MarkerShape, Seen, Style, range_of};
+use socam_chart::theme;
 
 /// Where on the horizontal axis something stands, and what the axis is.
 struct Places {
@@ -60,7 +60,7 @@ pub(super) fn parameter(
     let colour = if lit { theme::alarm(ui) } else { theme::good(ui) };
     chart.curves = curves(&estimates, colour);
     let x = range_of(places.x.into_iter().flatten()).unwrap_or([0.0, 1.0]);
-    chart.x = crate::draw::chart::with_room(x);
+    chart.x = socam_chart::chart::with_room(x);
     if let Some(sisters) = sisters.filter(|sisters| sisters.median.is_finite()) {
         chart.curves.push(Curve {
             name: format!("median of {} machines", sisters.machines),
@@ -123,7 +123,7 @@ pub(super) fn sizes(ui: &mut Ui, group: &Group, size: Vec2, seen: &mut Vec<Seen>
     chart.when_empty = "this finding has no size";
     chart.curves = curves(&estimates, theme::alarm(ui));
     let x = range_of(places.x.into_iter().flatten()).unwrap_or([0.0, 1.0]);
-    chart.x = crate::draw::chart::with_room(x);
+    chart.x = socam_chart::chart::with_room(x);
     let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
     chart.y = chart.fitted(range_of(values));
     chart.show(ui, seen);

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, 
 use socam_fleet::row::{Row, Verdict};
 use socam_fleet::{Counts, words};
 
-use crate::theme;
+use socam_chart::theme;
 
 /// Height of the bar, points.
 const BAR: f32 = 22.0;

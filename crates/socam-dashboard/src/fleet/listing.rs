@@ -6,7 +6,7 @@ use std::sync::Arc;
 use socam_answer::words;
 use socam_fleet::{Group, Machine, Summary, Survey};
 
-use crate::table::{Key, Sorting, sorted};
+use socam_chart::table::{Key, Sorting, sorted};
 
 /// What stands out at a false discovery rate.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use socam_fleet::words;
 use socam_plot::words::unit;
 
 use super::{Fleet, listing};
-use crate::table::{Column, Table, number, text};
-use crate::{numbers, theme};
+use socam_chart::table::{Column, Table, number, text};
+use socam_chart::{numbers, theme};
 
 impl Fleet {
     pub(super) fn changes(&mut self, ui: &mut Ui) {

@@ -8,10 +8,10 @@ use socam_fleet::words;
 
 use super::lists::{percent, scrolled, signed};
 use super::{Fleet, history, kinds, row};
-use crate::draw::chart::Seen;
-use crate::table::Table;
 use crate::workspace::Workspace;
-use crate::{numbers, theme};
+use socam_chart::chart::Seen;
+use socam_chart::table::Table;
+use socam_chart::{numbers, theme};
 
 /// Number of recordings up to which all are unfolded at first.
 const FEW: usize = 2;

@@ -6,8 +6,8 @@ use socam_fleet::words;
 use super::Fleet;
 use super::kinds;
 use super::listing::{self, Listing};
-use crate::table::{Column, Table, number, text};
-use crate::{numbers, theme};
+use socam_chart::table::{Column, Table, number, text};
+use socam_chart::{numbers, theme};
 
 const COLUMNS: [Column; 7] = [
     text("machine", 100.0),

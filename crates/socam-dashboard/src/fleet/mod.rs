@@ -14,7 +14,6 @@ mod row;
 use egui::{Key, Ui};
 use socam_fleet::Row;
 
-use crate::draw::chart;
 use crate::job::Attempt;
 use crate::layout;
 use crate::view::{Help, ViewPanel};
@@ -24,6 +23,7 @@ use listing::{Listing, Wish};
 use machine::Page;
 pub use opened::Opened;
 use overview::Section;
+use socam_chart::chart;
 
 /// The false discovery rate at first.
 const FDR: f64 = 0.05;

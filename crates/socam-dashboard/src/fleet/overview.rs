@@ -7,9 +7,9 @@ use socam_plot::words::unit;
 use super::lists::{cell, digits, note, nothing, scrolled};
 use super::opened::MOST_FDR;
 use super::{Fleet, folder, history, kinds, listing};
-use crate::draw::chart::Seen;
-use crate::table::{Column, Key, Table, number, text};
-use crate::theme;
+use socam_chart::chart::Seen;
+use socam_chart::table::{Column, Key, Table, number, text};
+use socam_chart::theme;
 
 /// Smallest false discovery rate that can be chosen.
 const LEAST_FDR: f64 = 0.001;

@@ -7,8 +7,8 @@ use socam_fleet::words;
 use super::kinds::Kind;
 use super::listing;
 use crate::recording::short;
-use crate::table::{self, Column, Key};
-use crate::{numbers, theme};
+use socam_chart::table::{self, Column, Key};
+use socam_chart::{numbers, theme};
 
 pub(super) const COLUMNS: [Column; 8] = [
     table::text("", 16.0),

@@ -10,12 +10,12 @@ mod start;
 
 use egui::{ScrollArea, Ui};
 
-use crate::draw::chart;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::layout;
 use crate::parameters::Identification;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::Workspace;
+use socam_chart::chart;
 
 /// State of the view.
 #[derive(Debug, Default)]

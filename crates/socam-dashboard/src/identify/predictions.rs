@@ -8,10 +8,10 @@ use socam_identify::{
 use socam_model::Model;
 use socam_recording::{Dataset, Segment};
 
-use crate::draw::chart::{Chart, Curve, Seen, Style, range_of, with_room};
 use crate::recording::short;
-use crate::samples::{Samples, envelope};
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
+use socam_chart::theme;
+use socam_samples::{Samples, envelope};
 
 /// One recording: for each channel the columns measured, predicted and their difference.
 #[derive(Debug)]

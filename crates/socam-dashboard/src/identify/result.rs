@@ -2,10 +2,10 @@
 
 use egui::{RichText, Sense, Stroke, Ui, vec2};
 
-use crate::numbers;
 use crate::parameters::{Fit, Identification, Parameter, known, number};
-use crate::table::{self, Key, Table};
-use crate::theme;
+use socam_chart::numbers;
+use socam_chart::table::{self, Key, Table};
+use socam_chart::theme;
 
 const COLUMNS: [table::Column; 6] = [
     table::text("parameter", 112.0),

@@ -4,8 +4,8 @@ use egui::{Button, RichText, Ui};
 
 use super::run::{self, Found, Method};
 use crate::job::Attempt;
-use crate::theme;
 use crate::workspace::{Request, Workspace};
+use socam_chart::theme;
 
 /// The method of the next identification, and the running one.
 #[derive(Debug, Default)]

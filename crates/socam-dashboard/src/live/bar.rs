@@ -7,7 +7,7 @@ use egui::{
 use socam_core::State;
 
 use super::{Link, Live, Order};
-use crate::theme;
+use socam_chart::theme;
 
 const ARM: KeyboardShortcut = with_two(Key::A);
 const RUN: KeyboardShortcut = with_two(Key::R);

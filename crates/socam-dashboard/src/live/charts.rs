@@ -4,8 +4,8 @@ use egui::{Label, RichText, Ui, vec2};
 
 use super::readings::{self, Reading};
 use super::{Link, Live};
-use crate::draw::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
-use crate::theme;
+use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
+use socam_chart::theme;
 
 impl Live {
     /// Draws the charts.

@@ -9,8 +9,9 @@ use socam_recording::ProfileFile;
 
 use super::signal::{self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, Kind, LIMIT_V};
 use super::{Link, Live, Order, Plan};
-use crate::draw::chart::{Chart, Curve, Flag, Style, range_of};
-use crate::{layout, theme};
+use crate::layout;
+use socam_chart::chart::{Chart, Curve, Flag, Style, range_of};
+use socam_chart::theme;
 
 /// Draws the panel. Returns a recording that the user wants to open.
 pub(super) fn panel(live: &mut Live, ui: &mut Ui) -> Option<String> {

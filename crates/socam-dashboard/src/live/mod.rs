@@ -22,7 +22,6 @@ use egui::{Frame, Margin, RichText, Ui};
 use socam_core::State;
 use socam_recording::{Channel, ProfileFile};
 
-use crate::theme;
 use crate::view::{Help, View, ViewPanel};
 use crate::workspace::{Request, Workspace};
 use buffer::Buffer;
@@ -31,6 +30,7 @@ pub use queue::{Batch, SampleQueue};
 use readings::Readings;
 use run::Run;
 use signal::Signal;
+use socam_chart::theme;
 
 /// Whether a bench can be reached: not from a page in a browser.
 pub const REACHABLE: bool = cfg!(not(target_arch = "wasm32"));

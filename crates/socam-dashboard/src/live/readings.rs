@@ -3,7 +3,7 @@
 use egui::{Align2, FontId, Pos2, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Live;
-use crate::theme;
+use socam_chart::theme;
 
 /// Time between two pictures of the numbers, s: faster ones cannot be read.
 const EVERY_S: f64 = 0.2;

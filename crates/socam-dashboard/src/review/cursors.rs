@@ -7,7 +7,7 @@ use super::entry::Entry;
 use super::list::neat;
 use super::rows::{Row, copy_button, rows, text_of};
 use super::signal::Signal;
-use crate::table::{Column, Table, number, text};
+use socam_chart::table::{Column, Table, number, text};
 
 const COLUMNS: [Column; 7] = [
     text("", 16.0),

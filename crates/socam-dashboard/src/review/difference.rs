@@ -5,9 +5,9 @@ use egui::Ui;
 use super::content::{self, Frame, having};
 use super::entry::Entry;
 use super::signal::Signal;
-use crate::draw::chart::Curve;
-use crate::samples::Samples;
-use crate::theme;
+use socam_chart::chart::Curve;
+use socam_chart::theme;
+use socam_samples::Samples;
 
 /// Greatest number of rows in the picture for which differences are computed.
 const MOST_ROWS: usize = 500_000;

@@ -3,9 +3,9 @@
 use egui::{Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 use super::derived::Derived;
-use crate::draw::style::MarkerShape;
 use crate::recording::Recording;
-use crate::theme;
+use socam_chart::chart::MarkerShape;
+use socam_chart::theme;
 
 /// A recording in the list, and how it is shown.
 #[derive(Debug, Clone)]

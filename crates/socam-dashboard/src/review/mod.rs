@@ -25,8 +25,6 @@ use std::collections::BTreeMap;
 
 use egui::{ComboBox, Role, Ui, WidgetInfo};
 
-use crate::draw::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
-use crate::draw::raster;
 use crate::files::Purpose;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::{Content, Request, Workspace};
@@ -41,6 +39,8 @@ use plots::Plots;
 pub use plots::arrangement::{Arrangement, Node, Part, SCHEMA};
 pub use signal::Signal;
 use signal::signals;
+use socam_chart::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
+use socam_chart::raster;
 use views::Views;
 
 /// State of the view over time.

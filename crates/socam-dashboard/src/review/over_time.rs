@@ -6,8 +6,8 @@ use super::content::{self, Frame};
 use super::plots::Plot;
 use super::signal::Signal;
 use super::{Drawing, Review, difference};
-use crate::draw::chart::{Chart, Flag, Shown, range_of};
 use crate::recording::short;
+use socam_chart::chart::{Chart, Flag, Shown, range_of};
 
 impl Review {
     /// Draws channels over time in a part of the window.

@@ -5,9 +5,9 @@ use egui::{RichText, Ui};
 use super::entry::{Entry, swatch};
 use super::signal::Signal;
 use crate::recording::short;
-use crate::samples::Samples;
-use crate::table::{Column, Key};
-use crate::theme;
+use socam_chart::table::{Column, Key};
+use socam_chart::theme;
+use socam_samples::Samples;
 
 /// Columns before the numbers: the colour, and [`Row::texts`].
 const FIRST: usize = 4;

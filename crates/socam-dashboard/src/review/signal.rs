@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Entry;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// Name and unit of a channel, recorded or derived.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

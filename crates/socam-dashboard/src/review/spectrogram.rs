@@ -8,12 +8,12 @@ use super::computed::Computed;
 use super::content::having;
 use super::signal::Signal;
 use super::{Drawing, Review};
-use crate::draw::chart::{Backdrop, Chart};
-use crate::draw::colours::Colours;
-use crate::draw::heat::{Cells, Heat};
 use crate::recording::short;
-use crate::samples::Samples;
 use crate::spectra::spectrogram::{colours, spectrogram};
+use socam_chart::chart::{Backdrop, Chart};
+use socam_chart::colours::Colours;
+use socam_chart::heat::{Cells, Heat};
+use socam_samples::Samples;
 
 /// Height of the row in which the channel is chosen, points.
 const HEAD: f32 = 26.0;

@@ -8,8 +8,8 @@ use super::plots::{Plot, Plots};
 use super::{Entry, Review, Signal, Views};
 use crate::files::Purpose;
 use crate::recording::short;
-use crate::theme;
 use crate::workspace::{Content, Request};
+use socam_chart::theme;
 
 /// What the menus do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

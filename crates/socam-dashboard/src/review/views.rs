@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::plots::arrangement::Arrangement;
 use super::{Entry, Review, Signal};
-use crate::draw::history::ViewHistory;
+use socam_chart::history::ViewHistory;
 
 /// What undo restores.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,11 +10,11 @@ use super::content::having;
 use super::plots::Plot;
 use super::signal::Signal;
 use super::{Drawing, Review};
-use crate::draw::chart::{Backdrop, Chart, range_of};
-use crate::draw::colours::Colours;
-use crate::draw::xy::{Cloud, Thinner};
 use crate::job::Handle;
-use crate::samples::Samples;
+use socam_chart::chart::{Backdrop, Chart, range_of};
+use socam_chart::colours::Colours;
+use socam_chart::xy::{Cloud, Thinner};
+use socam_samples::Samples;
 
 /// Height of the row in which the channels are chosen, points.
 const HEAD: f32 = 26.0;
@@ -142,7 +142,7 @@ fn ranges(chart: &Chart, of: &[Of]) -> [[f64; 2]; 2] {
         |of: &Of, (samples, channel): &(Arc<Samples>, usize)| samples.extremes(*channel, of.rows.clone());
     let x = range_of(of.iter().filter_map(|own| extremes(own, &own.x)).flatten());
     let y = range_of(of.iter().filter_map(|own| extremes(own, &own.y)).flatten());
-    [x.map_or([0.0, 1.0], crate::draw::chart::with_room), chart.fitted(y)]
+    [x.map_or([0.0, 1.0], socam_chart::chart::with_room), chart.fitted(y)]
 }
 
 fn dots(key: &Key, handle: &Handle) -> Result<Vec<[f64; 3]>, String> {

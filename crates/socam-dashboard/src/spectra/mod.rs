@@ -11,16 +11,16 @@ use std::sync::Arc;
 use egui::{ComboBox, RichText, Ui, vec2};
 use socam_model::Model;
 
-use crate::draw::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use crate::job::Job;
 use crate::recording::Recording;
 use crate::review::Entry;
-use crate::samples::Samples;
-use crate::theme;
 use crate::view::{Help, ViewPanel};
 use crate::workspace::Workspace;
 use legend::legend;
 use model_response::model_response;
+use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
+use socam_chart::theme;
+use socam_samples::Samples;
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

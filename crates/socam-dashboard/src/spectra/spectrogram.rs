@@ -5,9 +5,9 @@ use std::ops::Range;
 use socam_recording::{Segment, Welch, without_mean};
 
 use super::welch::TOO_SHORT;
-use crate::draw::heat::Cells;
 use crate::job::Handle;
-use crate::samples::Samples;
+use socam_chart::heat::Cells;
+use socam_samples::Samples;
 
 /// Greatest number of windows that a column is averaged over: a picture of any recording takes as long.
 const WINDOWS: usize = 4;
@@ -64,7 +64,7 @@ pub fn spectrogram(
 #[must_use]
 pub fn colours(cells: &Cells) -> [f64; 2] {
     let finite = cells.values.iter().copied().filter(|value| value.is_finite());
-    crate::draw::chart::range_of(finite).map_or([0.0, 1.0], |[low, high]| [low.max(high - SHOWN_DB), high])
+    socam_chart::chart::range_of(finite).map_or([0.0, 1.0], |[low, high]| [low.max(high - SHOWN_DB), high])
 }
 
 /// First rows of windows about some rows, evenly apart, each within a segment.

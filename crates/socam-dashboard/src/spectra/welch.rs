@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use socam_recording::{Welch, without_mean};
 
 use crate::job::Handle;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// Greatest number of averaged windows, spread over the recording.
 const WINDOWS: usize = 300;

@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 use socam_answer::words;
 use socam_watch::{Alarm, Cause, Overlay, Phase, Verdict};
 
-use crate::theme;
+use socam_chart::theme;
 
 /// Largest number of causes in the list.
 const CAUSES: usize = 6;

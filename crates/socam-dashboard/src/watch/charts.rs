@@ -3,8 +3,8 @@
 use egui::{RichText, Ui, vec2};
 use socam_watch::{BlockSignals, Overlay, Symptom};
 
-use crate::draw::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
-use crate::theme;
+use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
+use socam_chart::theme;
 
 /// A sample between blocks is missing where they lie farther apart than this many sample times.
 const APART: f64 = 1.5;

@@ -7,13 +7,14 @@ mod session;
 use egui::{ComboBox, DragValue, RichText, ScrollArea, Ui};
 use socam_watch::{Alarm, Event, Overlay, Settings};
 
-use crate::draw::chart;
 use crate::job::CANCELLED;
+use crate::layout;
 use crate::recording::{Recording, short};
 use crate::view::{Help, View, ViewPanel};
 use crate::workspace::{Request, Workspace};
-use crate::{layout, theme};
 use session::Session;
+use socam_chart::chart;
+use socam_chart::theme;
 
 /// Speeds of a replay, as multiples of the recording's own; `None` is as fast as possible.
 const SPEEDS: [(Option<f64>, &str); 3] =

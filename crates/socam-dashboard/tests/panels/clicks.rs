@@ -11,7 +11,7 @@ use socam_dashboard::{Dashboard, Layout, View};
 pub(crate) fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     let harness =
         Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02).with_context_setup(|ctx| {
-            socam_dashboard::theme::apply(ctx, socam_dashboard::theme::Look::Dark);
+            socam_chart::theme::apply(ctx, socam_chart::theme::Look::Dark);
         });
     let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
     window.run_steps(3);
@@ -282,7 +282,7 @@ fn panels_are_as_wide_as_they_were() {
 fn help_names_each_control() {
     let mut unnamed = std::collections::BTreeSet::new();
     for name in sample::STATES {
-        let mut window = window(sample::state(name, socam_dashboard::theme::Look::Dark).unwrap());
+        let mut window = window(sample::state(name, socam_chart::theme::Look::Dark).unwrap());
         until(&mut window, "a view", |window| !window.state().is_busy());
         window.run_steps(2);
         for node in window.root().children_recursive() {

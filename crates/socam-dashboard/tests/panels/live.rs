@@ -2,10 +2,10 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use socam_chart::theme::Look;
 use socam_core::State;
 use socam_dashboard::Dashboard;
 use socam_dashboard::live::{Bench, News, Order};
-use socam_dashboard::theme::Look;
 
 use crate::clicks::{click, window};
 use crate::sample::{self, bench};

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
-use socam_dashboard::theme::Look;
+use socam_chart::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
 use socam_recording::Calibration;
 
@@ -203,7 +203,7 @@ fn draw(
     if let Some(problem) = dashboard.problems().next() {
         anyhow::bail!("{problem}");
     }
-    let bytes = socam_dashboard::draw::raster::png(&image).map_err(|e| anyhow!(e))?;
+    let bytes = socam_chart::raster::png(&image).map_err(|e| anyhow!(e))?;
     let mut file = output::create(target)?;
     std::io::Write::write_all(&mut file, &bytes)?;
     Ok(file.commit()?)

@@ -237,7 +237,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
         let own = cpu_time::ThreadTime::now();
         window.run_steps(1);
         let shapes = window.output().shapes.clone();
-        let _ = socam_dashboard::draw::raster::of_shapes(&window.ctx, shapes, part, egui::Color32::BLACK);
+        let _ = socam_chart::raster::of_shapes(&window.ctx, shapes, part, egui::Color32::BLACK);
         spent += own.elapsed();
         frames += 1;
     }

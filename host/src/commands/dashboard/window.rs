@@ -116,8 +116,8 @@ fn remember(path: &Path, layout: &Layout) -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use socam_chart::theme::Look;
     use socam_dashboard::View;
-    use socam_dashboard::theme::Look;
 
     use super::*;
 

@@ -7,7 +7,7 @@ use socam_recording::Segment;
 
 use super::{Derivation, Operation};
 use crate::job::Handle;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// Greatest number of rows: a derived channel is kept in memory, and is computed whole.
 pub(super) const MOST_ROWS: usize = 20_000_000;

@@ -4,7 +4,7 @@ use egui::{Button, ComboBox, DragValue, RichText, Ui, Window};
 
 use super::{Derivation, Operation};
 use crate::review::signal::Signal;
-use crate::theme;
+use socam_chart::theme;
 
 /// The dialog's fields.
 #[derive(Debug, Clone, Default)]

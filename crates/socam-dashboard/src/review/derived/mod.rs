@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::Entry;
 use super::signal::Signal;
 use super::units::Units;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// How a channel is derived from one or two others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

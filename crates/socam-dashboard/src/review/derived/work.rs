@@ -6,7 +6,7 @@ use super::compute::values;
 use super::{Derivation, Derived, Entry, Signal};
 use crate::job::{CANCELLED, Job};
 use crate::recording::short;
-use crate::samples::Samples;
+use socam_samples::Samples;
 
 /// A channel that is being computed.
 struct Running {

@@ -11,7 +11,7 @@ use crate::review::derived::dialog::Form;
 use crate::review::entry::Entry;
 use crate::review::plots::Plot;
 use crate::review::signal::Signal;
-use crate::theme;
+use socam_chart::theme;
 
 impl Review {
     pub(super) fn channels(&mut self, ui: &mut Ui, all: &[Signal], entries: &[Entry]) {

@@ -10,8 +10,8 @@ use super::Review;
 use super::entry::Entry;
 use super::signal::{Signal, signals};
 use crate::recording::short;
-use crate::theme;
 pub(super) use elided::elided;
+use socam_chart::theme;
 
 /// A channel that is being dragged.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use egui::{Align, Button, Checkbox, DragValue, Layout, Rect, RichText, Role, Tex
 
 use super::{Review, elided, neat, short_name};
 use crate::review::entry::{Entry, swatch};
-use crate::theme;
+use socam_chart::theme;
 
 /// Number of recordings up to which each row has a second line with facts.
 const FEW: usize = 3;

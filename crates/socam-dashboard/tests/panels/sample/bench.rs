@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
+use socam_chart::theme::Look;
 use socam_core::State;
 use socam_dashboard::live::{Batch, Bench, Happening, Health, News, link};
-use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, View};
 
 use super::{channels, dashboard, run};

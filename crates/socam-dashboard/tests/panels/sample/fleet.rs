@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use socam_chart::theme::Look;
 use socam_dashboard::Dashboard;
 use socam_dashboard::document::Document;
 use socam_dashboard::fleet::Opened;
 use socam_dashboard::job::Handle;
-use socam_dashboard::theme::Look;
 use socam_dashboard::{Layout, View};
 use socam_fleet::row::{Finding, Parameter, Stage, Status, Verdict};
 use socam_fleet::{FleetOptions, Row, table};

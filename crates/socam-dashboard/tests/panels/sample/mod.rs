@@ -12,14 +12,14 @@ use std::sync::Arc;
 use socam_answer::Evidence;
 use socam_answer::document::Overlay;
 use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
+use socam_chart::theme::Look;
 use socam_dashboard::diagnosis::Over;
 use socam_dashboard::document::{Document, parse};
 use socam_dashboard::recording::{About, Recording};
-use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
-use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View};
 use socam_recording::{Channel, Dataset, Unit};
+use socam_samples::Samples;
 
 /// Numbers without pattern, the same on every machine.
 pub(crate) struct Noise(pub(crate) u64);

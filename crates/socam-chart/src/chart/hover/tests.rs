@@ -1,5 +1,5 @@
 use super::*;
-use crate::draw::chart::Style;
+use crate::chart::Style;
 
 fn curve(parts: Vec<Vec<[f64; 2]>>) -> Curve {
     Curve { name: "c".into(), colour: Color32::RED, parts, style: Style::Solid }

@@ -30,7 +30,7 @@ pub(super) fn small(text: &str) -> egui::RichText {
 }
 
 /// A number beside an axis, with as many digits as the step of the grid needs.
-pub(in crate::draw) fn number(mark: GridMark) -> String {
+pub(crate) fn number(mark: GridMark) -> String {
     let step = mark.step_size.abs();
     if mark.value.abs() < 1e-9 * step {
         return "0".into();
@@ -48,7 +48,7 @@ pub(in crate::draw) fn number(mark: GridMark) -> String {
 
 /// Steps of an even grid: the middle one, which has numbers, is the least of 1, 2, 5, 10 and so on that leaves them `apart` times as
 /// much room as there is between lines at least.
-pub(in crate::draw) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
+pub(crate) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
     let least = input.base_step_size * f64::from(apart.max(1.0));
     let decade = 10_f64.powf(least.log10().floor());
     let steps = match least / decade {

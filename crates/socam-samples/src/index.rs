@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use socam_recording::Segment;
 
@@ -13,12 +14,11 @@ use super::groups::{GROUP, Groups, MAGIC};
 use super::moments::Moments;
 use super::pyramid::{self, BASE, Extremes, MOMENTS_BASE, Pyramid};
 use super::stored::{Samples, Store};
-use crate::about::About;
 
 /// The metadata at the end of the file.
 #[derive(Serialize, Deserialize)]
-struct Tail {
-    about: About,
+struct Tail<T> {
+    about: T,
     rows: usize,
     middles: Vec<f64>,
     /// First row, rows, start, end, sample time and jitter.
@@ -101,11 +101,11 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes the last group and the metadata, and moves the file to its path.
+    /// Writes the last group and the metadata, and moves the file to its path. `about` describes the recording; [`open`] returns it.
     ///
     /// # Errors
     /// When the disk is full.
-    pub fn finish(mut self, about: &About, segments: &[Segment]) -> io::Result<Samples> {
+    pub fn finish<T: Serialize>(mut self, about: &T, segments: &[Segment]) -> io::Result<Samples> {
         if !self.time_s.is_empty() {
             self.write_group()?;
         }
@@ -120,7 +120,7 @@ impl Writer {
             write_f64(&mut self.file, &numbers)?;
         }
         let tail = Tail {
-            about: about.clone(),
+            about,
             rows: self.rows,
             middles: self.middles.clone(),
             segments: segments.iter().map(plain).collect(),
@@ -134,7 +134,7 @@ impl Writer {
         let file = file.persist(&self.path)?;
         Ok(Samples {
             rows: self.rows,
-            store: Store::File(Groups { file, columns: self.middles.len() }),
+            store: Store::File(Groups::new(file, self.middles.len())),
             middles: self.middles,
             pyramids: self.blocks.into_iter().map(Pyramid::new).collect(),
             moments: self.moments.into_iter().map(Pyramid::new).collect(),
@@ -144,11 +144,11 @@ impl Writer {
     }
 }
 
-/// Opens an index that was built before.
+/// Opens an index that was built before: the description of its recording, and its samples.
 ///
 /// # Errors
 /// When the file does not exist or is not a complete index.
-pub fn open(path: &Path) -> io::Result<(About, Samples)> {
+pub fn open<T: DeserializeOwned>(path: &Path) -> io::Result<(T, Samples)> {
     let mut file = File::open(path)?;
     let length = file.seek(SeekFrom::End(-24))?;
     let mut ends = [[0; 8]; 3];
@@ -162,7 +162,7 @@ pub fn open(path: &Path) -> io::Result<(About, Samples)> {
     file.read_exact(&mut numbers)?;
     let mut text = vec![0; text_bytes as usize];
     file.read_exact(&mut text)?;
-    let tail: Tail = serde_json::from_slice(&text)?;
+    let tail: Tail<T> = serde_json::from_slice(&text)?;
     let blocks = tail.rows.div_ceil(BASE);
     let columns = tail.middles.len();
     let of_moments = 24 * tail.rows.div_ceil(MOMENTS_BASE);
@@ -198,7 +198,7 @@ pub fn open(path: &Path) -> io::Result<(About, Samples)> {
         knots,
         middles: tail.middles,
         segments: tail.segments.into_iter().map(segment).collect(),
-        store: Store::File(Groups { file, columns }),
+        store: Store::File(Groups::new(file, columns)),
     };
     Ok((tail.about, samples))
 }

@@ -6,7 +6,7 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, PlotTransfor
 use super::axes::{at_an_end, decade, decades, even, number, shared_width, small, width_of_numbers};
 use super::layer::Layer;
 use super::{Backdrop, Chart, DIMMED, Style, X_AXIS, marks};
-use crate::draw::colours::{self, Colours};
+use crate::colours::{self, Colours};
 use crate::theme;
 
 /// Least distance between lines of the grid, points.

@@ -2,7 +2,7 @@
 
 use egui::{ColorImage, Rect, Response, Ui};
 
-use crate::draw::raster;
+use crate::raster;
 
 /// The menu of the right button. Returns the picture if the user asked to save it.
 pub(super) fn menu(

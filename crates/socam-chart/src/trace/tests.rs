@@ -4,9 +4,9 @@ use egui::{Color32, ColorImage, RawInput, Rect, pos2, vec2};
 use socam_recording::{Channel, Dataset, Unit};
 
 use super::*;
-use crate::draw::chart::{Chart, Curve, Shown, Style};
-use crate::draw::raster::Raster;
-use crate::samples::{Samples, envelope};
+use crate::chart::{Chart, Curve, Shown, Style};
+use crate::raster::Raster;
+use socam_samples::{Samples, envelope};
 
 /// A multisine of 10 s at 1 kHz: 40 lines up to 150 Hz with phases that do not line up.
 fn multisine() -> Samples {

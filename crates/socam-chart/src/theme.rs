@@ -3,7 +3,7 @@
 //! Lines have the colours of Okabe and Ito, which can be distinguished with any kind of colour blindness, lightened on a dark
 //! background. No information is given by colour alone.
 
-use crate::draw::style::{MarkerShape, Style};
+use crate::style::{MarkerShape, Style};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
 
 /// Light or dark appearance.

@@ -12,7 +12,7 @@ pub fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
 }
 
 /// A picture as PNG that is transparent where it has no colour.
-pub(in crate::draw) fn png_with_holes(image: &ColorImage) -> Result<Vec<u8>, String> {
+pub(crate) fn png_with_holes(image: &ColorImage) -> Result<Vec<u8>, String> {
     let pixels = image.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied());
     encoded(image.size, png::ColorType::Rgba, &pixels.collect::<Vec<u8>>())
 }

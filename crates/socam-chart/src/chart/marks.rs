@@ -4,9 +4,9 @@ use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
 use super::TITLE_STRIP;
-use crate::draw::curve::{Curve, Flag};
-use crate::draw::style::Style;
-use crate::draw::trace::{self, Pen};
+use crate::curve::{Curve, Flag};
+use crate::style::Style;
+use crate::trace::{self, Pen};
 
 /// Markers on a line, evenly apart on the horizontal axis.
 pub(super) fn markers(

@@ -3,12 +3,9 @@
 //! Values are stored as 32-bit differences from the middle of their channel's range: the resolution is 1/16 000 000 of that range.
 //! Short recordings stay in memory, long ones in an index file ([`index`]) that is built once.
 
-#[cfg(not(target_arch = "wasm32"))]
 mod cache;
 mod envelope;
-#[cfg(not(target_arch = "wasm32"))]
 mod groups;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod index;
 mod moments;
 mod pyramid;

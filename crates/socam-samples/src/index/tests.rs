@@ -9,10 +9,10 @@ fn an_index_opens_again_and_draws_what_memory_draws() {
     let column: Vec<f64> =
         (0..rows).map(|row| if row % 1000 == 7 { f64::NAN } else { (row as f64).sin() }).collect();
     let channels = vec![Channel::new("x", Unit::V)];
-    let data = Dataset::from_columns("r", channels.clone(), time_s.clone(), vec![column.clone()]).unwrap();
+    let data = Dataset::from_columns("r", channels, time_s.clone(), vec![column.clone()]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deep/r.index");
-    let about = About { name: "r".into(), channels, ..About::default() };
+    let about = "a description".to_owned();
     let memory = Samples::in_memory(time_s.clone(), std::slice::from_ref(&column), data.segments().to_vec());
     let mut writer = Writer::create(&path, memory.middles.clone()).unwrap();
     for from in (0..rows).step_by(10_007) {
@@ -20,19 +20,19 @@ fn an_index_opens_again_and_draws_what_memory_draws() {
         writer.push(&time_s[from..to], &[&column[from..to]]).unwrap();
     }
     let built = writer.finish(&about, data.segments()).unwrap();
-    let (again, opened) = open(&path).unwrap();
+    let (again, opened): (String, Samples) = open(&path).unwrap();
     assert_eq!(again, about);
     for samples in [&built, &opened] {
         assert_eq!(samples.rows(), rows);
         for range in [[0.0, 30.0], [2.0, 2.1], [6.0, 9.0]] {
-            let found = crate::samples::stats(samples, 0, range);
-            assert_eq!(found, crate::samples::stats(&memory, 0, range), "{range:?}");
+            let found = crate::stats(samples, 0, range);
+            assert_eq!(found, crate::stats(&memory, 0, range), "{range:?}");
         }
         for (from_s, to_s) in [(0.0, 30.0), (6.0, 9.0), (2.0, 2.1), (20.6, 20.7)] {
-            let line = crate::samples::envelope(samples, 0, from_s, to_s, 800);
-            assert_eq!(line, crate::samples::envelope(&memory, 0, from_s, to_s, 800), "{from_s}..{to_s}");
+            let line = crate::envelope(samples, 0, from_s, to_s, 800);
+            assert_eq!(line, crate::envelope(&memory, 0, from_s, to_s, 800), "{from_s}..{to_s}");
         }
     }
     std::fs::write(&path, b"something else, which is no index at all").unwrap();
-    assert!(open(&path).is_err());
+    assert!(open::<String>(&path).is_err());
 }

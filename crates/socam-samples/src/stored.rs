@@ -1,13 +1,11 @@
 //! The samples of a recording, in memory or in an index file.
 
-use std::ops::Range;
-use std::sync::Arc;
-
-#[cfg(not(target_arch = "wasm32"))]
 use super::groups::Groups;
 use super::moments::Moments;
 use super::pyramid::{self, BASE, Block, Extremes, MOMENTS_BASE, Pyramid};
 use socam_recording::Segment;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Storage of the samples.
 #[derive(Debug)]
@@ -16,7 +14,6 @@ pub(super) enum Store {
         time_s: Vec<f64>,
         columns: Vec<Vec<f32>>,
     },
-    #[cfg(not(target_arch = "wasm32"))]
     File(Groups),
     /// Values beside the samples that have their times.
     Beside {
@@ -106,7 +103,6 @@ impl Samples {
     pub fn bytes(&self) -> usize {
         let raw = match &self.store {
             Store::Memory { time_s, columns } => time_s.len() * (8 + 4 * columns.len()),
-            #[cfg(not(target_arch = "wasm32"))]
             Store::File(_) => 0,
             Store::Beside { columns, .. } => 4 * self.rows * columns.len(),
         };
@@ -120,7 +116,6 @@ impl Samples {
         let rows = self.inside(rows);
         match &self.store {
             Store::Memory { time_s, .. } => time_s[rows].to_vec(),
-            #[cfg(not(target_arch = "wasm32"))]
             Store::File(groups) => groups.times(rows),
             Store::Beside { times, .. } => times.times(rows),
         }
@@ -178,7 +173,6 @@ impl Samples {
         let rows = self.inside(rows);
         match &self.store {
             Store::Memory { columns, .. } | Store::Beside { columns, .. } => take(&columns[channel][rows]),
-            #[cfg(not(target_arch = "wasm32"))]
             Store::File(groups) => take(&groups.values(channel, rows)),
         }
     }

@@ -168,12 +168,12 @@ fn shortened(name: &str) -> String {
 }
 
 /// The unit of a title or label: what stands behind its last comma.
-pub(in crate::draw) fn unit(label: &str) -> &str {
+pub(crate) fn unit(label: &str) -> &str {
     label.rsplit_once(", ").map_or("", |(_, unit)| unit)
 }
 
 /// Five digits.
-pub(in crate::draw) fn value_text(value: f64) -> String {
+pub(crate) fn value_text(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }

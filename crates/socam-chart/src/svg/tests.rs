@@ -2,9 +2,9 @@ use egui::{RawInput, Rect, pos2, vec2};
 use roxmltree::{Document, Node};
 
 use super::*;
-use crate::draw::chart::{self, Chart, Curve};
-use crate::draw::heat::{Cells, Heat};
-use crate::draw::xy::Cloud;
+use crate::chart::{self, Chart, Curve};
+use crate::heat::{Cells, Heat};
+use crate::xy::Cloud;
 
 /// What the charts that a function draws leave for exports.
 fn seen(draw: impl Fn(&mut egui::Ui, &mut Vec<Seen>)) -> Vec<Seen> {

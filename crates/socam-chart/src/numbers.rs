@@ -2,31 +2,39 @@
 
 use socam_plot::words;
 
-pub(crate) fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+/// An estimate with as many digits as its 95 % interval supports.
+#[must_use]
+pub fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     plain(&words::estimate(value, ci95))
 }
 
-pub(crate) fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+/// The 95 % interval of an estimate.
+#[must_use]
+pub fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
     plain(&words::interval(value, ci95))
 }
 
 /// A number with unit and interval, in words.
-pub(crate) fn quantity(value: Option<f64>, ci95: [Option<f64>; 2], unit: &str) -> String {
+#[must_use]
+pub fn quantity(value: Option<f64>, ci95: [Option<f64>; 2], unit: &str) -> String {
     plain(&words::quantity(value, ci95, unit))
 }
 
 /// A p-value.
-pub(crate) fn chance(p: Option<f64>) -> String {
+#[must_use]
+pub fn chance(p: Option<f64>) -> String {
     plain(&words::chance(p))
 }
 
 /// A size that is known roughly.
-pub(crate) fn rough(value: f64) -> String {
+#[must_use]
+pub fn rough(value: f64) -> String {
     plain(&words::rough(value))
 }
 
 /// `1.2×10⁻⁷` as `1.2e-7`. Raised digits of units stay.
-pub(crate) fn plain(text: &str) -> String {
+#[must_use]
+pub fn plain(text: &str) -> String {
     let text = text.replace("< 10⁻", "< 1×10⁻");
     let mut parts = text.split("×10");
     let mut out = parts.next().unwrap_or_default().to_owned();

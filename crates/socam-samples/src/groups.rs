@@ -1,8 +1,9 @@
 //! The samples in an index file: groups of rows, each with its times and then the values of each column.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// The last bytes of every index file; they change with its format.
 pub(super) const MAGIC: [u8; 8] = *b"socamix2";
@@ -12,8 +13,9 @@ pub(super) const GROUP: usize = 1 << 16;
 /// The groups of rows in an index file.
 #[derive(Debug)]
 pub(super) struct Groups {
-    pub(super) file: File,
-    pub(super) columns: usize,
+    /// Threads take turns: reading moves the file's position.
+    file: Mutex<File>,
+    columns: usize,
 }
 
 const fn group_bytes(columns: usize) -> u64 {
@@ -21,6 +23,10 @@ const fn group_bytes(columns: usize) -> u64 {
 }
 
 impl Groups {
+    pub(super) fn new(file: File, columns: usize) -> Self {
+        Self { file: Mutex::new(file), columns }
+    }
+
     /// Times of rows, s; NaN if the file cannot be read any more, so that nothing is drawn.
     pub(super) fn times(&self, rows: Range<usize>) -> Vec<f64> {
         let mut times = Vec::with_capacity(rows.len());
@@ -49,27 +55,17 @@ impl Groups {
             let count = (rows.end - next).min(GROUP - first);
             bytes.resize(size * count, 0);
             let offset = group as u64 * group_bytes(self.columns) + (at + size * first) as u64;
-            if read_at(&self.file, &mut bytes, offset).is_err() {
+            if self.read_at(&mut bytes, offset).is_err() {
                 return;
             }
             take(&bytes);
             next += count;
         }
     }
-}
 
-#[cfg(unix)]
-fn read_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
-}
-
-#[cfg(windows)]
-fn read_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
-    while !bytes.is_empty() {
-        match std::os::windows::fs::FileExt::seek_read(file, bytes, offset)? {
-            0 => return Err(io::ErrorKind::UnexpectedEof.into()),
-            count => (bytes, offset) = (&mut bytes[count..], offset + count as u64),
-        }
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.seek(SeekFrom::Start(offset))?;
+        file.read_exact(bytes)
     }
-    Ok(())
 }
