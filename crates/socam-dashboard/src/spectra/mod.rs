@@ -23,6 +23,7 @@ use densities::{Densities, densities};
 use legend::legend;
 use socam_chart::chart::{self, Seen};
 use socam_response::Measured;
+use socam_samples::Samples;
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -146,14 +147,17 @@ impl Spectra {
 
     /// Starts the work on what the chart lacks, of one recording after another.
     fn compute(&mut self, ui: &mut Ui, shown: &[(usize, &Recording)], (model, revision): Numbered<'_>) {
-        let is_shown = |samples| shown.iter().any(|(_, recording)| Arc::ptr_eq(&recording.samples, samples));
+        let is_shown = |samples: &Arc<Samples>| {
+            shown.iter().any(|(_, recording)| Arc::ptr_eq(&recording.samples, samples))
+        };
         self.densities.retain(|samples, ()| is_shown(samples));
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
         let name = |recording: &Recording| crate::recording::short(&recording.about.name).to_owned();
         if self.kind == Kind::Response {
             let Some(between) = self.chosen(revision) else { return };
             let lacks = |recording: &Recording| {
-                let has = |column| recording.about.channels.iter().any(|own| own.column_name() == *column);
+                let has =
+                    |column: &String| recording.about.channels.iter().any(|own| own.column_name() == *column);
                 between.columns.iter().all(has) && self.responses.get(&recording.samples, &between).is_none()
             };
             if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {

@@ -103,9 +103,13 @@ mod tests {
             let window = measured(&opened, &model, columns, &Handle::default()).unwrap();
             // What `identify --method frf` prints.
             let data = socam_import::open(&run).unwrap();
-            let command =
-                socam_response::estimate(&model, &[data], &[output.name.clone()], &Settings::default())
-                    .unwrap();
+            let command = socam_response::estimate(
+                &model,
+                &[data],
+                std::slice::from_ref(&output.name),
+                &Settings::default(),
+            )
+            .unwrap();
             assert_eq!(window.response, command[0].response, "{}", output.name);
             assert_eq!(window.warnings, command[0].warnings);
         }

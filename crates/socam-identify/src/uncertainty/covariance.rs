@@ -56,10 +56,10 @@ impl Uncertainty {
                 |rows: &Vec<Vec<f64>>| Mat::from_fn(rows.len(), free, |i, j| rows[i][j] * correction.sqrt());
             // Scores in coordinates of unit information.
             let white: Vec<Mat<f64>> =
-                scores.iter().map(|segment| product(&relative(&matrix(segment)), &inverse)).collect();
+                scores.iter().map(|segment| product(relative(&matrix(segment)), &inverse)).collect();
             let (spread, lag) = long_run_spread(&white, blocks);
             let prior = relative(&crate::optimiser::factors::prior_rows(problem, point, &weights));
-            let mut meat = spread + gram(&product(&prior, &inverse));
+            let mut meat = spread + gram(product(&prior, &inverse));
             // A direction without information has no scores; its variance ratio is set to one.
             (0..free).filter(|k| !informed[*k]).for_each(|k| meat[(k, k)] = meat[(k, k)].max(1.0));
             // Correlated blocks count for fewer degrees of freedom.
@@ -70,9 +70,9 @@ impl Uncertainty {
         let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
         let noise =
             Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
-        let noise = product(&product(inverse.transpose(), &noise), &inverse);
+        let noise = product(product(inverse.transpose(), &noise), &inverse);
         let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
-        let root = product(&inverse, &errors_in_variables(&noise));
+        let root = product(&inverse, errors_in_variables(&noise));
         Self { root, meat, quantile }
     }
 

@@ -67,7 +67,7 @@ pub fn half_widths(
             problem.segments.iter().zip(evaluated).filter(|(segment, _)| segment.recording == recording);
         let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
             let schur_complement = result.schur_complement();
-            share + gram(&product(schur_complement.subcols(0, free), root))
+            share + gram(product(schur_complement.subcols(0, free), root))
         });
         let Some(eigen) = SymmetricEigen::new(&share) else { return Ok(None) };
         let along = product(eigen.vectors.transpose(), score.as_ref().as_mat());
