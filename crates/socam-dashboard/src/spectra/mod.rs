@@ -11,16 +11,17 @@ use std::sync::Arc;
 use egui::{ComboBox, RichText, Ui, vec2};
 use socam_model::Model;
 
-use crate::job::Job;
-use crate::recording::Recording;
-use crate::review::Entry;
+use crate::progress::{self, wake};
 use crate::view::{Help, ViewPanel};
-use crate::workspace::Workspace;
 use legend::legend;
 use model_response::model_response;
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
 use socam_samples::Samples;
+use socam_workbench::Workspace;
+use socam_workbench::entry::Entry;
+use socam_workbench::job::Job;
+use socam_workbench::recording::Recording;
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,8 +61,9 @@ impl std::fmt::Debug for Spectra {
 }
 
 impl ViewPanel for Spectra {
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace));
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        egui::CentralPanel::default()
+            .show(ui, |ui| self.draw(ui, &workspace.entries, workspace.model(), seen));
     }
 
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
@@ -91,12 +93,6 @@ impl ViewPanel for Spectra {
 }
 
 impl Spectra {
-    fn contents(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        let mut seen = std::mem::take(&mut workspace.seen);
-        self.draw(ui, &workspace.entries, workspace.model(), &mut seen);
-        workspace.seen = seen;
-    }
-
     fn draw(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model, seen: &mut Vec<Seen>) {
         ui.horizontal(|ui| {
             for (kind, name) in
@@ -159,14 +155,14 @@ impl Spectra {
                 shown.iter().find(|(_, recording)| self.find(recording, model).is_none())
         {
             let (samples, input) = (recording.samples.clone(), self.input_of(recording, model));
-            let title = format!("Spectra of {}", crate::recording::short(&recording.about.name));
-            self.job = Some(Job::start(&title, ui.ctx(), move |handle| {
+            let title = format!("Spectra of {}", socam_workbench::recording::short(&recording.about.name));
+            self.job = Some(Job::start(&title, &wake(ui.ctx()), move |handle| {
                 let spectra = welch::spectra(&samples, input, handle);
                 Computed { samples, input, spectra }
             }));
         }
         if let Some(job) = &self.job {
-            job.ui(ui);
+            progress::job(ui, job);
         }
     }
 

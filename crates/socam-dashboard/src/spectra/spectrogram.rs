@@ -5,9 +5,9 @@ use std::ops::Range;
 use socam_recording::{Segment, Welch, without_mean};
 
 use super::welch::TOO_SHORT;
-use crate::job::Handle;
 use socam_chart::heat::Cells;
 use socam_samples::Samples;
+use socam_workbench::job::Handle;
 
 /// Greatest number of windows that a column is averaged over: a picture of any recording takes as long.
 const WINDOWS: usize = 4;

@@ -3,8 +3,8 @@
 use nalgebra::Complex;
 use socam_recording::{Welch, without_mean};
 
-use crate::job::Handle;
 use socam_samples::Samples;
+use socam_workbench::job::Handle;
 
 /// Greatest number of averaged windows, spread over the recording.
 const WINDOWS: usize = 300;
