@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("index on disk: {:.2} GB", std::fs::metadata(&path)?.len() as f64 / 1e9);
 
     let begin = Instant::now();
-    let (again, samples) = open(&path)?;
+    let (again, samples): (About, _) = open(&path)?;
     println!("opened from its index in {:.3} s", begin.elapsed().as_secs_f64());
     assert_eq!(again, about);
     println!("samples and pyramids take {:.0} MB", samples.bytes() as f64 / 1e6);
