@@ -47,6 +47,19 @@ pub fn plain(text: &str) -> String {
     out
 }
 
+/// Five digits.
+#[must_use]
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.4e}");
+    }
+    let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+    format!("{value:.digits$}")
+}
+
 /// A raised sign or digit as it stands on the line.
 fn lowered(raised: char) -> Option<char> {
     let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9');

@@ -3,7 +3,8 @@
 mod order;
 
 use egui::{
-    Align, Button, Id, Layout, Pos2, Role, Sense, Shape, TextWrapMode, Ui, UiBuilder, WidgetInfo, vec2,
+    Align, Button, Id, Layout, Pos2, RichText, Role, Sense, Shape, TextWrapMode, Ui, UiBuilder, WidgetInfo,
+    vec2,
 };
 use egui_extras::{Column as Width, TableBuilder, TableRow};
 
@@ -19,6 +20,14 @@ pub struct Column {
     pub width: f32,
     /// Whether its cells are numbers, which are aligned at the right.
     pub is_number: bool,
+}
+
+/// Draws the heads of a grid and ends its row.
+pub fn heads(ui: &mut Ui, texts: &[&str]) {
+    for text in texts {
+        ui.label(RichText::new(*text).small().color(theme::weak(ui)));
+    }
+    ui.end_row();
 }
 
 /// A column of text.

@@ -11,10 +11,10 @@ use socam_chart::heat::Heat;
 use socam_chart::raster::{Raster, png};
 use socam_chart::xy::{Cloud, Thinner};
 use socam_chart::{svg, theme};
-use socam_dashboard::job::Handle;
 use socam_dashboard::spectra::spectrogram::{colours, spectrogram};
 use socam_recording::{Channel, Dataset, Unit};
 use socam_samples::{Samples, envelope};
+use socam_workbench::job::Handle;
 
 const SIZE: [f32; 2] = [1280.0, 1200.0];
 

@@ -61,7 +61,6 @@ pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Shared, Steps};
 pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;
-#[cfg(not(target_arch = "wasm32"))]
 pub use files::{read_regular, read_text};
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;

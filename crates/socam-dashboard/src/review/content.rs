@@ -2,12 +2,12 @@
 
 use egui::{Color32, Ui};
 
-use super::entry::Entry;
-use super::signal::Signal;
-use crate::recording::short;
 use socam_chart::chart::{Chart, Curve, Flag, MarkerShape, Style};
 use socam_chart::theme;
 use socam_samples::envelope;
+use socam_workbench::entry::Entry;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 /// Opacity of the other recordings while one is highlighted.
 const DIMMED: f32 = 0.16;

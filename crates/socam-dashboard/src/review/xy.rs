@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use egui::{Rect, Ui, UiBuilder};
 
-use super::computed::Computed;
 use super::content::having;
-use super::plots::Plot;
-use super::signal::Signal;
 use super::{Drawing, Review};
-use crate::job::Handle;
+use crate::progress::wake;
 use socam_chart::chart::{Backdrop, Chart, range_of};
 use socam_chart::colours::Colours;
 use socam_chart::xy::{Cloud, Thinner};
 use socam_samples::Samples;
+use socam_workbench::arrangement::Plot;
+use socam_workbench::computed::Computed;
+use socam_workbench::job::Handle;
+use socam_workbench::signal::Signal;
 
 /// Height of the row in which the channels are chosen, points.
 const HEAD: f32 = 26.0;
@@ -98,7 +99,7 @@ impl Review {
             of,
         };
         let work = key.clone();
-        match state.dots.get(ui.ctx(), &key, move |handle| dots(&work, handle)) {
+        match state.dots.get(&wake(ui.ctx()), &key, move |handle| dots(&work, handle)) {
             Some((_, Ok(dots))) if !dots.is_empty() => {
                 let colours = Colours::of_dots(ui, drawing.x, "time, s");
                 chart.backdrop = Some(Backdrop::Cloud(Cloud { dots: dots.clone(), colours }));

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use egui::Ui;
 use socam_samples::Samples;
+use socam_workbench::job::{Handle, Job};
 
-use crate::job::{Handle, Job};
+use crate::progress::{self, wake};
 
 /// A result, the recording that it is of, and what else it depends on.
 struct Entry<K, T> {
@@ -59,14 +60,14 @@ impl<K: PartialEq + Send + 'static, T: Send + 'static> Cache<K, T> {
     ) {
         if self.job.is_none() {
             let run = move |handle: &Handle| Entry { samples, key, result: work(handle) };
-            self.job = Some(Job::start(title, ui.ctx(), run));
+            self.job = Some(Job::start(title, &wake(ui.ctx()), run));
         }
     }
 
     /// Draws the progress of the work.
     pub(super) fn progress(&self, ui: &mut Ui) {
         if let Some(job) = &self.job {
-            job.ui(ui);
+            progress::job(ui, job);
         }
     }
 }

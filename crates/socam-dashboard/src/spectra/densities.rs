@@ -2,8 +2,7 @@
 
 use socam_samples::Samples;
 use socam_spectrum::{Spectra, Welch};
-
-use crate::job::Handle;
+use socam_workbench::job::Handle;
 
 /// Greatest number of averaged windows, spread over the recording.
 const WINDOWS: usize = 300;

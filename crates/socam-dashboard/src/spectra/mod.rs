@@ -14,16 +14,16 @@ use std::sync::Arc;
 use egui::{ComboBox, Ui};
 use socam_model::Model;
 
-use crate::recording::Recording;
-use crate::review::Entry;
 use crate::view::{Help, ViewPanel};
-use crate::workspace::Workspace;
 use cache::Cache;
 use densities::{Densities, densities};
 use legend::legend;
 use socam_chart::chart::{self, Seen};
 use socam_response::Measured;
 use socam_samples::Samples;
+use socam_workbench::Workspace;
+use socam_workbench::entry::Entry;
+use socam_workbench::recording::{Recording, short};
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,8 +68,9 @@ impl std::fmt::Debug for Spectra {
 }
 
 impl ViewPanel for Spectra {
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace));
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        let numbered = (workspace.model(), workspace.revision());
+        egui::CentralPanel::default().show(ui, |ui| self.draw(ui, &workspace.entries, numbered, seen));
     }
 
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
@@ -97,12 +98,6 @@ impl ViewPanel for Spectra {
 }
 
 impl Spectra {
-    fn contents(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        let mut seen = std::mem::take(&mut workspace.seen);
-        self.draw(ui, &workspace.entries, (workspace.model(), workspace.revision()), &mut seen);
-        workspace.seen = seen;
-    }
-
     fn draw(&mut self, ui: &mut Ui, entries: &[Entry], numbered: Numbered<'_>, seen: &mut Vec<Seen>) {
         let (model, _) = numbered;
         ui.horizontal(|ui| {
@@ -152,7 +147,7 @@ impl Spectra {
         };
         self.densities.retain(|samples, ()| is_shown(samples));
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
-        let name = |recording: &Recording| crate::recording::short(&recording.about.name).to_owned();
+        let name = |recording: &Recording| short(&recording.about.name).to_owned();
         if self.kind == Kind::Response {
             let Some(between) = self.chosen(revision) else { return };
             let lacks = |recording: &Recording| {

@@ -3,12 +3,12 @@
 use egui::{RichText, Ui, vec2};
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
+use socam_workbench::recording::{Recording, short};
 
 use super::densities::{self, amplitudes};
 use super::model_response::model_response;
 use super::response::{Curves, curves};
 use super::{Numbered, Spectra};
-use crate::recording::Recording;
 
 impl Spectra {
     pub(super) fn spectrum(&self, ui: &mut Ui, shown: &[(usize, &Recording)], seen: &mut Vec<Seen>) {
@@ -94,7 +94,7 @@ impl Spectra {
         );
         for ((_, recording), found) in shown.iter().zip(&found) {
             if let Some(Err(problem)) = found {
-                remark(ui, &format!("{}: {problem}", crate::recording::short(&recording.about.name)));
+                remark(ui, &format!("{}: {problem}", short(&recording.about.name)));
             }
         }
         let height = heights(ui, 3);

@@ -4,9 +4,8 @@ use socam_frequency::response::Response;
 use socam_model::Model;
 use socam_recording::{Carry, Dataset};
 use socam_response::{Measured, Settings, between};
-
-use crate::job::Handle;
-use crate::recording::Recording;
+use socam_workbench::job::Handle;
+use socam_workbench::recording::Recording;
 
 /// The response of one column of a recording over another, the input; columns that the model reads are read as the model reads them.
 ///

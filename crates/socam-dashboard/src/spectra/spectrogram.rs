@@ -6,9 +6,9 @@ use socam_recording::Segment;
 use socam_spectrum::Welch;
 
 use super::densities::TOO_SHORT;
-use crate::job::Handle;
 use socam_chart::heat::Cells;
 use socam_samples::Samples;
+use socam_workbench::job::Handle;
 
 /// Greatest number of windows that a column is averaged over: a picture of any recording takes as long.
 const WINDOWS: usize = 4;

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use socam_dashboard::document::{Document, parse};
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_workbench::document::{Document, parse};
 
 pub(crate) fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     let harness =
@@ -154,8 +154,8 @@ fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     click(&mut window, "Make it the input signal");
     assert_eq!(window.state().layout.view, View::Live);
     assert!(
-        window.state().views.live.signal.text().contains("triangle")
-            || window.state().views.live.signal.settings.name().contains("profile")
+        window.state().workspace.signal.text().contains("triangle")
+            || window.state().workspace.signal.settings.name().contains("profile")
     );
 }
 
@@ -248,13 +248,13 @@ fn checks_are_sorted_and_unfold() {
 #[test]
 fn the_menus_choose_a_signal_and_undo() {
     let mut window = with(View::Live, 0);
-    let before = window.state().views.live.signal.settings.clone();
+    let before = window.state().workspace.signal.settings.clone();
     click(&mut window, "Input Signal");
     click(&mut window, "Constant");
-    assert_ne!(window.state().views.live.signal.settings, before);
+    assert_ne!(window.state().workspace.signal.settings, before);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
-    assert_eq!(window.state().views.live.signal.settings, before);
+    assert_eq!(window.state().workspace.signal.settings, before);
 }
 
 #[test]

@@ -1,6 +1,6 @@
-use super::arrangement::Arrangement;
 use super::insert::Place;
 use super::*;
+use socam_workbench::arrangement::Arrangement;
 
 fn signal(name: &str, unit: &str) -> Signal {
     Signal { name: name.into(), unit: unit.into() }
