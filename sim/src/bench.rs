@@ -5,7 +5,7 @@ use socam_recording::Channel;
 
 use crate::SimError;
 use crate::drive::{self, Drive};
-use crate::flaw::{Flaw, FlawedChannel};
+use crate::fault::{FaultyChannel, Instant};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::setup::{Plants, Setup};
@@ -63,11 +63,11 @@ pub(crate) struct Bench<'p> {
     rising: Vec<f64>,
 }
 
-/// One input of the board: measured quantity, flaws, sensor.
+/// One input of the board: measured quantity, faults, sensor.
 struct Input {
     source: Source,
-    /// Each flaw with the index of the shaft on which it depends.
-    flaws: Vec<(FlawedChannel, Option<usize>)>,
+    /// Each fault with the index of the shaft on which it depends.
+    faults: Vec<(FaultyChannel, Option<usize>)>,
     sensor: Sensor,
 }
 
@@ -81,7 +81,7 @@ impl<'p> Bench<'p> {
         let outputs = first_shaft + shafts.len();
         let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
             source: source(setup, &channel.channel),
-            flaws: flaws(setup, &channel.channel),
+            faults: faults(setup, &channel.channel),
             sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
         });
         Ok(Self {
@@ -174,16 +174,16 @@ impl<'p> Bench<'p> {
 
     /// The sensors' voltages at the present outputs, V.
     fn read(&mut self, at_s: f64, step_s: f64) -> impl Iterator<Item = f64> {
-        let (outputs, shafts, is_flawed) = (&self.outputs, &self.shafts, self.change.is_none());
+        let (outputs, shafts, is_faulty) = (&self.outputs, &self.shafts, self.change.is_none());
         self.inputs.iter_mut().map(move |input| {
             let mut value = match input.source {
                 Source::Output { row, scale, offset } => (outputs[row] - offset) / scale,
                 Source::Current { row, torque_per_current } => outputs[row] / torque_per_current,
                 Source::Nothing => 0.0,
             };
-            for (flaw, shaft) in input.flaws.iter_mut().filter(|_| is_flawed) {
+            for (fault, shaft) in input.faults.iter_mut().filter(|_| is_faulty) {
                 let angle_rad = shaft.map_or(0.0, |shaft| shafts[shaft].1);
-                value = flaw.pass(value, at_s, step_s, angle_rad);
+                value = fault.read(value, Instant { time_s: at_s, step_s, angle_rad });
             }
             input.sensor.volts(value)
         })
@@ -194,20 +194,21 @@ impl<'p> Bench<'p> {
     }
 }
 
-/// The flaws of a board's input. Shafts are numbered in the order of [`Setup::watched_nodes`].
-fn flaws(setup: &Setup, channel: &Channel) -> Vec<(FlawedChannel, Option<usize>)> {
+/// The faults of a board's input. Shafts are numbered in the order of [`Setup::watched_nodes`].
+fn faults(setup: &Setup, channel: &Channel) -> Vec<(FaultyChannel, Option<usize>)> {
     let model = &setup.truth.model;
     let column = channel.column_name();
     let mut shafts = 0..;
-    let numbered = setup.truth.flaws.iter().map(|(name, flaw)| {
-        let follows = matches!(flaw, Flaw::Ripple { .. });
-        (name, flaw, if follows { shafts.next() } else { None })
-    });
+    let numbered = setup
+        .truth
+        .faults
+        .iter()
+        .map(|(name, fault)| (name, fault, if fault.follows_shaft() { shafts.next() } else { None }));
     let is_here =
         |name: &str| model.channels.iter().any(|channel| channel.name == name && channel.column == column);
     numbered
         .filter(|(name, ..)| is_here(name))
-        .map(|(_, flaw, shaft)| (FlawedChannel::new(*flaw), shaft))
+        .map(|(_, fault, shaft)| (FaultyChannel::new(fault.clone()), shaft))
         .collect()
 }
 

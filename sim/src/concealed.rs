@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use socam_model::effects::Effect;
+
 use crate::SimError;
 
 /// A parameter value that replaces the model's: `k1=71` (SI).
@@ -22,6 +24,23 @@ pub struct Concealed {
     pub place: String,
     /// Its parameters.
     pub parameters: Vec<Override>,
+}
+
+impl Concealed {
+    /// Checks that the parameters are those of the effect, and that none is missing. `offered` are the names that a message lists.
+    pub(crate) fn check_parameters(&self, effect: &Effect, offered: &[&str]) -> Result<(), SimError> {
+        let fail = |problem: String| Err(SimError::argument(self.to_string(), problem));
+        let is_unknown = |given: &&Override| effect.parameters.iter().all(|own| own.name != given.name);
+        if let Some(unknown) = self.parameters.iter().find(is_unknown) {
+            let names = offered.join(", ");
+            return fail(format!("{} has no parameter `{}`; it has {names}", effect.id, unknown.name));
+        }
+        let is_given = |name: &str| self.parameters.iter().any(|given| given.name == name);
+        match effect.given().find(|needed| !is_given(needed.name)) {
+            Some(needed) => fail(format!("{} needs its parameter `{}`", effect.id, needed.name)),
+            None => Ok(()),
+        }
+    }
 }
 
 impl FromStr for Override {

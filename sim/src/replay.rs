@@ -77,7 +77,7 @@ impl Replay {
     /// [`SimError::Argument`] where the recording lacks an input or a place does not exist, [`SimError::Recording`] where it
     /// cannot be read, [`SimError::Solver`] where the simulation fails.
     pub fn run(&self, data: &Dataset) -> Result<Replayed, SimError> {
-        if let Some((channel, _)) = self.truth.flaws.first() {
+        if let Some((channel, _)) = self.truth.faults.first() {
             let problem = "a sensor's flaw needs a virtual bench; a recording brings its own sensors";
             return Err(SimError::argument(channel, problem));
         }

@@ -6,7 +6,6 @@ use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
 
 use crate::channel::plain_channel;
 use crate::drive::{self, Drive};
-use crate::flaw::Flaw;
 use crate::plant::Plant;
 use crate::sensors::noise_std;
 use crate::{SimError, Truth};
@@ -104,7 +103,7 @@ impl Setup {
     }
 
     /// Equations of the drivetrain with its drive, and of the one before a change in mid-run. After the model's outputs follow the speeds of
-    /// the shafts on whose angle a flawed sensor depends.
+    /// the shafts on whose angle a faulty sensor depends.
     pub(crate) fn plants(&self) -> Result<Plants, SimError> {
         let truth = self.plant(&self.truth)?;
         let before = self.before.as_ref().map(|(before, _)| self.plant(before)).transpose()?;
@@ -139,12 +138,12 @@ impl Setup {
         model
     }
 
-    /// The node on whose angle a sensor's ripple depends, for each such flaw.
+    /// The node on whose angle a sensor's fault depends, for each such fault.
     pub(crate) fn watched_nodes(&self) -> Vec<String> {
         let model = &self.truth.model;
-        let ripples = self.truth.flaws.iter().filter(|(_, flaw)| matches!(flaw, Flaw::Ripple { .. }));
+        let following = self.truth.faults.iter().filter(|(_, fault)| fault.follows_shaft());
         let channels =
-            ripples.filter_map(|(name, _)| model.channels.iter().find(|channel| channel.name == *name));
+            following.filter_map(|(name, _)| model.channels.iter().find(|channel| channel.name == *name));
         channels.map(|channel| shaft_of(model, &channel.at)).collect()
     }
 }

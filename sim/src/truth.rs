@@ -4,7 +4,7 @@ use socam_model::{Equations, Model, ModelError, effects};
 
 use crate::SimError;
 use crate::concealed::{Concealed, Override};
-use crate::flaw::Flaw;
+use crate::fault::Fault;
 
 /// A drivetrain to simulate.
 #[derive(Debug, Clone)]
@@ -13,8 +13,8 @@ pub struct Truth {
     pub model: Model,
     /// Its parameter values, SI.
     pub values: Vec<f64>,
-    /// Flaws of its sensors: channel's name and flaw, in the order given.
-    pub(crate) flaws: Vec<(String, Flaw)>,
+    /// Faults of its sensors: channel's name and fault, in the order given.
+    pub(crate) faults: Vec<(String, Fault)>,
 }
 
 impl Truth {
@@ -25,12 +25,13 @@ impl Truth {
     /// cannot move.
     pub fn new(model: &Model, overrides: &[Override], concealed: &[Concealed]) -> Result<Self, SimError> {
         let mut model = model.clone();
-        let mut flaws = Vec::new();
+        let mut faults = Vec::new();
         for hidden in concealed {
-            if Flaw::is_one(&hidden.effect) {
-                flaws.push((flawed_channel(&model, hidden)?, Flaw::read(hidden)?));
-            } else {
-                model = conceal(&model, hidden)?;
+            match effects::find(&hidden.effect).filter(|effect| Fault::is_one(effect)) {
+                Some(effect) => {
+                    faults.push((faulty_channel(&model, hidden)?, Fault::new(effect, hidden)?));
+                }
+                None => model = conceal(&model, hidden)?,
             }
         }
         for change in overrides {
@@ -44,7 +45,7 @@ impl Truth {
             })?;
             model.parameters[index].value = change.value;
         }
-        let truth = Self { values: model.values(), model, flaws };
+        let truth = Self { values: model.values(), model, faults };
         truth.equations()?;
         Ok(truth)
     }
@@ -58,8 +59,8 @@ impl Truth {
     }
 }
 
-/// The channel whose sensor is flawed.
-pub(crate) fn flawed_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
+/// The channel whose sensor has a fault.
+fn faulty_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
     if model.channels.iter().any(|channel| channel.name == hidden.place) {
         return Ok(hidden.place.clone());
     }
@@ -84,16 +85,7 @@ fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
             places.join(", ")
         ));
     }
-    if let Some(unknown) =
-        hidden.parameters.iter().find(|given| effect.parameters.iter().all(|p| p.name != given.name))
-    {
-        let names = effects::parameters_of(effect.id).join(", ");
-        return fail(format!("{} has no parameter `{}`; it has {names}", effect.id, unknown.name));
-    }
-    let given = |name: &str| hidden.parameters.iter().any(|given| given.name == name);
-    if let Some(needed) = effect.parameters.iter().find(|p| p.default.is_none() && !given(p.name)) {
-        return fail(format!("{} needs its parameter `{}`", effect.id, needed.name));
-    }
+    hidden.check_parameters(effect, &effects::parameters_of(effect.id))?;
     let values: Vec<(&str, f64)> =
         hidden.parameters.iter().map(|given| (given.name.as_str(), given.value)).collect();
     let changed = model.with_effect(effect.id, &hidden.place, &values);

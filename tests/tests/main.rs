@@ -23,6 +23,7 @@ mod fleet;
 mod frequency;
 mod identify;
 mod import;
+mod imports;
 #[cfg(unix)]
 mod interrupt;
 mod lab_jobs;

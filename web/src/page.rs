@@ -7,7 +7,7 @@ use egui::{
     ColorImage, Context, Event, Key, Modifiers, MouseWheelUnit, OutputCommand, PointerButton, RawInput, Rect,
     TouchPhase, pos2, vec2,
 };
-use socam_dashboard::draw::raster::Raster;
+use socam_chart::raster::Raster;
 use socam_dashboard::{Dashboard, Layout};
 
 struct Page {

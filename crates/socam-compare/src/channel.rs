@@ -3,9 +3,10 @@
 use serde::Serialize;
 
 use crate::delay::Matched;
-use crate::laws::laws;
-use crate::pair::{Motion, Pair, Pairing};
-use crate::spectrum::spectra;
+use crate::estimate::Estimate;
+use crate::laws::{Law, laws};
+use crate::pair::{Motion, Pair, Pairing, rms};
+use crate::spectrum::{Spectra, spectra};
 
 /// Number of periods into which a recording is divided.
 const PERIODS: usize = 50;
@@ -13,45 +14,6 @@ const PERIODS: usize = 50;
 const OUTSTANDING: f64 = 2.0;
 /// Bins of speed.
 const BINS: usize = 40;
-
-/// The law of an offset.
-pub(crate) const CONSTANT: &str = "a constant";
-
-/// A number with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// The number.
-    pub value: f64,
-    /// Its interval.
-    pub ci95: [f64; 2],
-}
-
-impl Estimate {
-    pub(crate) fn new(value: f64, half_width: f64) -> Self {
-        Self { value, ci95: [value - half_width, value + half_width] }
-    }
-
-    /// Whether the interval leaves out a value.
-    #[must_use]
-    pub fn excludes(&self, value: f64) -> bool {
-        value < self.ci95[0] || value > self.ci95[1]
-    }
-}
-
-/// A law that the error follows: a factor times a function of the simulated motion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Law {
-    /// The function, in words.
-    pub of: String,
-    /// Factor, in the channel's unit per unit of the function.
-    pub factor: Estimate,
-    /// Unit of the factor.
-    pub unit: String,
-    /// Share of the error's power that this law explains and no other of the list does.
-    pub share: f64,
-    /// p-value, corrected for the number of tests.
-    pub p_value: f64,
-}
 
 /// A span of time in which the error stands out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -178,12 +140,6 @@ pub(crate) fn compare(
             error_density: spectra.error,
         },
     }
-}
-
-pub(crate) fn rms(values: &[f64]) -> f64 {
-    let held = values.iter().filter(|value| value.is_finite());
-    let (sum, count) = held.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
-    (sum / f64::from(count.max(1))).sqrt()
 }
 
 fn std(values: &[f64]) -> f64 {

@@ -1,7 +1,7 @@
 //! Delay, gain and offset of a recording against its simulation.
 
-use crate::channel::{Estimate, rms};
-use crate::pair::{Pair, derivative, interpolated};
+use crate::estimate::Estimate;
+use crate::pair::{Pair, derivative, interpolated, rms};
 use crate::regression;
 
 /// Largest delay that is looked for, as a share of the recording and in seconds.

@@ -1,13 +1,32 @@
 //! What an error follows: regressions on functions of the simulated motion.
 
+use serde::Serialize;
 use socam_recording::Unit;
 
-use crate::channel::{CONSTANT, Estimate, Law};
+use crate::estimate::Estimate;
 use crate::pair::{Motion, Pair};
 use crate::regression;
 
 /// Share of the largest speed over which the sign of a speed is smoothed.
 const SIGN_WIDTH: f64 = 0.002;
+
+/// The law of an offset.
+pub(crate) const CONSTANT: &str = "a constant";
+
+/// What an error follows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Law {
+    /// What it is a function of, in words.
+    pub of: String,
+    /// Factor, in the channel's unit per unit of what it follows.
+    pub factor: Estimate,
+    /// Unit of the factor.
+    pub unit: String,
+    /// Share of the error's power that nothing else here explains.
+    pub share: f64,
+    /// Probability of this by chance, corrected for the number of tests.
+    pub p_value: f64,
+}
 
 /// Regressions of the error on functions of the simulated motion; `p_value` is corrected for their number and the coherence's.
 pub(crate) fn laws(pair: &Pair, rows: usize, error: &[f64], motion: Option<&Motion>, level: f64) -> Vec<Law> {

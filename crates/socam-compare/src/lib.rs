@@ -9,15 +9,18 @@ mod channel;
 mod delay;
 mod document;
 mod error;
+mod estimate;
 mod laws;
 mod pair;
 mod regression;
 mod spectrum;
 mod words;
 
-pub use channel::{ChannelComparison, Drawn, Estimate, Law, OverSpeed, Period};
+pub use channel::{ChannelComparison, Drawn, OverSpeed, Period};
 pub use document::{Document, ModelCheck};
 pub use error::{CompareError, Result};
+pub use estimate::Estimate;
+pub use laws::Law;
 pub use pair::{Pairing, pair, shifted};
 pub use words::{number, sentences};
 

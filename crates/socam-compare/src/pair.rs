@@ -235,3 +235,10 @@ pub(crate) fn derivative(time_s: &[f64], values: &[f64]) -> Vec<f64> {
         })
         .collect()
 }
+
+/// Root mean square of the values that are there.
+pub(crate) fn rms(values: &[f64]) -> f64 {
+    let held = values.iter().filter(|value| value.is_finite());
+    let (sum, count) = held.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}

@@ -1,6 +1,8 @@
 //! A comparison in sentences.
 
-use crate::channel::{CONSTANT, ChannelComparison, Estimate};
+use crate::channel::ChannelComparison;
+use crate::estimate::Estimate;
+use crate::laws::CONSTANT;
 use crate::{Comparison, Verdict};
 
 /// Least delay that gets a sentence, s.

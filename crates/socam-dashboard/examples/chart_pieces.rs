@@ -5,16 +5,16 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use egui::{Color32, Event, RawInput, Rect, Theme, Ui, pos2, vec2};
-use socam_dashboard::draw::chart::{Backdrop, Chart, Curve, Flag, Seen, Style, opacity};
-use socam_dashboard::draw::colours::Colours;
-use socam_dashboard::draw::heat::Heat;
-use socam_dashboard::draw::raster::{Raster, png};
-use socam_dashboard::draw::xy::{Cloud, Thinner};
-use socam_dashboard::job::Handle;
-use socam_dashboard::samples::{Samples, envelope};
+use socam_chart::chart::{Backdrop, Chart, Curve, Flag, Seen, Style, opacity};
+use socam_chart::colours::Colours;
+use socam_chart::heat::Heat;
+use socam_chart::raster::{Raster, png};
+use socam_chart::xy::{Cloud, Thinner};
+use socam_chart::{svg, theme};
 use socam_dashboard::spectra::spectrogram::{colours, spectrogram};
-use socam_dashboard::{draw::svg, theme};
 use socam_recording::{Channel, Dataset, Unit};
+use socam_samples::{Samples, envelope};
+use socam_workbench::job::Handle;
 
 const SIZE: [f32; 2] = [1280.0, 1200.0];
 
@@ -84,7 +84,7 @@ fn over_each_other(ui: &mut Ui, samples: &Samples, seen: &mut Vec<Seen>) {
     x.iter().zip(&y).zip(&times).for_each(|((x, y), t)| thinner.push([*x, *y, *t]));
     let mut chart = Chart::new("xy", "torque_out, N m", vec2(1280.0, 330.0));
     chart.x_label = "torque_in, N m".into();
-    chart.x = socam_dashboard::draw::chart::with_room(ranges[0]);
+    chart.x = socam_chart::chart::with_room(ranges[0]);
     chart.y = chart.fitted(Some(ranges[1]));
     let colours = Colours::of_dots(ui, [0.0, 20.0], "time, s");
     chart.backdrop = Some(Backdrop::Cloud(Cloud { dots: thinner.dots(), colours }));

@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use socam_dashboard::draw::raster;
-use socam_dashboard::theme::Look;
+use socam_chart::raster;
+use socam_chart::theme::Look;
 use socam_dashboard::{Viewport, picture};
 
 #[path = "../tests/panels/sample/mod.rs"]

@@ -9,10 +9,11 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use egui::{RawInput, Rect, pos2, vec2};
-use socam_dashboard::draw::raster::Raster;
-use socam_dashboard::live::{Batch, Bench, News, link};
-use socam_dashboard::{Dashboard, Layout, View};
+use socam_chart::raster::Raster;
+use socam_dashboard::{Dashboard, Layout, View, wake};
 use socam_recording::{Channel, Unit};
+use socam_workbench::link::{Bench, News, link};
+use socam_workbench::queue::Batch;
 
 const CHANNELS: usize = 6;
 const RATE_HZ: f64 = 10_000.0;
@@ -43,14 +44,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
     let mut dashboard = Dashboard::new(Layout { view: View::Live, ..Layout::default() });
     let theirs = ends.clone();
-    dashboard.views.live.connect_by(Box::new(move |_| {
+    dashboard.workspace.bench.connect_by(Box::new(move |_| {
         let (port, bench) = link();
         *theirs.lock().expect("one thread") = Some(bench);
         port
     }));
     let ctx = egui::Context::default();
     dashboard.set_up(&ctx);
-    dashboard.views.live.connect(&ctx);
+    dashboard.workspace.connect(wake(&ctx));
     let bench = ends.lock().expect("one thread").take().ok_or("the link was not made")?;
     let channels = (0..CHANNELS).map(|n| Channel::new(format!("channel_{n}"), Unit::V)).collect();
     let limits = vec![Some(2.0); CHANNELS];

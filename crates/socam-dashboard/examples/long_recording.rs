@@ -5,16 +5,16 @@
 //! Decoding a log comes before all this and is another matter: `socam-recording`'s example `recording_load` measures it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
 use egui::{RawInput, Rect, pos2, vec2};
-use socam_dashboard::recording::{About, Recording};
-use socam_dashboard::samples::index::{Writer, open};
-use socam_dashboard::{Dashboard, draw::raster::Raster};
+use socam_chart::raster::Raster;
+use socam_dashboard::Dashboard;
 use socam_recording::{Channel, Segment, Unit};
+use socam_samples::index::{Writer, open};
+use socam_workbench::recording::{About, Recording};
 
 const CHANNELS: usize = 5;
 const STEP_S: f64 = 1e-4;
@@ -30,12 +30,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("index on disk: {:.2} GB", std::fs::metadata(&path)?.len() as f64 / 1e9);
 
     let begin = Instant::now();
-    let (again, samples) = open(&path)?;
+    let (again, samples): (About, _) = open(&path)?;
     println!("opened from its index in {:.3} s", begin.elapsed().as_secs_f64());
     assert_eq!(again, about);
     println!("samples and pyramids take {:.0} MB", samples.bytes() as f64 / 1e6);
     let mut dashboard = Dashboard::default();
-    dashboard.add_recording(Recording { about, samples: Arc::new(samples), path: None });
+    dashboard.add_recording(Recording::in_memory(about, samples));
     pan(&mut dashboard, rows as f64 * STEP_S, spike as f64 * STEP_S);
     println!("memory at most: {:.2} GB", high_water_kb().unwrap_or(f64::NAN) / 1e6);
     std::fs::remove_file(path)?;
@@ -98,7 +98,7 @@ fn pan(dashboard: &mut Dashboard, length_s: f64, spike_s: f64) {
         for frame in 0..30 {
             let from = (spike_s - 0.5 * width_s + width_s * 0.01 * f64::from(frame))
                 .clamp(0.0, (length_s - width_s).max(0.0));
-            dashboard.views.time.show_span([from, from + width_s]);
+            dashboard.views.time.x = Some([from, from + width_s]);
             let input = RawInput {
                 screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 800.0))),
                 ..RawInput::default()

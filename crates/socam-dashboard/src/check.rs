@@ -8,15 +8,16 @@ use egui::{RichText, Ui};
 use socam_model::Model;
 use socam_recording::check::{Check, check};
 
-use crate::draw::chart;
-use crate::job::Job;
-use crate::recording::short;
-use crate::review::Entry;
-use crate::table::Table;
-use crate::theme;
+use crate::progress::{self, wake};
 use crate::view::{Help, ViewPanel};
-use crate::workspace::Workspace;
 use row::{COLUMNS, Row};
+use socam_chart::chart::{self, Seen};
+use socam_chart::table::Table;
+use socam_chart::theme;
+use socam_workbench::Workspace;
+use socam_workbench::entry::Entry;
+use socam_workbench::job::Job;
+use socam_workbench::recording::short;
 
 /// Relative tolerance of the ratio of mean speeds.
 const RATIO_TOLERANCE: f64 = 0.01;
@@ -36,7 +37,7 @@ pub struct Checks {
 }
 
 impl ViewPanel for Checks {
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, _: &mut Vec<Seen>) {
         egui::CentralPanel::default().show(ui, |ui| self.contents(ui, &workspace.entries, workspace.model()));
     }
 
@@ -106,14 +107,14 @@ impl Checks {
         if let (None, Some(recording)) = (&self.job, next) {
             let options = socam_expectation::of_model(model, RATIO_TOLERANCE);
             let (own, name) = (recording.clone(), recording.about.name.clone());
-            let work = move |_: &crate::job::Handle| {
+            let work = move |_: &socam_workbench::job::Handle| {
                 check(&own.dataset()?, &options).map_err(|error| error.to_string())
             };
             let title = format!("Checking {}", short(&name));
-            self.job = Some((name, Job::start(&title, ui.ctx(), work)));
+            self.job = Some((name, Job::start(&title, &wake(ui.ctx()), work)));
         }
         if let Some((name, job)) = &self.job
-            && job.ui(ui)
+            && progress::job(ui, job)
         {
             self.known.push((name.clone(), Err(format!("{}: the check was cancelled", short(name)))));
             self.job = None;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{ColorImage, RawInput, Rect, pos2, vec2};
 
 use crate::Dashboard;
-use crate::draw::raster::Raster;
+use socam_chart::raster::Raster;
 
 /// Size and scale of a picture.
 #[derive(Debug, Clone, Copy)]

@@ -3,8 +3,9 @@
 use egui::{Button, Grid, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
 use crate::commands::Command;
-use crate::theme;
-use crate::view::{Help, View};
+use crate::platform::Views;
+use crate::view::Help;
+use socam_chart::theme;
 
 /// Controls of the frame around the views.
 const FRAME: [(&str, Help); 2] = [
@@ -52,7 +53,7 @@ const FRAME: [(&str, Help); 2] = [
 /// Title and controls of each part of the window.
 fn parts() -> impl Iterator<Item = (&'static str, Help)> {
     let [everywhere, menus] = FRAME;
-    let views = View::ALL.iter().map(|view| (view.name(), view.help()));
+    let views = Views::NAMES.iter().map(|view| (view.name(), Views::help(*view)));
     std::iter::once(everywhere).chain(views).chain([menus]).filter(|(_, controls)| !controls.is_empty())
 }
 
@@ -60,7 +61,7 @@ fn parts() -> impl Iterator<Item = (&'static str, Help)> {
 #[must_use]
 pub fn names(label: &str) -> bool {
     let label = label.to_lowercase();
-    let is_view = View::ALL.iter().any(|view| label == view.name().to_lowercase());
+    let is_view = Views::NAMES.iter().any(|view| label == view.name().to_lowercase());
     is_view
         || parts().flat_map(|(_, controls)| controls).any(|(control, _)| {
             control.split("; ").any(|name| match name.strip_suffix("...") {
@@ -72,8 +73,9 @@ pub fn names(label: &str) -> bool {
 
 /// The help's window: what is searched for, and whether it is open.
 #[derive(Debug, Default)]
-pub(crate) struct Window {
-    pub(crate) is_open: bool,
+pub struct Window {
+    /// Whether it is shown.
+    pub is_open: bool,
     search: String,
     /// Whether the field of the search got the keyboard.
     is_focused: bool,

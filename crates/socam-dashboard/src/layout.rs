@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use egui::{Id, Ui};
 use serde::{Deserialize, Serialize};
 
-use crate::review::Arrangement;
-use crate::theme::Look;
-use crate::view::View;
+use socam_chart::theme::Look;
+use socam_workbench::View;
+use socam_workbench::arrangement::Arrangement;
 
 /// Settings that are kept from one start to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,51 +1,33 @@
-//! The dashboard: panels over plain state.
+//! The dashboard: views over the state of a [`socam_workbench`].
 //!
 //! [`Dashboard`] holds the state; [`Dashboard::ui`] draws it into a window of the host or of a browser, and [`picture`] draws it without
-//! a display, for reports and tests. Files are opened and diagnoses made on threads ([`job`]). A running bench is connected by
-//! channels and a queue of samples ([`live`]), so that drawing never delays sampling.
+//! a display, for reports and tests.
 //!
-//! SI inside, unit in the name.
+//! What a desktop has and a browser lacks (a bench, fits, files of other programs, dialogs) is in the folder `desktop`; `web` is what the
+//! page does instead. One of the two is the module [`platform`], and no other file asks where it runs.
 
-mod about;
-pub mod check;
 mod commands;
 mod dashboard;
-pub mod diagnosis;
-pub mod document;
-pub mod draw;
-pub mod files;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod fitting;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod fleet;
-#[cfg(not(target_arch = "wasm32"))]
-mod foreign;
 mod headless;
-pub mod help;
-pub mod identify;
-pub mod job;
 mod layout;
-pub mod live;
-mod menu;
-#[cfg(not(target_arch = "wasm32"))]
-mod native;
-mod numbers;
-mod outside;
-pub mod parameters;
-pub mod recording;
-pub mod review;
-pub mod samples;
-mod save;
-pub mod spectra;
-pub mod table;
-pub mod theme;
+mod progress;
 mod view;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod watch;
-mod workspace;
+
+pub mod check;
+pub mod diagnosis;
+pub mod help;
+pub mod identification;
+pub mod review;
+pub mod spectra;
+
+#[cfg_attr(not(target_arch = "wasm32"), path = "desktop/mod.rs")]
+#[cfg_attr(target_arch = "wasm32", path = "web/mod.rs")]
+pub mod platform;
 
 pub use dashboard::{Dashboard, Simulate};
 pub use headless::{Viewport, picture};
 pub use layout::Layout;
-pub use view::{Help, View, ViewPanel, Views};
-pub use workspace::{Content, Feed, Request, Workspace};
+pub use platform::Views;
+pub use progress::wake;
+pub use socam_workbench::View;
+pub use view::{Help, ViewPanel};

@@ -1,30 +1,20 @@
-//! The views: what each of them is, and the list of all.
+//! What a view is. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and one line in
+//! `views!` of each platform that has it.
 
 use egui::Ui;
-use serde::{Deserialize, Serialize};
-
-use crate::check::Checks;
-use crate::diagnosis::DiagnosisView;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::fleet::FleetView;
-use crate::identify::Identify;
-use crate::live::Live;
-use crate::review::Review;
-use crate::spectra::Spectra;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::watch::WatchView;
-use crate::workspace::Workspace;
+use socam_chart::chart::Seen;
+use socam_workbench::Workspace;
 
 /// Names of controls, separated by `; ` and with `...` for variable parts, and their explanation.
 pub type Help = &'static [(&'static str, &'static str)];
 
-/// A view. To add one, write a type with these functions, and one line in `views!` below.
+/// A view.
 pub trait ViewPanel {
     /// Draws what stays in its place below the tabs, whatever messages appear below it.
-    fn bar(&mut self, _ui: &mut Ui) {}
+    fn bar(&mut self, _ui: &mut Ui, _workspace: &mut Workspace) {}
 
-    /// Draws it.
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace);
+    /// Draws it, and adds its charts to those that are seen.
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>);
 
     /// Takes the results of work on other threads. Called in every pass, whether the view is shown or not.
     fn poll(&mut self, _ctx: &egui::Context, _workspace: &mut Workspace) {}
@@ -56,82 +46,49 @@ pub trait ViewPanel {
         Self: Sized;
 }
 
-/// Declares [`View`], the names of all views in the order of their tabs, and [`Views`], their states.
+/// Declares `Views`, the states of a platform's views in the order of their tabs.
 macro_rules! views {
-    ($($(#[cfg($where:meta)])? $(#[serde($alias:meta)])? $name:ident: $field:ident = $state:ty, $what:literal;)+) => {
-        /// The name of a view.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-        pub enum View {
-            $($(#[cfg($where)])? $(#[serde($alias)])? #[doc = $what] $name,)+
-        }
-
-        impl View {
-            /// All of them, in the order of their tabs.
-            pub const ALL: &[Self] = &[$($(#[cfg($where)])? Self::$name),+];
-
-            /// Its name.
-            #[must_use]
-            pub fn name(self) -> &'static str {
-                match self {
-                    $($(#[cfg($where)])? Self::$name => stringify!($name),)+
-                }
-            }
-
-            /// Explains its controls.
-            #[must_use]
-            pub fn help(self) -> Help {
-                match self {
-                    $($(#[cfg($where)])? Self::$name => <$state>::help(),)+
-                }
-            }
-        }
-
+    ($($name:ident: $field:ident = $state:ty;)+) => {
         /// The states of all views.
         #[derive(Debug, Default)]
+        #[expect(missing_docs, reason = "each has the name of its view")]
         pub struct Views {
-            $($(#[cfg($where)])? #[doc = $what] pub $field: $state,)+
+            $(pub $field: $state,)+
         }
 
         impl Views {
-            pub(crate) fn peek(&self, view: View) -> &dyn ViewPanel {
-                match view {
-                    $($(#[cfg($where)])? View::$name => &self.$field,)+
-                }
+            /// The views, in the order of their tabs.
+            pub const NAMES: &[socam_workbench::View] = &[$(socam_workbench::View::$name),+];
+
+            /// Explains the controls of a view.
+            #[must_use]
+            pub fn help(view: socam_workbench::View) -> $crate::Help {
+                $(if view == socam_workbench::View::$name {
+                    return <$state as $crate::ViewPanel>::help();
+                })+
+                &[]
             }
 
-            pub(crate) fn get(&mut self, view: View) -> &mut dyn ViewPanel {
-                match view {
-                    $($(#[cfg($where)])? View::$name => &mut self.$field,)+
-                }
+            /// The state of a view. One that this platform lacks is replaced by the view over time.
+            pub(crate) fn peek(&self, view: socam_workbench::View) -> &dyn $crate::ViewPanel {
+                $(if view == socam_workbench::View::$name {
+                    return &self.$field;
+                })+
+                &self.time
+            }
+
+            /// The state of a view, to change it.
+            pub(crate) fn get(&mut self, view: socam_workbench::View) -> &mut dyn $crate::ViewPanel {
+                $(if view == socam_workbench::View::$name {
+                    return &mut self.$field;
+                })+
+                &mut self.time
             }
 
             pub(crate) fn is_busy(&self) -> bool {
-                let mut is_busy = false;
-                $($(#[cfg($where)])? { is_busy |= self.$field.is_busy(); })+
-                is_busy
+                Self::NAMES.iter().any(|view| self.peek(*view).is_busy())
             }
         }
     };
 }
-
-views! {
-    Live: live = Live, "The running bench.";
-    Time: time = Review, "Recordings over time.";
-    Frequency: frequency = Spectra, "Spectra, responses, poles and zeros.";
-    Check: check = Checks, "Whether recordings can carry a fit.";
-    // Layouts of earlier versions call it by its result.
-    #[serde(alias = "Parameters")]
-    Identify: identify = Identify, "Parameters of the model, from recordings.";
-    Diagnosis: diagnosis = DiagnosisView, "What physics the model lacks.";
-    #[cfg(not(target_arch = "wasm32"))]
-    Watch: watch = WatchView, "A bench or recording with the model running beside it.";
-    #[cfg(not(target_arch = "wasm32"))]
-    Fleet: fleet = FleetView, "What the recordings of many machines say together.";
-}
-
-impl View {
-    /// Views that have a tab on this platform.
-    pub(crate) fn reachable() -> impl Iterator<Item = Self> {
-        Self::ALL.iter().copied().filter(|view| crate::live::REACHABLE || *view != Self::Live)
-    }
-}
+pub(crate) use views;

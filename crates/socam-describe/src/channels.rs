@@ -5,26 +5,11 @@ use socam_recording::Dataset;
 
 use crate::{
     DescribeError,
-    machine::{LinkKind, Machine, Winding},
+    machine::{Channel, LinkKind, Machine, Winding},
     sizes::{Parameter, rounded},
     spec::Spec,
     words::dimension,
 };
-
-/// A channel as it will be written.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Channel {
-    pub(crate) name: String,
-    pub(crate) is_input: bool,
-    pub(crate) quantity: &'static str,
-    pub(crate) at: String,
-    pub(crate) column: Option<String>,
-    pub(crate) unit: Option<String>,
-    pub(crate) scale: Option<f64>,
-    pub(crate) take_rate: bool,
-    /// What the scale converts.
-    pub(crate) remark: String,
-}
 
 /// Columns of a recording.
 pub(crate) fn columns(recording: &Dataset) -> Vec<String> {

@@ -6,8 +6,7 @@ use socam_model::effects::{ActsAt, CATALOGUE};
 
 use crate::{
     Description,
-    channels::Channel,
-    machine::{LinkKind, Machine},
+    machine::{Channel, LinkKind, Machine},
     sizes::{Parameter, written},
 };
 

@@ -2,7 +2,6 @@
 
 use crate::{
     DescribeError,
-    channels::Channel,
     part::{Body, BodyRole, Kind, Part},
     sizes::{Parameter, rounded},
 };
@@ -55,6 +54,21 @@ pub(crate) struct Winding {
     pub(crate) resistance: Parameter,
     pub(crate) torque_constant: Parameter,
     pub(crate) inductance: Option<Parameter>,
+}
+
+/// A channel as it will be written.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Channel {
+    pub(crate) name: String,
+    pub(crate) is_input: bool,
+    pub(crate) quantity: &'static str,
+    pub(crate) at: String,
+    pub(crate) column: Option<String>,
+    pub(crate) unit: Option<String>,
+    pub(crate) scale: Option<f64>,
+    pub(crate) take_rate: bool,
+    /// What the scale converts.
+    pub(crate) remark: String,
 }
 
 /// The damping between a node and the frame.

@@ -1,7 +1,7 @@
 //! Power spectra of residuals and the frequencies that stand out in them.
 
 use socam_identify::comparison::Traces;
-use socam_recording::Welch;
+use socam_spectrum::Welch;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Largest number of samples of one segment.
@@ -34,18 +34,12 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
     if length < 16 {
         return (Vec::new(), Vec::new());
     }
-    let mut welch = Welch::new(length);
-    let mut sums = vec![0.0; welch.lines()];
-    let mut segments = 0;
-    for start in (0..=values.len() - length).step_by((length / 2).max(1)) {
-        let present = |value: &f64| if value.is_nan() { 0.0 } else { *value };
-        let lines = welch.transform(values[start..start + length].iter().map(present));
-        sums.iter_mut().zip(lines).for_each(|(sum, line)| *sum += line.norm_sqr());
-        segments += 1;
-    }
-    let scale = welch.density_per_sum(step_s, segments);
-    let frequency_hz = (0..sums.len()).map(|k| k as f64 * welch.step_hz(step_s)).collect();
-    (frequency_hz, sums.into_iter().map(|sum| sum * scale).collect())
+    let present: Vec<f64> = values.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect();
+    let mut welch = Welch::new(length).with_mean();
+    welch.add_run([&present]);
+    welch.finish(step_s).map_or((Vec::new(), Vec::new()), |spectra| {
+        ((0..spectra.lines()).map(|line| spectra.frequency_hz(line)).collect(), spectra.density(0))
+    })
 }
 
 /// Frequency below which half of a series' power lies, Hz, without its mean; `None` for too few values or a constant series.

@@ -1,29 +1,6 @@
 //! What every file says of itself: where it comes from, its parameters with their intervals, and what it leaves out.
 
-use sha2::{Digest, Sha256};
-
-use crate::{LeftOut, Target, description::Description, names::line};
-
-/// Where an exported model comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Provenance {
-    /// Name of the model file.
-    pub file: String,
-    /// SHA-256 of the model file, in hexadecimal digits.
-    pub sha256: String,
-    /// Version of socam.
-    pub version: &'static str,
-}
-
-impl Provenance {
-    /// Of a model file with this text.
-    #[must_use]
-    pub fn new(file: &str, text: &str) -> Self {
-        let digest = Sha256::digest(text.as_bytes());
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Self { file: file.to_owned(), sha256, version: env!("CARGO_PKG_VERSION") }
-    }
-}
+use crate::{LeftOut, Provenance, Target, description::Description, names::line};
 
 /// The lines of a file's header, without the marks of comments.
 pub(crate) fn lines(d: &Description<'_>, target: Target, left_out: &[LeftOut]) -> Vec<String> {

@@ -25,6 +25,7 @@ mod mujoco;
 mod multibody;
 mod names;
 mod program;
+mod provenance;
 mod python;
 mod sdf;
 mod shape;
@@ -36,7 +37,7 @@ mod xml;
 mod tests;
 
 pub use error::ExportError;
-pub use header::Provenance;
+pub use provenance::Provenance;
 
 use description::Description;
 use socam_model::Model;

@@ -23,7 +23,6 @@ pub mod polynomial;
 pub mod prepare;
 pub mod rational;
 pub mod response;
-mod spectrum;
 
 pub use error::FrequencyError;
 pub use nalgebra::Complex;

@@ -4,8 +4,9 @@
 //! Segments share the response and have transients of their own, so that recordings of any length and with gaps are combined.
 
 use nalgebra::{Complex, DMatrix};
+use socam_spectrum::transform;
 
-use crate::{least_squares, lines::Line, spectrum};
+use crate::{least_squares, lines::Line};
 
 type C = Complex<f64>;
 
@@ -36,15 +37,15 @@ pub(crate) struct Segment {
 
 impl Segment {
     pub(crate) fn new(input: &[f64], output: &[f64], reference: Option<&[f64]>, sample_time_s: f64) -> Self {
-        let reference = reference.map(spectrum::transform);
-        let input_lines = spectrum::transform(input);
+        let reference = reference.map(transform);
+        let input_lines = transform(input);
         let drive = reference.as_ref().unwrap_or(&input_lines);
         Self {
             step_hz: 1.0 / (input.len() as f64 * sample_time_s),
             strongest: drive.iter().map(C::norm_sqr).fold(0.0, f64::max),
             reference,
             input: input_lines,
-            output: spectrum::transform(output),
+            output: transform(output),
             scale: 1.0 / (input.len() as f64).sqrt(),
         }
     }

@@ -4,8 +4,9 @@
 //! Input and output are treated in the same way, so that noise of the input does not bias the response, as a ratio of power spectra would.
 
 use nalgebra::{Complex, Matrix3, Vector3};
+use socam_spectrum::transform;
 
-use crate::{lines::Line, spectrum};
+use crate::lines::Line;
 
 type C = Complex<f64>;
 
@@ -69,8 +70,8 @@ impl Periodic {
             harmonics: Vec::new(),
             periods,
             samples: length,
-            input: spectrum::transform(input),
-            output: spectrum::transform(output),
+            input: transform(input),
+            output: transform(output),
         };
         let step_hz = 1.0 / (length as f64 * sample_time_s);
         let last = (record.input.len() - 1) / periods;
@@ -115,7 +116,7 @@ impl Periodic {
     }
 
     fn mark_excited(&mut self, reference: Option<&[f64]>) {
-        let known = reference.map(spectrum::transform);
+        let known = reference.map(transform);
         let power: Vec<f64> = self
             .harmonics
             .iter()

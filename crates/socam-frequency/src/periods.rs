@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::spectrum;
+use socam_spectrum::autocorrelation;
 
 /// Least correlation of a periodic signal with itself one period later.
 const LEAST_CORRELATION: f64 = 0.9;
@@ -44,7 +44,7 @@ fn alike_again(values: &[f64]) -> Vec<usize> {
     if length < 4 * SHORTEST {
         return Vec::new();
     }
-    let correlation = spectrum::autocorrelation(values);
+    let correlation = autocorrelation(values);
     let mean = values.iter().sum::<f64>() / length as f64;
     // Energy of the first n samples, to normalise the correlation of overlapping parts.
     let mut energy = vec![0.0; length + 1];

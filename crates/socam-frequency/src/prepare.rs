@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{FrequencyError, periods::median, spectrum};
+use socam_spectrum::transform;
+
+use crate::{FrequencyError, periods::median};
 
 /// Number of samples on either side in the median window.
 const NEIGHBOURS: usize = 5;
@@ -106,8 +108,7 @@ pub fn noise_std(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / length as f64;
     let window = |t: usize| 0.5 - 0.5 * (TAU * t as f64 / length as f64).cos();
     let windowed: Vec<f64> = values.iter().enumerate().map(|(t, v)| (v - mean) * window(t)).collect();
-    let power: Vec<f64> =
-        spectrum::transform(&windowed)[length / 4..].iter().map(|line| line.norm_sqr()).collect();
+    let power: Vec<f64> = transform(&windowed)[length / 4..].iter().map(|line| line.norm_sqr()).collect();
     // Lines of noise are exponentially distributed: their median is ln 2 of their mean; the window leaves 3/8 of the power.
     (median(&power) / std::f64::consts::LN_2 / (0.375 * length as f64)).sqrt()
 }

@@ -1,6 +1,7 @@
 //! Quality of a prediction within a band of frequencies. Drift below the band and hum above it do not count.
 
 use socam_recording::Dataset;
+use socam_spectrum::square_within;
 
 use crate::{
     IdentifyError, Predictor, Problem, Start, StartState,
@@ -45,6 +46,10 @@ impl Band {
         Err(IdentifyError::Option(format!(
             "a band of {low_hz} to {high_hz} Hz cannot be meant; its lower end must be 0 or more and below its upper end"
         )))
+    }
+
+    fn ends_hz(self) -> [f64; 2] {
+        [self.low_hz, self.high_hz]
     }
 
     /// Lower end, Hz.
@@ -175,9 +180,9 @@ impl Sums {
         for part in rows.chunk_by(|row, next| row + 1 == *next) {
             let (first, rows) = (part[0], part.len());
             let measured = &measured[first..first + rows];
-            let residual = measured.iter().zip(&predicted[first..]).map(|(m, p)| m - p).collect();
-            self.residual += squares_within(band, sample_time_s, residual);
-            self.measured += squares_within(band, sample_time_s, measured.to_vec());
+            let residual: Vec<f64> = measured.iter().zip(&predicted[first..]).map(|(m, p)| m - p).collect();
+            self.residual += square_within(&residual, sample_time_s, band.ends_hz());
+            self.measured += square_within(measured, sample_time_s, band.ends_hz());
             self.samples += rows;
         }
     }
@@ -188,29 +193,6 @@ impl Sums {
             fit_percent: 100.0 * (1.0 - (self.residual / self.measured).sqrt()),
         })
     }
-}
-
-/// Sum of the squares of a signal's part within the band, its mean removed.
-fn squares_within(band: Band, sample_time_s: f64, mut signal: Vec<f64>) -> f64 {
-    let rows = signal.len();
-    let mean = signal.iter().sum::<f64>() / rows as f64;
-    signal.iter_mut().for_each(|value| *value -= mean);
-    let fft = socam_fft::forward(rows);
-    let mut lines = fft.make_output_vec();
-    // The transform fails only for buffers of a wrong length; these are its own.
-    if fft.process(&mut signal, &mut lines).is_err() {
-        return 0.0;
-    }
-    let step_hz = 1.0 / (rows as f64 * sample_time_s);
-    let within = lines.iter().enumerate().skip(1).filter(|(line, _)| {
-        let hz = *line as f64 * step_hz;
-        (band.low_hz..=band.high_hz).contains(&hz)
-    });
-    // Each line counts for its negative frequency too, except that at half the sampling rate.
-    let square = |(line, value): (usize, &socam_fft::Complex<f64>)| {
-        if 2 * line == rows { value.norm_sqr() } else { 2.0 * value.norm_sqr() }
-    };
-    within.map(square).sum::<f64>() / rows as f64
 }
 
 #[cfg(test)]
@@ -233,9 +215,7 @@ mod tests {
         let fit = sums.fit().unwrap();
         assert!((fit.rms - 0.5_f64.sqrt()).abs() < 1e-9, "{fit:?}");
         assert!((fit.fit_percent - 80.0).abs() < 1e-9, "{fit:?}");
-        assert!(
-            (squares_within(Band::new(0.0, 500.0).unwrap(), 1e-3, measured) / 5000.0 - 117.0).abs() < 1e-9
-        );
+        assert!((square_within(&measured, 1e-3, [0.0, 500.0]) / 5000.0 - 117.0).abs() < 1e-9);
     }
 
     #[test]

@@ -4,13 +4,14 @@
 //! (2019). The position is low-pass filtered without phase and differentiated twice; force and regressors are decimated; ordinary
 //! least squares gives the parameters.
 
-use faer::{Mat, linalg::solvers::SolveLstsqCore};
+use faer::Mat;
 use socam_model::Model;
 use socam_recording::Dataset;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     IdentifyError,
+    matrix::least_squares,
     report::{CpuClock, Identification},
     uncertainty::covariance,
 };
@@ -67,9 +68,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
         row.iter().enumerate().for_each(|(j, value)| matrix[(i, j)] = *value);
         right[(i, 0)] = *force;
     }
-    let qr = matrix.qr();
-    let mut solution = right.clone();
-    qr.solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
+    let (solution, r) = least_squares(matrix, &right);
     let change: Vec<f64> = (0..free).map(|j| solution[(j, 0)]).collect();
     let residuals =
         all().map(|(row, force)| force - row.iter().zip(&change).map(|(r, c)| r * c).sum::<f64>());
@@ -78,7 +77,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
     let variance = sum_of_squares / degrees;
     let mut point = axis.values.clone();
     axis.free.iter().zip(&change).for_each(|(index, change)| point[*index] += change);
-    let inverse = covariance::inverse_information(qr.thin_R());
+    let inverse = covariance::inverse_information(r.as_ref());
     let regression = Regression {
         point,
         std: (0..free).map(|j| (variance * inverse[(j, j)]).sqrt()).collect(),

@@ -51,6 +51,7 @@ pub mod comparison;
 mod error;
 mod evaluation;
 mod inverse_dynamics;
+mod matrix;
 mod noise;
 mod optimiser;
 mod prediction;

@@ -181,8 +181,6 @@ impl<'a> Problem<'a> {
         if datasets.is_empty() {
             return Err(IdentifyError::NoRecordings);
         }
-        // Blocks are small, and the rounding of a factorisation that is divided between threads depends on their number.
-        faer::set_global_parallelism(faer::Par::Seq);
         for parameter in free.iter().map(|index| &model.parameters[*index]) {
             let (value, (low, high)) = (parameter.value, parameter.bounds);
             if !(low..=high).contains(&value) {

@@ -3,6 +3,7 @@
 //! The two libraries that read it in Rust were tried: one leaves out all but the first chunk of a segment and does not know interleaved
 //! data, without a word; the other is not maintained and panics on damaged files.
 
+mod fields;
 mod meta;
 mod raw;
 
@@ -15,7 +16,8 @@ use socam_recording::Warning;
 
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
-use meta::{LeadIn, Object, Property, path_parts};
+use fields::Property;
+use meta::{LeadIn, Object, path_parts};
 use raw::{Layout, Storage};
 
 /// A channel while the segments are read.

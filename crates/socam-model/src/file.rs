@@ -7,7 +7,8 @@ use crate::{
 };
 
 use raw::RawModel;
-use reader::{Reader, line_of};
+use reader::Reader;
+use wording::line_of;
 
 mod channel;
 mod clocks;
@@ -26,7 +27,6 @@ mod wording;
 
 pub use channel::{COLUMN_UNITS, column_unit};
 pub(crate) use clocks::change_of;
-pub use parameters::LARGEST_VALUE;
 
 const SCHEMA: &str = "socam.model/1";
 

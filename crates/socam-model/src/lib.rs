@@ -53,10 +53,10 @@ pub mod units;
 pub use builtin::BUILTIN;
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
-pub use file::{COLUMN_UNITS, LARGEST_VALUE, column_unit};
+pub use file::{COLUMN_UNITS, column_unit};
 pub use intersample::Intersample;
 pub use model::{
-    Bearing, Channel, Differential, EffectUse, Gear, Model, Motion, Motor, Node, Parameter, Prior, Quantity,
-    Role, Servo, Shaft, Site, Spring, Update,
+    Bearing, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node, Parameter,
+    Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
 };
 pub use transform::{ChannelTransform, TransformStart};

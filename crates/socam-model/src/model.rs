@@ -7,10 +7,10 @@ mod quantity;
 
 pub use channel::Channel;
 pub use elements::{Bearing, Differential, EffectUse, Gear, Motor, Node, Servo, Shaft, Site, Spring};
-pub use parameter::{Parameter, Prior, Update};
+pub use parameter::{LARGEST_VALUE, Parameter, Prior, Update};
 pub use quantity::{Quantity, Role};
 
-use crate::{LARGEST_VALUE, ModelError};
+use crate::ModelError;
 
 /// Whether coordinates are angles or positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]

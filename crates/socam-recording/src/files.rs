@@ -16,7 +16,6 @@ pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
 }
 
 /// Longest text file that is read whole: a model, a profile, a calibration, a table of pairs.
-#[cfg(not(target_arch = "wasm32"))]
 const TEXT_BYTES: u64 = 64 << 20;
 
 /// Reads a text file whole: a regular file of at most 64 MiB in UTF-8. Anything else is an error at once, in words that follow "cannot
@@ -24,7 +23,6 @@ const TEXT_BYTES: u64 = 64 << 20;
 ///
 /// # Errors
 /// When it is no such file, or cannot be read.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn read_text(path: &Path) -> io::Result<String> {
     let bytes = read_regular(path, TEXT_BYTES)?;
     let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
@@ -39,7 +37,6 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 ///
 /// # Errors
 /// As [`read_text`].
-#[cfg(not(target_arch = "wasm32"))]
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     use std::io::Read;
 
@@ -58,7 +55,7 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return refuse(io::ErrorKind::InvalidInput, "it is a pipe or a device; name a file".into());
     }
     let mut bytes = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    std::fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return refuse(
             io::ErrorKind::FileTooLarge,

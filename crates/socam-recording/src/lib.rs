@@ -53,7 +53,6 @@ mod steady;
 mod table;
 mod unit;
 mod warning;
-mod welch;
 
 pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
@@ -64,7 +63,6 @@ pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Shared, Steps};
 pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;
-#[cfg(not(target_arch = "wasm32"))]
 pub use files::{read_regular, read_text};
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
@@ -88,4 +86,3 @@ pub use statistics::Statistics;
 pub use steady::{Steady, SteadyRow};
 pub use unit::{Channel, Unit};
 pub use warning::{Cut, Warning};
-pub use welch::{Welch, without_mean};

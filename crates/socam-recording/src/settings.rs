@@ -57,11 +57,8 @@ impl std::error::Error for SettingsError {}
 /// # Errors
 /// When it cannot be read; the error names it.
 pub fn read(path: &Path) -> Result<String, SettingsError> {
-    #[cfg(not(target_arch = "wasm32"))]
-    let text = crate::files::read_text(path);
-    #[cfg(target_arch = "wasm32")]
-    let text = std::fs::read_to_string(path);
-    text.map_err(|e| SettingsError::new(format!("cannot be read: {e}")).in_file(path))
+    crate::files::read_text(path)
+        .map_err(|e| SettingsError::new(format!("cannot be read: {e}")).in_file(path))
 }
 
 /// One table of a settings file. Its getters record errors and return a default; [`Fields::finish`] returns the first error.

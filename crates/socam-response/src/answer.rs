@@ -7,6 +7,17 @@ use socam_frequency::{
 
 use crate::{beside::Beside, signals::Pair};
 
+/// A response without a model's.
+#[derive(Debug)]
+pub struct Measured {
+    /// Its lines.
+    pub response: Response,
+    /// What a careful reader should know.
+    pub warnings: Vec<String>,
+    /// What was done to the signals.
+    pub notes: Vec<String>,
+}
+
 /// The response of one output.
 #[derive(Debug)]
 pub struct Answer<'m> {

@@ -7,30 +7,14 @@ use socam_frequency::{
 use socam_model::{Equations, Model};
 use socam_recording::Dataset;
 
-use crate::answer::Answer;
+use crate::answer::{Answer, Measured};
 use crate::error::Result;
 use crate::prepare::prepared;
-use crate::signals::{self, Pair, Segment};
+use crate::settings::Settings;
+use crate::signals::{self, Pair, Segment, Signal};
 
 /// Default band, Hz; it ends at a third of the sampling rate if that is lower.
 const BAND_HZ: [f64; 2] = [0.1, 100.0];
-
-/// How responses are estimated.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Settings {
-    /// Column of the reference signal, which is free of noise; `command_V` where it is not given and all recordings have that.
-    pub reference: Option<String>,
-    /// Lowest and highest frequency, Hz; 0.1 to 100, or to a third of the sampling rate if that is lower.
-    pub band_hz: Option<[f64; 2]>,
-    /// Period of the excitation, s; estimated where it is not given.
-    pub period_s: Option<f64>,
-    /// Standard deviations from the median of its neighbours beyond which a sample is replaced by that.
-    pub outliers: Option<f64>,
-    /// Corner in Hz and order of a Butterworth filter on all signals.
-    pub low_pass: Option<(f64, usize)>,
-    /// Whether of recordings with the same mean input only the one with least noise is used.
-    pub quietest: bool,
-}
 
 /// Responses of the outputs of these names, or of all.
 ///
@@ -48,22 +32,61 @@ pub fn estimate<'m>(
     pairs.into_iter().map(|pair| of_pair(&equations, pair, datasets, settings)).collect()
 }
 
+/// The response of one column of recordings over another, the input. A column that the model reads is read as the model reads it, so that
+/// this is what [`estimate`] gives for these two channels of a model with one input; other columns are taken as they are.
+///
+/// ```
+/// use socam_model::Model;
+/// use socam_recording::{Channel, Dataset, Unit};
+/// use socam_response::{Settings, between};
+///
+/// let time_s: Vec<f64> = (0..4000).map(|k| 1e-3 * f64::from(k)).collect();
+/// let input: Vec<f64> = time_s.iter().map(|t| (600.0 * t * t).sin()).collect();
+/// let output = input.iter().map(|value| -3.0 * value).collect();
+/// let channels = vec![Channel::new("a", Unit::V), Channel::new("b", Unit::V)];
+/// let recording = Dataset::from_columns("chirp", channels, time_s, vec![input, output])?;
+/// let model = Model::builtin("two-mass").expect("an embedded model");
+/// let measured = between(&model, &[recording], ["a_V", "b_V"], &Settings::default())?;
+/// assert!(measured.response.lines.iter().all(|line| (line.response.re + 3.0).abs() < 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ResponseError`](crate::ResponseError) where a recording lacks a column, the model takes a wave of one, or the signals are too short or
+/// not excited.
+pub fn between(
+    model: &Model,
+    datasets: &[Dataset],
+    [input, output]: [&str; 2],
+    settings: &Settings,
+) -> Result<Measured> {
+    let inputs = || model.inputs().filter(|channel| !channel.quantity.is_clock());
+    let input = Signal::of_column(input, inputs().chain(model.outputs()));
+    let output = Signal::of_column(output, model.outputs().chain(inputs()));
+    measured([input, output], datasets, settings)
+}
+
 fn of_pair<'m>(
     equations: &Equations,
     pair: Pair<'m>,
     datasets: &[Dataset],
     settings: &Settings,
 ) -> Result<Answer<'m>> {
-    let segments = signals::segments(datasets, &pair, settings.reference.as_deref())?;
-    let warnings = signals::bias(&segments, &pair).into_iter().collect();
+    let signals = [Signal::of(pair.input), Signal::of(pair.output)];
+    let Measured { response, warnings, notes } = measured(signals, datasets, settings)?;
+    let model = response.lines.iter().map(|line| of_model(equations, &pair, line)).collect();
+    Ok(Answer { pair, response, model, warnings, notes })
+}
+
+fn measured(signals: [Signal<'_>; 2], datasets: &[Dataset], settings: &Settings) -> Result<Measured> {
+    let segments = signals::segments(datasets, signals, settings.reference.as_deref())?;
+    let warnings = signals::bias(&segments, signals[0]).into_iter().collect();
     let (segments, notes) = prepared(segments, settings)?;
     let rate_hz = segments.iter().map(|s| 1.0 / s.sample_time_s).fold(f64::INFINITY, f64::min);
     let band_hz = settings.band_hz.unwrap_or([BAND_HZ[0], BAND_HZ[1].min(rate_hz / 3.0)]);
     let options = Options { band_hz, period_s: settings.period_s };
     let signals: Vec<_> = segments.iter().map(Segment::signals).collect();
-    let response = response::estimate(&signals, &options)?;
-    let model = response.lines.iter().map(|line| of_model(equations, &pair, line)).collect();
-    Ok(Answer { pair, response, model, warnings, notes })
+    Ok(Measured { response: response::estimate(&signals, &options)?, warnings, notes })
 }
 
 fn of_model(equations: &Equations, pair: &Pair<'_>, line: &Line) -> Complex<f64> {

@@ -1,7 +1,8 @@
 //! The frequency response of a model's channels, from recordings: what `identify --method frf` prints, and `socam.frf` of Python returns.
 //!
 //! [`estimate`](fn@estimate) reads the signals, cleans them as [`Settings`] say, and gives an [`Answer`] for each output: the lines of
-//! `socam_frequency` beside the model's own response. [`document`](fn@document) is its JSON form.
+//! `socam_frequency` beside the model's own response; [`between`] gives that of any two columns, for the dashboard.
+//! [`document`](fn@document) is its JSON form.
 
 pub mod answer;
 mod beside;
@@ -9,11 +10,13 @@ pub mod document;
 mod error;
 mod estimate;
 mod prepare;
+mod settings;
 mod signals;
 
-pub use answer::Answer;
+pub use answer::{Answer, Measured};
 pub use beside::Beside;
 pub use document::{SCHEMA, document};
 pub use error::{ResponseError, Result};
-pub use estimate::{Settings, estimate};
+pub use estimate::{between, estimate};
+pub use settings::Settings;
 pub use signals::Pair;

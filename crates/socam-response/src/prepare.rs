@@ -2,7 +2,7 @@
 
 use socam_frequency::{FrequencyError, prepare::noise_std};
 
-use crate::estimate::Settings;
+use crate::settings::Settings;
 use crate::signals::Segment;
 
 /// Relative difference of mean inputs up to which runs count as repeated.

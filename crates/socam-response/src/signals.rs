@@ -24,6 +24,50 @@ pub struct Pair<'m> {
     pub output: &'m Channel,
 }
 
+/// A signal: a column of the recordings, read as a channel of a model reads it, or as it is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Signal<'a> {
+    pub(crate) column: &'a str,
+    pub(crate) channel: Option<&'a Channel>,
+}
+
+impl<'a> Signal<'a> {
+    /// What a channel reads.
+    pub(crate) fn of(channel: &'a Channel) -> Self {
+        Self { column: &channel.column, channel: Some(channel) }
+    }
+
+    /// A column, read as the first of these channels that reads it.
+    pub(crate) fn of_column(column: &'a str, mut channels: impl Iterator<Item = &'a Channel>) -> Self {
+        Self { column, channel: channels.find(|channel| channel.column == column) }
+    }
+
+    fn name(&self) -> &'a str {
+        self.channel.map_or(self.column, |channel| &channel.name)
+    }
+
+    /// # Errors
+    /// [`ResponseError::Wave`] for a channel whose values are no linear function of its column.
+    fn check(&self) -> Result<()> {
+        match self.channel {
+            Some(channel)
+                if channel.transform != ChannelTransform::Value
+                    && channel.transform != ChannelTransform::Rate =>
+            {
+                Err(ResponseError::Wave { channel: channel.name.clone() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn read(&self, values: &[f64], sample_time_s: f64) -> Vec<f64> {
+        self.channel.map_or_else(
+            || values.to_vec(),
+            |channel| channel.read(values, sample_time_s, TransformStart::default()),
+        )
+    }
+}
+
 /// The model's input with each requested output (all outputs if none is requested).
 pub(crate) fn pairs<'m>(model: &'m Model, wanted: &[String]) -> Result<Vec<Pair<'m>>> {
     let moving: Vec<(usize, &Channel)> =
@@ -92,35 +136,31 @@ impl Segment {
     }
 }
 
-/// Reads the segments of a pair from all recordings. `reference` is the column of the reference signal; without a name it is the command,
+/// Reads the segments of input and output from all recordings. `reference` is the column of the reference signal; without a name it is the command,
 /// if every recording has one.
 pub(crate) fn segments(
     datasets: &[Dataset],
-    pair: &Pair<'_>,
+    signals: [Signal<'_>; 2],
     reference: Option<&str>,
 ) -> Result<Vec<Segment>> {
     let known = |dataset: &Dataset| dataset.channel_index(COMMAND).is_ok();
     let reference = reference.or_else(|| datasets.iter().all(known).then_some(COMMAND));
     let mut segments = Vec::new();
     for dataset in datasets {
-        read(dataset, pair, reference, &mut segments)?;
+        read(dataset, signals, reference, &mut segments)?;
     }
     Ok(segments)
 }
 
 fn read(
     dataset: &Dataset,
-    pair: &Pair<'_>,
+    [input, output]: [Signal<'_>; 2],
     reference: Option<&str>,
     segments: &mut Vec<Segment>,
 ) -> Result<()> {
-    for channel in [pair.input, pair.output] {
-        if channel.transform != ChannelTransform::Value && channel.transform != ChannelTransform::Rate {
-            return Err(ResponseError::Wave { channel: channel.name.clone() });
-        }
-    }
-    let mut columns =
-        vec![dataset.channel_index(&pair.input.column)?, dataset.channel_index(&pair.output.column)?];
+    input.check()?;
+    output.check()?;
+    let mut columns = vec![dataset.channel_index(input.column)?, dataset.channel_index(output.column)?];
     if let Some(reference) = reference {
         columns.push(dataset.channel_index(reference)?);
     }
@@ -132,10 +172,8 @@ fn read(
                 own.extend_from_slice(column.values());
             }
         }
-        let si = |channel: &Channel, column: &[f64]| {
-            channel.read(column, segment.sample_time_s, TransformStart::default())
-        };
-        let (input, output) = (si(pair.input, &values[0]), si(pair.output, &values[1]));
+        let step_s = segment.sample_time_s;
+        let (input, output) = (input.read(&values[0], step_s), output.read(&values[1], step_s));
         let command = values.get(2);
         for rows in complete(&values) {
             segments.push(Segment {
@@ -165,8 +203,8 @@ fn complete(columns: &[Vec<f64>]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Warns of an input whose noise biases the response, because nothing says what made it.
-pub(crate) fn bias(segments: &[Segment], pair: &Pair<'_>) -> Option<String> {
-    let input = &pair.input.name;
+pub(crate) fn bias(segments: &[Segment], input: Signal<'_>) -> Option<String> {
+    let input = input.name();
     (!segments.iter().all(Segment::has_reference)).then(|| {
         format!(
             "no column tells what made {input} (`{COMMAND}`, or --reference COLUMN); where the signals do not repeat, noise of {input}'s sensor makes the response too small"

@@ -9,6 +9,7 @@
 mod background;
 mod draw;
 mod families;
+pub(crate) mod flaw;
 mod hidden;
 mod integrate;
 mod kind;

@@ -7,7 +7,7 @@ use super::machine::Machine;
 use super::random::Draw;
 use super::simulate::{FINE, Run, Signals};
 use crate::SimError;
-use crate::flaw::{Flaw, FlawedChannel};
+use crate::challenge::flaw::{Flaw, FlawedChannel};
 
 impl Run {
     /// The recording of a simulated motion, with flaws, delays, noise and time stamps.

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use socam_calibrate::Pairs;
 use socam_core::MAX_CHANNELS;
-use socam_dashboard::document;
 use socam_import::Mapping;
 use socam_model::Model;
 use socam_recording::{
     Calibration, Dataset, LegacyLog, ProfileFile, Recovered, Selection, Steady, read_attachments, recover,
 };
+use socam_workbench::document;
 
 use crate::{Input, Target, damage, links, seeds};
 

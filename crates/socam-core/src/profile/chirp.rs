@@ -1,6 +1,7 @@
 //! A logarithmic chirp: equal time in every octave.
 
-use super::error::{ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::checks::{check_frequency, whole_samples};
+use super::error::{ProfileError, ProfileKey};
 use super::target::Target;
 use crate::fixed;
 

@@ -1,4 +1,4 @@
-//! Why a profile is refused, and the checks of its times and frequencies.
+//! Why a profile is refused.
 
 use core::fmt;
 
@@ -116,26 +116,3 @@ impl fmt::Display for ProfileError {
 }
 
 impl core::error::Error for ProfileError {}
-
-/// `time_us` as a whole number of samples, at least `at_least`.
-pub(super) fn whole_samples(
-    key: ProfileKey,
-    time_us: u32,
-    sample_period_us: u32,
-    at_least: u32,
-) -> Result<u32, ProfileError> {
-    let error = ProfileError::NotWholeSamples { key, time_us, sample_period_us, at_least };
-    let samples = time_us.checked_div(sample_period_us).ok_or(error)?;
-    let is_whole = samples.wrapping_mul(sample_period_us) == time_us;
-    if is_whole && samples >= at_least { Ok(samples) } else { Err(error) }
-}
-
-/// Whether a sine of this frequency can be sampled at this period.
-pub(super) fn check_frequency(frequency_uhz: u64, sample_period_us: u32) -> Result<(), ProfileError> {
-    let half_turns_e12 = frequency_uhz.saturating_mul(u64::from(sample_period_us)).saturating_mul(2);
-    if frequency_uhz > 0 && half_turns_e12 < 1_000_000_000_000 {
-        Ok(())
-    } else {
-        Err(ProfileError::Frequency { frequency_uhz })
-    }
-}

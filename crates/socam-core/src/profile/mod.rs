@@ -3,6 +3,7 @@
 //! Integers only. A [`Profile`] is plain data; a [`Generator`] has its state. "Micro" is a millionth of V or rad/s, as
 //! [`Profile::command`] says.
 
+mod checks;
 mod chirp;
 mod clock;
 mod error;

@@ -1,7 +1,8 @@
 //! A random-phase multisine, exactly periodic.
 
+use super::checks::{check_frequency, whole_samples};
 use super::clock::PeriodClock;
-use super::error::{ProfileError, ProfileKey, check_frequency, whole_samples};
+use super::error::{ProfileError, ProfileKey};
 use super::shape::{Lines, MAX_LINES};
 use super::target::Target;
 use crate::fixed;

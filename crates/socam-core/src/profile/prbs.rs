@@ -1,6 +1,7 @@
 //! A pseudo-random binary sequence from a linear feedback shift register.
 
-use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::checks::whole_samples;
+use super::error::{ProfileError, ProfileKey};
 use super::target::Target;
 
 /// Feedback masks of maximum-length sequences, for orders 3 to 16 (a test runs through every one of them).

@@ -1,8 +1,5 @@
 //! A profile as plain data.
 
-use super::error::ProfileError;
-use crate::ceilings::Ceilings;
-
 /// A command over time with its limits. It begins and ends at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -33,17 +30,6 @@ impl Profile {
             .checked_div(u64::from(self.slew_micro_s))
             .unwrap_or(0);
         [u64::from(self.ramp_us), slew_us, LATE_US].into_iter().fold(self.duration_us, u64::saturating_add)
-    }
-
-    /// Whether a board with these ceilings can run this.
-    pub(crate) fn check_below(&self, ceilings: &Ceilings) -> Result<(), ProfileError> {
-        if self.duration_us.saturating_add(self.ramp_us.into()) > ceilings.run_us {
-            return Err(ProfileError::DurationCeiling { ceiling_us: ceilings.run_us });
-        }
-        if self.command != Command::Voltage && self.limit_micro > ceilings.speed_urad_s {
-            return Err(ProfileError::SpeedCeiling { ceiling_urad_s: ceilings.speed_urad_s });
-        }
-        Ok(())
     }
 }
 

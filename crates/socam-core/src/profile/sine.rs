@@ -1,6 +1,7 @@
 //! A sine around an offset, for a number of periods: the thesis' program.
 
-use super::error::{ProfileError, ProfileKey, check_frequency};
+use super::checks::check_frequency;
+use super::error::{ProfileError, ProfileKey};
 use super::target::Target;
 use crate::fixed;
 

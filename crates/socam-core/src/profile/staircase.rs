@@ -1,6 +1,7 @@
 //! A staircase: steady states, steps and reversals.
 
-use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::checks::whole_samples;
+use super::error::{ProfileError, ProfileKey};
 use super::target::Target;
 use crate::fixed;
 

@@ -1,7 +1,8 @@
 //! A triangle: a slow sweep in both directions, whose difference shows friction.
 
+use super::checks::whole_samples;
 use super::clock::PeriodClock;
-use super::error::{ProfileError, ProfileKey, whole_samples};
+use super::error::{ProfileError, ProfileKey};
 use super::target::Target;
 use crate::fixed;
 

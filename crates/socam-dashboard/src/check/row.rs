@@ -3,10 +3,10 @@
 use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use socam_recording::check::{Check, Finding, Severity, Verdict};
 
-use crate::parameters::number;
-use crate::recording::{Recording, short};
-use crate::table::{self, Key};
-use crate::theme;
+use socam_chart::numbers::number;
+use socam_chart::table::{self, Key};
+use socam_chart::theme;
+use socam_workbench::recording::{Recording, short};
 
 pub(super) const COLUMNS: [table::Column; 8] = [
     table::text("", 18.0),

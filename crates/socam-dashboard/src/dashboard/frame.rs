@@ -2,9 +2,12 @@
 
 use egui::{Align, Button, Frame, Layout as Direction, Margin, RichText, Stroke, Ui};
 
+use socam_core::State;
+
 use super::Dashboard;
-use crate::view::View;
-use crate::{live, theme};
+use crate::platform::{HAS_BENCH, Views};
+use crate::progress;
+use socam_chart::theme;
 
 /// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
 const ONE_ROW: f32 = 1140.0;
@@ -20,46 +23,50 @@ impl Dashboard {
                 ui.separator();
                 self.tabs(ui);
             }
-            if !live::REACHABLE {
-                return;
+            if HAS_BENCH {
+                ui.with_layout(Direction::right_to_left(Align::Center), |ui| self.bench(ui));
             }
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);
-                let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
-                self.stop_button = stop.rect;
-                if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
-                    self.views.live.emergency_stop();
-                }
-                self.views.live.lamp(ui);
-            });
         });
         if !is_one_row {
             ui.horizontal_wrapped(|ui| self.tabs(ui));
         }
     }
 
+    /// The emergency stop and the state of the bench.
+    fn bench(&mut self, ui: &mut Ui) {
+        let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);
+        let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
+        self.stop_button = stop.rect;
+        if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
+            self.workspace.bench.emergency_stop();
+        }
+        let bench = &self.workspace.bench;
+        let colour = match (bench.is_connected(), bench.state()) {
+            (false, _) => theme::weak(ui),
+            (true, Some(State::Fault)) => theme::alarm(ui),
+            (true, _) => theme::good(ui),
+        };
+        ui.label(RichText::new(bench.state_text()).strong().color(colour));
+    }
+
     fn tabs(&mut self, ui: &mut Ui) {
-        for view in View::reachable() {
-            if ui.selectable_label(self.layout.view == view, view.name()).clicked() {
-                self.layout.view = view;
+        for view in Views::NAMES {
+            if ui.selectable_label(self.layout.view == *view, view.name()).clicked() {
+                self.layout.view = *view;
             }
         }
     }
 
     /// Errors, remarks and running jobs, below the menus.
     pub(super) fn messages(&mut self, ui: &mut Ui) {
-        #[cfg(target_arch = "wasm32")]
-        let is_asking = false;
-        #[cfg(not(target_arch = "wasm32"))]
-        let is_asking = self.native.is_some();
+        let is_asking = self.is_asking();
         if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() && !is_asking {
             return;
         }
         egui::Panel::top("messages").show(ui, |ui| {
-            #[cfg(not(target_arch = "wasm32"))]
             self.asking(ui);
-            self.opening.retain(|job| !job.ui(ui));
-            self.saving.retain(|job| !job.ui(ui));
+            self.opening.retain(|job| !progress::job(ui, job));
+            self.saving.retain(|job| !progress::job(ui, job));
             let (mut put_away, mut to_map) = (None, None);
             for (index, notice) in self.notices.iter().enumerate() {
                 let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
@@ -84,27 +91,9 @@ impl Dashboard {
             if let Some(index) = put_away {
                 self.notices.remove(index);
             }
-            #[cfg(not(target_arch = "wasm32"))]
-            match to_map.as_deref().map(crate::foreign::propose_mapping) {
-                Some(Ok(said)) => self.say(said),
-                Some(Err(sentence)) => self.warn(sentence),
-                None => {}
+            if let Some(run) = to_map {
+                self.write_mapping(&run);
             }
-            #[cfg(target_arch = "wasm32")]
-            let _: Option<String> = to_map;
-        });
-    }
-
-    /// Says that a dialog of the desktop is open, which another window may cover.
-    #[cfg(not(target_arch = "wasm32"))]
-    fn asking(&mut self, ui: &mut Ui) {
-        let Some(native) = &self.native else { return };
-        let (purpose, name) = (native.purpose, native.name.clone());
-        ui.horizontal(|ui| {
-            if ui.button("Choose here").clicked() {
-                self.choose_here(ui.ctx(), purpose, &name);
-            }
-            ui.label(format!("A window of the desktop asks for a file: {}", purpose.title()));
         });
     }
 }

@@ -4,8 +4,8 @@ use egui::{Frame, Label, Margin, RichText, Ui};
 use socam_answer::Diagnosis;
 use socam_answer::headline::{Tone, headline};
 
-use crate::numbers::plain;
-use crate::theme;
+use socam_chart::numbers::plain;
+use socam_chart::theme;
 
 /// Draws the headline with all explanations that tie, the sizes, and how sure it is.
 pub(super) fn banner(ui: &mut Ui, diagnosis: &Diagnosis) {

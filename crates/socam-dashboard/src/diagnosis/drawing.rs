@@ -10,7 +10,7 @@ use socam_model::Model;
 use socam_model::drawing::{Drawing, Item, Paint, Place, PlaceMark, Point, Shape, Style};
 use socam_model::layout::Layout;
 
-use crate::theme;
+use socam_chart::theme;
 
 /// Greatest width of a column, points.
 const WIDEST: f64 = 104.0;

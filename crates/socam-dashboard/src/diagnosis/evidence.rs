@@ -9,9 +9,9 @@ use socam_answer::evidence::{Binned, ChannelEvidence};
 use socam_answer::{Diagnosis, Evidence};
 
 use super::choice::{Choice, Over, Sides};
-use crate::draw::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
-use crate::review::thinned;
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
+use socam_chart::theme;
+use socam_chart::thin::thinned;
 
 pub(super) fn ui(
     ui: &mut Ui,
@@ -153,7 +153,11 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
         let label = ui.label("recording");
         let name = |index: usize| {
             let own = &evidence.recordings[index];
-            format!("{}{}", crate::recording::short(&own.name), if own.held_out { " (held out)" } else { "" })
+            format!(
+                "{}{}",
+                socam_workbench::recording::short(&own.name),
+                if own.held_out { " (held out)" } else { "" }
+            )
         };
         let shown = ComboBox::from_id_salt("evidence of")
             .width(260.0)

@@ -6,12 +6,18 @@ use socam_answer::words;
 use socam_answer::{Diagnosis, Proof};
 use socam_recording::ProfileFile;
 
-use crate::numbers;
-use crate::parameters::{heads, number};
-use crate::theme;
+use socam_chart::numbers;
+use socam_chart::numbers::number;
+use socam_chart::table::heads;
+use socam_chart::theme;
 
-/// Draws the list. Returns the profile of the suggested experiment if its button was pressed.
-pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<String>) -> Option<ProfileFile> {
+/// Draws the list. Returns the profile of the suggested experiment if its button, named `take`, was pressed.
+pub(super) fn list(
+    ui: &mut Ui,
+    diagnosis: &Diagnosis,
+    selected: &mut Option<String>,
+    take: &str,
+) -> Option<ProfileFile> {
     let mut wanted = None;
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         one(ui, index + 1, finding, Proof::of(diagnosis), selected);
@@ -30,8 +36,6 @@ pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<Str
             let profile = ProfileFile::parse(&next.profile).or_else(|_| ProfileFile::open(&next.profile));
             match profile {
                 Ok(profile) => {
-                    let take =
-                        if crate::live::REACHABLE { "Make it the input signal" } else { "Save it as a file" };
                     if ui.button(take).clicked() {
                         wanted = Some(profile);
                     }

@@ -1,32 +1,25 @@
-//! The diagnosis view: the bench with the places of findings, residuals, rivals and the suggested experiment.
+//! A diagnosis: the bench with the places of findings, residuals, rivals and the suggested experiment.
 
 mod banner;
 mod choice;
 mod drawing;
 mod evidence;
 mod findings;
-// A browser shows diagnoses but cannot make them.
-#[cfg(not(target_arch = "wasm32"))]
-mod maker;
-#[cfg(not(target_arch = "wasm32"))]
-mod report;
 
 use egui::{ScrollArea, Ui};
 use socam_answer::{Diagnosis, Evidence};
+use socam_chart::chart::{self, Seen};
 use socam_model::Model;
+use socam_workbench::{Request, Workspace};
 
-use crate::draw::chart::{self, Seen};
 use crate::layout;
 use crate::view::{Help, ViewPanel};
-use crate::workspace::{Request, Workspace};
 pub use choice::{Over, Sides};
-#[cfg(not(target_arch = "wasm32"))]
-pub use report::Report;
 
-/// State of the view.
+/// Shows a diagnosis.
 #[derive(Debug, Default)]
-pub struct DiagnosisView {
-    shown: Option<Shown>,
+pub struct DiagnosisPage {
+    pub(crate) shown: Option<Shown>,
     /// Which residuals are drawn.
     pub sides: Sides,
     /// The horizontal axis of the residuals.
@@ -35,61 +28,23 @@ pub struct DiagnosisView {
     recording: usize,
     /// The place that was clicked in the drawing.
     selected: Option<String>,
-    #[cfg(not(target_arch = "wasm32"))]
-    maker: maker::Maker,
 }
 
 /// A diagnosis with its residuals and model.
 #[derive(Debug)]
-struct Shown {
-    diagnosis: Diagnosis,
-    evidence: Option<Evidence>,
-    model: Model,
-    /// What only a diagnosis that was made here has.
-    #[cfg(not(target_arch = "wasm32"))]
-    made: Option<report::Made>,
+pub(crate) struct Shown {
+    pub(crate) diagnosis: Diagnosis,
+    pub(crate) evidence: Option<Evidence>,
+    pub(crate) model: Model,
 }
 
-impl ViewPanel for DiagnosisView {
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        let mut wanted = None;
-        let width = layout::panel(ui, "findings", 372.0);
-        let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
-        let panel = panel.show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                #[cfg(not(target_arch = "wasm32"))]
-                self.maker.ui(ui, workspace);
-                if let Some(shown) = &self.shown {
-                    #[cfg(not(target_arch = "wasm32"))]
-                    shown.offers(ui, workspace);
-                    wanted = findings::list(ui, &shown.diagnosis, &mut self.selected);
-                }
-            });
-        });
-        layout::keep_panel(ui, "findings", panel.response.rect.width());
-        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, &mut workspace.seen));
-        if let Some(profile) = wanted {
-            workspace.request(Request::Signal(Box::new(profile)));
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
-        if let Some(answer) = self.maker.poll() {
-            self.show(answer.diagnosis, Some(answer.evidence), answer.model);
-            if let Some(shown) = &mut self.shown {
-                shown.made = Some(answer.made);
-            }
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    fn is_busy(&self) -> bool {
-        self.maker.is_busy()
+impl ViewPanel for DiagnosisPage {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        self.panels(ui, workspace, seen, EMPTY, |_, _, _| {});
     }
 
     fn uses_recordings(&self) -> bool {
-        cfg!(not(target_arch = "wasm32"))
+        false
     }
 
     fn help() -> Help {
@@ -127,11 +82,34 @@ impl ViewPanel for DiagnosisView {
     }
 }
 
-impl DiagnosisView {
-    /// Begins a diagnosis as it is set up.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
-        self.maker.start(ctx, workspace);
+impl DiagnosisPage {
+    /// Draws it, with `above` over the list of findings; `empty` says what to do where there is no diagnosis.
+    pub(crate) fn panels(
+        &mut self,
+        ui: &mut Ui,
+        workspace: &mut Workspace,
+        seen: &mut Vec<Seen>,
+        empty: &str,
+        above: impl FnOnce(&mut Ui, &mut Workspace, Option<&Shown>),
+    ) {
+        let mut wanted = None;
+        let width = layout::panel(ui, "findings", 372.0);
+        let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
+        let panel = panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                above(ui, workspace, self.shown.as_ref());
+                if let Some(shown) = &self.shown {
+                    let take =
+                        if workspace.has_bench { "Make it the input signal" } else { "Save it as a file" };
+                    wanted = findings::list(ui, &shown.diagnosis, &mut self.selected, take);
+                }
+            });
+        });
+        layout::keep_panel(ui, "findings", panel.response.rect.width());
+        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen, empty));
+        if let Some(profile) = wanted {
+            workspace.request(Request::Signal(Box::new(profile)));
+        }
     }
 
     /// Shows a diagnosis of a model.
@@ -153,27 +131,12 @@ impl DiagnosisView {
                 () => Over::Speed,
             };
         }
-        #[cfg(not(target_arch = "wasm32"))]
-        self.maker.fold();
-        self.shown = Some(Shown {
-            diagnosis,
-            evidence,
-            model,
-            #[cfg(not(target_arch = "wasm32"))]
-            made: None,
-        });
+        self.shown = Some(Shown { diagnosis, evidence, model });
     }
 
-    /// Adds residuals to the diagnosis that is shown.
-    pub(crate) fn evidence(&mut self, evidence: Evidence) {
-        if let Some(shown) = &mut self.shown {
-            shown.evidence = Some(evidence);
-        }
-    }
-
-    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>) {
+    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, empty: &str) {
         let Some(shown) = &self.shown else {
-            chart::empty_state(ui, "No diagnosis yet", EMPTY);
+            chart::empty_state(ui, "No diagnosis yet", empty);
             return;
         };
         banner::banner(ui, &shown.diagnosis);
@@ -202,8 +165,5 @@ impl DiagnosisView {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
-const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";
-#[cfg(target_arch = "wasm32")]
 const EMPTY: &str =
     "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";

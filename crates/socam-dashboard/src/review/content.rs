@@ -2,12 +2,12 @@
 
 use egui::{Color32, Ui};
 
-use super::entry::Entry;
-use super::signal::Signal;
-use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Style};
-use crate::recording::short;
-use crate::samples::envelope;
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Flag, MarkerShape, Style};
+use socam_chart::theme;
+use socam_samples::envelope;
+use socam_workbench::entry::Entry;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 /// Opacity of the other recordings while one is highlighted.
 const DIMMED: f32 = 0.16;
@@ -34,7 +34,7 @@ pub(super) fn having<'a>(
     entries: &'a [Entry],
     signal: &Signal,
     lit: Option<usize>,
-) -> Vec<(&'a Entry, &'a std::sync::Arc<crate::samples::Samples>, usize)> {
+) -> Vec<(&'a Entry, &'a std::sync::Arc<socam_samples::Samples>, usize)> {
     let shown = entries.iter().filter(|entry| entry.shown);
     let mut found: Vec<_> = shown
         .filter_map(|entry| entry.find(signal).map(|(samples, channel)| (entry, samples, channel)))

@@ -3,11 +3,11 @@
 use egui::{RichText, Ui};
 
 use super::Review;
-use super::entry::Entry;
 use super::list::neat;
 use super::rows::{Row, copy_button, rows, text_of};
-use super::signal::Signal;
-use crate::table::{Column, Table, number, text};
+use socam_chart::table::{Column, Table, number, text};
+use socam_workbench::entry::Entry;
+use socam_workbench::signal::Signal;
 
 const COLUMNS: [Column; 7] = [
     text("", 16.0),

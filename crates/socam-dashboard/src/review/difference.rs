@@ -3,11 +3,12 @@
 use egui::Ui;
 
 use super::content::{self, Frame, having};
-use super::entry::Entry;
-use super::signal::Signal;
-use crate::draw::chart::Curve;
-use crate::samples::Samples;
-use crate::theme;
+use socam_chart::chart::Curve;
+use socam_chart::theme;
+use socam_chart::thin::thinned;
+use socam_samples::Samples;
+use socam_workbench::entry::Entry;
+use socam_workbench::signal::Signal;
 
 /// Greatest number of rows in the picture for which differences are computed.
 const MOST_ROWS: usize = 500_000;
@@ -49,7 +50,7 @@ pub(super) fn curves(
 }
 
 /// Interpolated values at given times; NaN in gaps and outside.
-pub(crate) fn at_times(samples: &Samples, channel: usize, times: impl Iterator<Item = f64>) -> Vec<f64> {
+fn at_times(samples: &Samples, channel: usize, times: impl Iterator<Item = f64>) -> Vec<f64> {
     let wanted: Vec<f64> = times.collect();
     let (Some(first), Some(last)) = (wanted.first(), wanted.last()) else { return Vec::new() };
     let rows = samples.row_at(*first).saturating_sub(1)..(samples.row_at(*last) + 2).min(samples.rows());
@@ -80,24 +81,6 @@ pub(crate) fn at_times(samples: &Samples, channel: usize, times: impl Iterator<I
         .collect()
 }
 
-/// Least and greatest point of each pixel, in parts without missing values.
-pub(crate) fn thinned(points: &[[f64; 2]], pixels: usize) -> Vec<Vec<[f64; 2]>> {
-    let block = points.len().div_ceil(2 * pixels.max(1)).max(1);
-    let mut parts = Vec::new();
-    for run in points.split(|point| !point[1].is_finite()).filter(|run| !run.is_empty()) {
-        let thin = |block: &[[f64; 2]]| {
-            let by = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
-            let ends = [block.iter().min_by(by), block.iter().max_by(by)];
-            let mut ends: Vec<[f64; 2]> = ends.into_iter().flatten().copied().collect();
-            ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            ends.dedup();
-            ends
-        };
-        parts.push(if block == 1 { run.to_vec() } else { run.chunks(2 * block).flat_map(thin).collect() });
-    }
-    parts
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,15 +101,5 @@ mod tests {
                 "{found} {expected}"
             );
         }
-    }
-
-    #[test]
-    fn a_spike_stays() {
-        let mut points: Vec<[f64; 2]> = (0..100_000).map(|n| [f64::from(n), 0.0]).collect();
-        points[54_321][1] = 7.0;
-        points[70_000][1] = f64::NAN;
-        let parts = thinned(&points, 500);
-        assert_eq!(parts.len(), 2);
-        assert!(parts[0].contains(&[54_321.0, 7.0]) && parts.iter().flatten().count() < 2100);
     }
 }

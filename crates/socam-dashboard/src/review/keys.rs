@@ -4,7 +4,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::toolbar::Action;
 use super::{Entry, Review, Signal};
-use crate::workspace::Request;
+use socam_workbench::Request;
 
 pub(super) const SEARCH: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::F);
 

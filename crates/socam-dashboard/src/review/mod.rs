@@ -1,11 +1,9 @@
 //! Recordings over time: plots in tiles, all with the same time axis, and two cursors.
 
-mod computed;
 mod content;
 mod cursors;
-mod derived;
+mod derive;
 mod difference;
-mod entry;
 mod help;
 mod keys;
 mod list;
@@ -13,11 +11,9 @@ mod over_time;
 mod panes;
 mod plots;
 mod rows;
-mod signal;
 mod spectrogram;
 mod statistics;
 mod toolbar;
-mod units;
 mod views;
 mod xy;
 
@@ -25,29 +21,26 @@ use std::collections::BTreeMap;
 
 use egui::{ComboBox, Role, Ui, WidgetInfo};
 
-use crate::draw::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
-use crate::draw::raster;
-use crate::files::Purpose;
+use crate::progress::{self, wake};
 use crate::view::{Help, ViewPanel};
-use crate::workspace::{Content, Request, Workspace};
-use derived::dialog::Form;
-use derived::work::Derivations;
-pub use derived::{Derivation, Derived, Operation};
-pub(crate) use difference::thinned;
-pub use entry::Entry;
-pub(crate) use entry::swatch;
-pub use plots::Plot;
+use derive::Form;
 use plots::Plots;
-pub use plots::arrangement::{Arrangement, Node, Part, SCHEMA};
-pub use signal::Signal;
-use signal::signals;
+use socam_chart::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
+use socam_chart::raster;
+use socam_workbench::arrangement::{Arrangement, Plot};
+use socam_workbench::derivation::{Derivation, Operation};
+use socam_workbench::derivations::Derivations;
+use socam_workbench::entry::{Entry, signals};
+use socam_workbench::purpose::Purpose;
+use socam_workbench::signal::Signal;
+use socam_workbench::{Content, Request, Workspace};
 use views::Views;
 
 /// State of the view over time.
 #[derive(Debug, Default)]
 pub struct Review {
     /// The time axis of all plots, s; `None` shows everything.
-    x: Option<[f64; 2]>,
+    pub x: Option<[f64; 2]>,
     /// Vertical axes that the user set, by the titles of plots.
     y: Vec<(String, [f64; 2])>,
     plots: Plots,
@@ -104,16 +97,13 @@ impl Drawing<'_> {
 }
 
 impl ViewPanel for Review {
-    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        let mut entries = std::mem::take(&mut workspace.entries);
-        let mut seen = std::mem::take(&mut workspace.seen);
-        let request = self.draw(ui, &mut entries, &mut seen);
-        (workspace.entries, workspace.seen) = (entries, seen);
-        request.into_iter().for_each(|request| workspace.request(request));
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        let requests = self.draw(ui, &mut workspace.entries, seen);
+        requests.into_iter().for_each(|request| workspace.request(request));
     }
 
     fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
-        if let Some(problem) = self.derivations.poll(ctx, &mut workspace.entries) {
+        if let Some(problem) = self.derivations.poll(&wake(ctx), &mut workspace.entries) {
             workspace.request(Request::Warn(problem));
         }
         self.xy.values_mut().for_each(xy::Xy::poll);
@@ -148,11 +138,6 @@ impl Review {
     pub fn fit(&mut self) {
         self.x = None;
         self.y.clear();
-    }
-
-    /// Shows a range of time, s.
-    pub fn show_span(&mut self, x: [f64; 2]) {
-        self.x = Some(x);
     }
 
     /// The plots, hidden and derived channels.
@@ -216,7 +201,9 @@ impl Review {
                 return;
             }
             requests.extend(self.toolbar(ui, entries, &signals));
-            self.derivations.ui(ui);
+            if let Some(job) = self.derivations.job() {
+                progress::job(ui, job);
+            }
             let x = self.span(entries);
             let drawn = self.plots.drawn(&signals);
             let mut drawing = Drawing { entries, signals: &signals, drawn, x, seen, requests: Vec::new() };

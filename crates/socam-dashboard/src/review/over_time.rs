@@ -3,11 +3,11 @@
 use egui::{Rect, Ui};
 
 use super::content::{self, Frame};
-use super::plots::Plot;
-use super::signal::Signal;
 use super::{Drawing, Review, difference};
-use crate::draw::chart::{Chart, Flag, Shown, range_of};
-use crate::recording::short;
+use socam_chart::chart::{Chart, Flag, Shown, range_of};
+use socam_workbench::arrangement::Plot;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 impl Review {
     /// Draws channels over time in a part of the window.

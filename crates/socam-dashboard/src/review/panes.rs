@@ -4,12 +4,13 @@ use egui::{Align2, DragAndDrop, FontId, Rect, ScrollArea, Sense, Stroke, StrokeK
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, Tile, TileId, Tiles, UiResponse};
 
 use super::list::Dragged;
+use super::plots::Plots;
 use super::plots::heights::{GAP, TABS};
 use super::plots::insert::{Place, place_at};
-use super::plots::{Plot, Plots};
 use super::{Drawing, Review};
-use crate::theme;
-use crate::workspace::Request;
+use socam_chart::theme;
+use socam_workbench::Request;
+use socam_workbench::arrangement::Plot;
 
 /// What is done with a tile once all are drawn.
 enum Done {
@@ -215,7 +216,7 @@ impl Panes<'_, '_> {
             .on_hover_text("The drawn points as a table: chart,line,x_axis,x,y")
             .clicked()
         {
-            ui.ctx().copy_text(crate::draw::export::csv(&self.drawing.seen[first..]));
+            ui.ctx().copy_text(socam_chart::export::csv(&self.drawing.seen[first..]));
         }
         if ui.button("Equal heights").on_hover_text("All plots of a column get the same height (E)").clicked()
         {

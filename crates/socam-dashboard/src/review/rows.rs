@@ -2,12 +2,13 @@
 
 use egui::{RichText, Ui};
 
-use super::entry::{Entry, swatch};
-use super::signal::Signal;
-use crate::recording::short;
-use crate::samples::Samples;
-use crate::table::{Column, Key};
-use crate::theme;
+use socam_chart::swatch::swatch;
+use socam_chart::table::{Column, Key};
+use socam_chart::theme;
+use socam_samples::Samples;
+use socam_workbench::entry::Entry;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 /// Columns before the numbers: the colour, and [`Row::texts`].
 const FIRST: usize = 4;

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use egui::{Rect, Ui, UiBuilder};
 
-use super::computed::Computed;
 use super::content::having;
-use super::signal::Signal;
 use super::{Drawing, Review};
-use crate::draw::chart::{Backdrop, Chart};
-use crate::draw::colours::Colours;
-use crate::draw::heat::{Cells, Heat};
-use crate::recording::short;
-use crate::samples::Samples;
+use crate::progress::wake;
 use crate::spectra::spectrogram::{colours, spectrogram};
+use socam_chart::chart::{Backdrop, Chart};
+use socam_chart::colours::Colours;
+use socam_chart::heat::{Cells, Heat};
+use socam_samples::Samples;
+use socam_workbench::computed::Computed;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 /// Height of the row in which the channel is chosen, points.
 const HEAD: f32 = 26.0;
@@ -112,10 +113,10 @@ impl Spectrogram {
         let rows = key.samples.row_at(key.range[0])..key.samples.row_at(key.range[1]);
         let length = (1_usize << (rows.len() / 16).max(1).ilog2()).clamp(SHORTEST, LONGEST);
         let own = key.clone();
-        let work = move |handle: &crate::job::Handle| {
+        let work = move |handle: &socam_workbench::job::Handle| {
             spectrogram(&own.samples, own.channel, own.range, (COLUMNS, length), handle)
         };
-        match self.cells.get(ui.ctx(), key, work) {
+        match self.cells.get(&wake(ui.ctx()), key, work) {
             Some((of, Ok(cells))) if self.of.as_ref() != Some(of) => {
                 let mut shifted = cells.clone();
                 shifted.x = shifted.x.map(|x| x + of.shift_s);

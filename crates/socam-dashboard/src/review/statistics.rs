@@ -4,9 +4,9 @@ use egui::{RichText, Ui};
 
 use super::rows::{Row, copy_button, rows, text_of};
 use super::{Drawing, Review};
-use crate::samples::{Samples, Stats, stats};
-use crate::table::{Column, Table, number, text};
-use crate::theme;
+use socam_chart::table::{Column, Table, number, text};
+use socam_chart::theme;
+use socam_samples::{Samples, Stats, stats};
 
 const COLUMNS: [Column; 11] = [
     text("", 16.0),

@@ -2,14 +2,13 @@
 
 use egui::{Button, Key, RichText, Ui};
 
-use super::derived::Operation;
-use super::derived::dialog::Form;
-use super::plots::{Plot, Plots};
+use super::plots::Plots;
 use super::{Entry, Review, Signal, Views};
-use crate::files::Purpose;
-use crate::recording::short;
-use crate::theme;
-use crate::workspace::{Content, Request};
+use socam_chart::theme;
+use socam_workbench::arrangement::Plot;
+use socam_workbench::purpose::Purpose;
+use socam_workbench::recording::short;
+use socam_workbench::{Content, Request};
 
 /// What the menus do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -164,7 +163,7 @@ impl Review {
                     None => self.add(Plot::Statistics),
                 }
             }
-            Action::Derive => self.form = Some(Form::of(&first.name, Operation::default())),
+            Action::Derive => self.ask_for_channel(&first.name),
             Action::Even => self.plots.even = true,
             Action::Usual => self.plots = Plots::default(),
             Action::Save => {

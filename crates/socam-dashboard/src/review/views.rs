@@ -2,9 +2,9 @@
 
 use egui::Ui;
 
-use super::plots::arrangement::Arrangement;
 use super::{Entry, Review, Signal};
-use crate::draw::history::ViewHistory;
+use socam_chart::history::ViewHistory;
+use socam_workbench::arrangement::Arrangement;
 
 /// What undo restores.
 #[derive(Debug, Clone, PartialEq)]

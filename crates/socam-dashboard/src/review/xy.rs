@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use egui::{Rect, Ui, UiBuilder};
 
-use super::computed::Computed;
 use super::content::having;
-use super::plots::Plot;
-use super::signal::Signal;
 use super::{Drawing, Review};
-use crate::draw::chart::{Backdrop, Chart, range_of};
-use crate::draw::colours::Colours;
-use crate::draw::xy::{Cloud, Thinner};
-use crate::job::Handle;
-use crate::samples::Samples;
+use crate::progress::wake;
+use socam_chart::chart::{Backdrop, Chart, range_of};
+use socam_chart::colours::Colours;
+use socam_chart::xy::{Cloud, Thinner};
+use socam_samples::Samples;
+use socam_workbench::arrangement::Plot;
+use socam_workbench::computed::Computed;
+use socam_workbench::job::Handle;
+use socam_workbench::signal::Signal;
 
 /// Height of the row in which the channels are chosen, points.
 const HEAD: f32 = 26.0;
@@ -98,7 +99,7 @@ impl Review {
             of,
         };
         let work = key.clone();
-        match state.dots.get(ui.ctx(), &key, move |handle| dots(&work, handle)) {
+        match state.dots.get(&wake(ui.ctx()), &key, move |handle| dots(&work, handle)) {
             Some((_, Ok(dots))) if !dots.is_empty() => {
                 let colours = Colours::of_dots(ui, drawing.x, "time, s");
                 chart.backdrop = Some(Backdrop::Cloud(Cloud { dots: dots.clone(), colours }));
@@ -142,7 +143,7 @@ fn ranges(chart: &Chart, of: &[Of]) -> [[f64; 2]; 2] {
         |of: &Of, (samples, channel): &(Arc<Samples>, usize)| samples.extremes(*channel, of.rows.clone());
     let x = range_of(of.iter().filter_map(|own| extremes(own, &own.x)).flatten());
     let y = range_of(of.iter().filter_map(|own| extremes(own, &own.y)).flatten());
-    [x.map_or([0.0, 1.0], crate::draw::chart::with_room), chart.fitted(y)]
+    [x.map_or([0.0, 1.0], socam_chart::chart::with_room), chart.fitted(y)]
 }
 
 fn dots(key: &Key, handle: &Handle) -> Result<Vec<[f64; 3]>, String> {

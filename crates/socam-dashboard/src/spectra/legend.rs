@@ -2,8 +2,8 @@
 
 use egui::{RichText, Ui, vec2};
 
-use crate::recording::{Recording, short};
-use crate::review::swatch;
+use socam_chart::swatch::swatch;
+use socam_workbench::recording::{Recording, short};
 
 /// The colour and short name of each recording.
 pub(super) fn legend(ui: &mut Ui, shown: &[(usize, &Recording)]) {

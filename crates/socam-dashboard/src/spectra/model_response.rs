@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use socam_model::Model;
 
-use super::welch;
+use super::response::unjoined;
 
 /// Magnitude and phase (degrees) of the model's response at the values of its file.
 pub(super) fn model_response(
@@ -30,5 +30,5 @@ pub(super) fn model_response(
         .collect();
     let magnitude = values.iter().map(|(f, value)| [*f, value.norm()]).collect();
     let phase: Vec<[f64; 2]> = values.iter().map(|(f, value)| [*f, value.arg().to_degrees()]).collect();
-    [vec![magnitude], welch::unjoined(&phase)]
+    [vec![magnitude], unjoined(&phase)]
 }

@@ -4,9 +4,10 @@ use egui::{ComboBox, Grid, RichText, ScrollArea, Ui, vec2};
 use nalgebra::Complex;
 use socam_model::{Mode, Model};
 
-use crate::draw::chart::{Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
-use crate::parameters::{heads, number};
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Flag, MarkerShape, Seen, Style, range_of, with_room};
+use socam_chart::numbers::number;
+use socam_chart::table::heads;
+use socam_chart::theme;
 
 /// Output and input of the zeros, as indices of the model's outputs and inputs.
 #[derive(Debug, Clone, Copy, Default)]

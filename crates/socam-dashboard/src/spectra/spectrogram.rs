@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use socam_recording::{Segment, Welch, without_mean};
+use socam_recording::Segment;
+use socam_spectrum::Welch;
 
-use super::welch::TOO_SHORT;
-use crate::draw::heat::Cells;
-use crate::job::Handle;
-use crate::samples::Samples;
+use super::densities::TOO_SHORT;
+use socam_chart::heat::Cells;
+use socam_samples::Samples;
+use socam_workbench::job::Handle;
 
 /// Greatest number of windows that a column is averaged over: a picture of any recording takes as long.
 const WINDOWS: usize = 4;
@@ -30,32 +31,26 @@ pub fn spectrogram(
 ) -> Result<Cells, String> {
     let mut welch = Welch::new(length);
     let step_s = samples.segments().iter().map(|segment| segment.sample_time_s).fold(0.0, f64::max);
-    let rows = welch.lines().saturating_sub(1);
+    let (rows, mut step_hz) = (length / 2, 0.0);
     let mut values = Vec::with_capacity(columns * rows);
     let at = |column: usize| from_s + (to_s - from_s) * column as f64 / columns as f64;
     for column in 0..columns {
         handle.reached(column as f32 / columns as f32)?;
         let range = samples.row_at(at(column))..samples.row_at(at(column + 1));
-        let mut power = vec![0.0; rows];
-        let mut windows = 0;
         for start in starts(samples.segments(), range, length, step_s) {
-            let window = samples.values(channel, start..start + length);
-            let lines = welch.transform(without_mean(&window));
-            // A window with a missing value is skipped.
-            if lines.first().is_some_and(|line| line.re.is_finite()) {
-                windows += 1;
-                power.iter_mut().zip(&lines[1..]).for_each(|(sum, line)| *sum += line.norm_sqr());
-            }
+            welch.add([&samples.values(channel, start..start + length)]);
         }
-        let scale = welch.density_per_sum(step_s, windows);
-        values.extend(
-            power.into_iter().map(|sum| if windows > 0 { 10.0 * (sum * scale).log10() } else { f64::NAN }),
-        );
+        match welch.finish(step_s) {
+            Some(spectra) => {
+                step_hz = spectra.step_hz();
+                values.extend(spectra.density(0)[1..].iter().map(|density| 10.0 * density.log10()));
+            }
+            None => values.extend(std::iter::repeat_n(f64::NAN, rows)),
+        }
     }
     if rows == 0 || values.iter().all(|value| value.is_nan()) {
         return Err(TOO_SHORT.into());
     }
-    let step_hz = welch.step_hz(step_s);
     // The mean is left out; each frequency is in the middle of its row.
     Ok(Cells { x: [from_s, to_s], y: [0.5 * step_hz, (rows as f64 + 0.5) * step_hz], rows, values })
 }
@@ -64,7 +59,7 @@ pub fn spectrogram(
 #[must_use]
 pub fn colours(cells: &Cells) -> [f64; 2] {
     let finite = cells.values.iter().copied().filter(|value| value.is_finite());
-    crate::draw::chart::range_of(finite).map_or([0.0, 1.0], |[low, high]| [low.max(high - SHOWN_DB), high])
+    socam_chart::chart::range_of(finite).map_or([0.0, 1.0], |[low, high]| [low.max(high - SHOWN_DB), high])
 }
 
 /// First rows of windows about some rows, evenly apart, each within a segment.

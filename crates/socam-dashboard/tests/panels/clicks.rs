@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use socam_dashboard::document::{Document, parse};
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_workbench::document::{Document, parse};
 
 pub(crate) fn window(dashboard: Dashboard) -> Harness<'static, Dashboard> {
     let harness =
         Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02).with_context_setup(|ctx| {
-            socam_dashboard::theme::apply(ctx, socam_dashboard::theme::Look::Dark);
+            socam_chart::theme::apply(ctx, socam_chart::theme::Look::Dark);
         });
     let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
     window.run_steps(3);
@@ -154,8 +154,8 @@ fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     click(&mut window, "Make it the input signal");
     assert_eq!(window.state().layout.view, View::Live);
     assert!(
-        window.state().views.live.signal.text().contains("triangle")
-            || window.state().views.live.signal.settings.name().contains("profile")
+        window.state().workspace.signal.text().contains("triangle")
+            || window.state().workspace.signal.settings.name().contains("profile")
     );
 }
 
@@ -248,13 +248,13 @@ fn checks_are_sorted_and_unfold() {
 #[test]
 fn the_menus_choose_a_signal_and_undo() {
     let mut window = with(View::Live, 0);
-    let before = window.state().views.live.signal.settings.clone();
+    let before = window.state().workspace.signal.settings.clone();
     click(&mut window, "Input Signal");
     click(&mut window, "Constant");
-    assert_ne!(window.state().views.live.signal.settings, before);
+    assert_ne!(window.state().workspace.signal.settings, before);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
-    assert_eq!(window.state().views.live.signal.settings, before);
+    assert_eq!(window.state().workspace.signal.settings, before);
 }
 
 #[test]
@@ -282,7 +282,7 @@ fn panels_are_as_wide_as_they_were() {
 fn help_names_each_control() {
     let mut unnamed = std::collections::BTreeSet::new();
     for name in sample::STATES {
-        let mut window = window(sample::state(name, socam_dashboard::theme::Look::Dark).unwrap());
+        let mut window = window(sample::state(name, socam_chart::theme::Look::Dark).unwrap());
         until(&mut window, "a view", |window| !window.state().is_busy());
         window.run_steps(2);
         for node in window.root().children_recursive() {

@@ -112,10 +112,10 @@ fn what_takes_long_can_be_cancelled() {
 #[test]
 fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
     let mut window = with(View::Time, 0);
-    let before = window.state().views.live.signal.settings.clone();
+    let before = window.state().workspace.signal.settings.clone();
     click(&mut window, "Input Signal");
     click(&mut window, "Constant");
-    let constant = window.state().views.live.signal.text();
+    let constant = window.state().workspace.signal.text();
     let copied = |window: &Harness<'static, Dashboard>| {
         window.output().platform_output.commands.iter().find_map(|command| match command {
             egui::OutputCommand::CopyText(text) => Some(text.clone()),
@@ -125,7 +125,7 @@ fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
     window.event(egui::Event::Cut);
     window.run_steps(1);
     assert_eq!(copied(&window), Some(constant.clone()));
-    assert_eq!(window.state().views.live.signal.settings, before);
+    assert_eq!(window.state().workspace.signal.settings, before);
 
     // From another view, where a menu leads to the signal.
     click(&mut window, "Time");
@@ -133,14 +133,14 @@ fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
     click(&mut window, "Paste input signal");
     window.event(egui::Event::Paste(constant.clone()));
     window.run_steps(2);
-    assert_eq!(window.state().views.live.signal.text(), constant);
+    assert_eq!(window.state().workspace.signal.text(), constant);
     window.event(egui::Event::Copy);
     window.run_steps(1);
     assert_eq!(copied(&window), Some(constant.clone()));
     window.event(egui::Event::Paste("a shopping list".into()));
     window.run_steps(2);
     assert!(window.state().problems().any(|text| text.contains("no input signal")));
-    assert_eq!(window.state().views.live.signal.text(), constant);
+    assert_eq!(window.state().workspace.signal.text(), constant);
 }
 
 #[test]

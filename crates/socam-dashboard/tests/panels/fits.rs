@@ -9,14 +9,14 @@ use crate::files::save_as;
 use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use socam_dashboard::document::{Document, parse};
-use socam_dashboard::fitting::Role;
-use socam_dashboard::recording::Recording;
 use socam_dashboard::{Dashboard, View};
 use socam_diagnose::{DiagnoseError, HeldOut, Options, diagnose};
 use socam_identify::{IdentifyError, Intersample, Observer, Predictor, Progress, ProgressMonitor, Start};
 use socam_model::Model;
 use socam_recording::{Channel, Unit};
+use socam_workbench::document::{Document, parse};
+use socam_workbench::recording::Recording;
+use socam_workbench::setup::Role;
 
 /// Stiffness of the shaft of [`two_mass`], N m/rad; another than that of the model's file.
 const STIFFNESS: f64 = 160.0;
@@ -71,7 +71,7 @@ fn an_identification_is_set_up_run_used_and_saved() {
     click(&mut window, "Identify parameters");
     until(&mut window, "a fit", |window| !window.state().is_busy());
     window.run_steps(3);
-    let shown = window.state().views.identify.shown.clone().unwrap();
+    let shown = window.state().views.identify.page.shown.clone().unwrap();
     assert_eq!(shown.recordings, ["runs/two-mass-1.csv"]);
     assert_eq!(shown.validation[0].recording, "runs/two-mass-2.csv");
     let stiffness = shown.parameters.iter().find(|parameter| parameter.name == "stiffness").unwrap();

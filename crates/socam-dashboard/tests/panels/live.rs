@@ -2,10 +2,10 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use socam_chart::theme::Look;
 use socam_core::State;
 use socam_dashboard::Dashboard;
-use socam_dashboard::live::{Bench, News, Order};
-use socam_dashboard::theme::Look;
+use socam_workbench::link::{Bench, News, Order};
 
 use crate::clicks::{click, window};
 use crate::sample::{self, bench};
@@ -123,7 +123,8 @@ fn progress_numbers_gaps_and_events_are_in_words() {
     let speed = window.get_by_label_contains("motor_speed is ");
     let text = speed.accesskit_node().value().unwrap();
     assert!(text.contains(" rad/s; ") && text.contains(" to ") && text.contains("limit ±149.2"), "{text}");
-    let kinds: Vec<_> = window.state().views.live.events().iter().map(|event| event.kind.clone()).collect();
+    let kinds: Vec<_> =
+        window.state().workspace.bench.events().iter().map(|event| event.kind.clone()).collect();
     assert_eq!(kinds, ["start", "note"]);
 }
 
@@ -139,5 +140,5 @@ fn a_held_picture_stands_still_and_loses_nothing() {
     assert_eq!(texts(&window, "missing"), 0, "the held picture has no gap");
     click(&mut window, "Hold picture");
     window.get_by_label("400 samples missing in 1 gap");
-    assert_eq!(window.state().views.live.samples_shown(), 7450);
+    assert_eq!(window.state().workspace.bench.buffer().rows(), 7450);
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use egui::{Color32, ColorImage};
-use socam_dashboard::draw::raster;
-use socam_dashboard::theme::Look;
+use socam_chart::raster;
+use socam_chart::theme::Look;
 use socam_dashboard::{Viewport, picture};
 
 use crate::sample;

@@ -3,8 +3,9 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use socam_dashboard::review::{Derivation, Operation, Plot};
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_workbench::arrangement::Plot;
+use socam_workbench::derivation::{Derivation, Operation};
 
 use crate::clicks::{click, until, window, with};
 use crate::sample;

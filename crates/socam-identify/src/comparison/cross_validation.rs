@@ -7,13 +7,14 @@
 //! # Breaks when
 //! A recording moves the parameters so far that the model is not linear in between.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use socam_model::Model;
 
 use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
+    matrix::{Svd, SymmetricEigen, gram, product},
     optimiser::{factors, qr},
     problem::Problem,
 };
@@ -92,11 +93,11 @@ pub fn leave_one_out(
 fn covariance_root(factor: &Mat<f64>, free: usize) -> Option<Mat<f64>> {
     let lengths = qr::lengths(factor.as_ref(), free);
     let scaled = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] / lengths[j]);
-    let svd = scaled.thin_svd().ok()?;
-    let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
+    let svd = Svd::new(&scaled)?;
+    let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.values[k]).collect();
     let largest = sizes.first().copied().unwrap_or(0.0);
     let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_SINGULAR * largest).collect();
-    Some(Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]))
+    Some(Mat::from_fn(free, kept.len(), |j, k| svd.right[(j, kept[k])] / sizes[kept[k]] / lengths[j]))
 }
 
 /// By how much the sum of squares of one recording rises when the parameters are fitted without it.
@@ -109,15 +110,15 @@ fn change_of_loss<'r>(
     let (mut gradient, mut curvature) = (Mat::<f64>::zeros(width, 1), Mat::<f64>::zeros(width, width));
     for result in own {
         let schur_complement = result.schur_complement();
-        let sensitivities = schur_complement.subcols(0, free) * root;
-        gradient += sensitivities.transpose() * schur_complement.subcols(free, 1);
-        curvature += sensitivities.transpose() * &sensitivities;
+        let sensitivities = product(schur_complement.subcols(0, free), root);
+        gradient += product(sensitivities.transpose(), schur_complement.subcols(free, 1));
+        curvature += gram(&sensitivities);
     }
     // At a fit the scores of all recordings sum to zero, so that those of the others are minus this one's.
-    let eigen = curvature.self_adjoint_eigen(Side::Lower).ok()?;
-    let along = eigen.U().transpose() * &gradient;
+    let eigen = SymmetricEigen::new(&curvature)?;
+    let along = product(eigen.vectors.transpose(), &gradient);
     let change = (0..width).map(|k| {
-        let share = eigen.S()[k].clamp(0.0, 1.0);
+        let share = eigen.values[k].clamp(0.0, 1.0);
         let step = along[(k, 0)] / (1.0 - share).max(LEAST_LEFT);
         2.0 * along[(k, 0)] * step + share * step * step
     });

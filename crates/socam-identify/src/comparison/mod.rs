@@ -12,9 +12,9 @@ mod traces;
 
 pub use model_evaluation::Evaluation;
 pub(crate) use model_evaluation::begin;
-pub use noise_model::{NoiseModel, noise};
+pub use noise_model::{Innovations, NoiseModel, innovations, noise};
 pub use score_test::{CandidateScore, score_test};
-pub use traces::{Innovations, Traces, innovations, traces};
+pub use traces::{Traces, traces};
 
 use socam_model::Model;
 

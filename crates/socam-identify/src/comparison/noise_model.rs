@@ -1,11 +1,11 @@
-//! The noise model: levels, whitening filters and discrepancy, fixed while models are compared.
+//! The noise model: levels, whitening filters and discrepancy, fixed while models are compared; and the innovations under it.
 
 use std::sync::Arc;
 
 use crate::{
     IdentifyError,
-    comparison::{Evaluation, traces::innovations},
-    evaluation::{Point, Weights},
+    comparison::Evaluation,
+    evaluation::{self, Point, Weights},
     noise::{
         discrepancy::Discrepancy,
         innovations_filter::NoiseLevels,
@@ -121,6 +121,49 @@ impl NoiseModel {
             ..Weights::white(self.levels.outputs.clone(), factors::scales(problem, values))
         }
     }
+}
+
+/// Whitened residuals of one segment of a recording.
+#[derive(Debug, Clone)]
+pub struct Innovations {
+    /// Sample time, s.
+    pub sample_time_s: f64,
+    /// By output, in units of noise; zero where missing.
+    pub outputs: Vec<Vec<f64>>,
+}
+
+/// Whitened residuals of a model at a fit, by segment; `None` where the prediction overflows.
+///
+/// ```
+/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, innovations, measure}};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// # let problem = Problem::new(&model, &recordings, Options::default())?;
+/// # let values = model.values();
+/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
+/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
+/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
+/// let white = innovations(&problem, &noise_model, &at)?.expect("no overflow");
+/// assert_eq!((white.len(), white[0].outputs.len(), white[0].outputs[0].len()), (1, 2, 1000));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When a recording cannot be read.
+pub fn innovations(
+    problem: &Problem<'_>,
+    noise_model: &NoiseModel,
+    at: &Evaluation,
+) -> Result<Option<Vec<Innovations>>, IdentifyError> {
+    let problem = levels::without_parameters(problem);
+    let weights = Weights { innovations: true, ..noise_model.weights(&problem, &at.values) };
+    let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
+    let Some(evaluated) = evaluation::run(&problem, &point, &weights)? else { return Ok(None) };
+    let each = problem.segments.iter().zip(evaluated).map(|(segment, result)| Innovations {
+        sample_time_s: segment.sample_time_s,
+        outputs: result.innovations,
+    });
+    Ok(Some(each.collect()))
 }
 
 /// Noise levels estimated from a model's residuals, each bounded by the highest frequencies of its channel, see

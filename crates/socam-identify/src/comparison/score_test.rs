@@ -7,6 +7,7 @@ use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
+    matrix::{Svd, gram, product, solve_symmetric},
     optimiser::qr,
     problem::Problem,
 };
@@ -111,12 +112,12 @@ impl<'f> Orthogonalised<'f> {
             base.iter().map(|j| factor.col(*j).norm_l2().max(f64::MIN_POSITIVE)).collect();
         let scaled = Mat::from_fn(rows, base.len(), |i, j| factor[(i, base[j])] / lengths[j]);
         let (mut basis, mut coefficients) = (Mat::zeros(rows, 0), Mat::zeros(base.len(), 0));
-        if let Ok(svd) = scaled.thin_svd() {
-            let sizes: Vec<f64> = (0..base.len().min(rows)).map(|k| svd.S()[k]).collect();
+        if let Some(svd) = Svd::new(&scaled) {
+            let sizes: Vec<f64> = (0..base.len().min(rows)).map(|k| svd.values[k]).collect();
             let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > 1e-6 * sizes[0]).collect();
-            basis = Mat::from_fn(rows, kept.len(), |i, k| svd.U()[(i, kept[k])]);
+            basis = Mat::from_fn(rows, kept.len(), |i, k| svd.left[(i, kept[k])]);
             coefficients = Mat::from_fn(base.len(), kept.len(), |j, k| {
-                svd.V()[(j, kept[k])] / (sizes[kept[k]] * lengths[j])
+                svd.right[(j, kept[k])] / (sizes[kept[k]] * lengths[j])
             });
         }
         Self { factor, base, basis, coefficients, total: 0.0 }
@@ -161,9 +162,8 @@ impl<'f> Orthogonalised<'f> {
         let sensitivities = Mat::from_fn(residual.len(), n, |i, k| own[kept[k]].0[i] / lengths[kept[k]]);
         let right = Mat::from_fn(residual.len(), 1, |i, _| -residual[i]);
         let ridge = if n > FEW { RIDGE } else { 0.0 };
-        let gram =
-            sensitivities.transpose() * &sensitivities + Mat::<f64>::identity(n, n) * faer::Scale(ridge);
-        let Some(step) = solved(&gram, &(sensitivities.transpose() * right)) else { return nothing };
+        let gram = gram(&sensitivities) + Mat::<f64>::identity(n, n) * faer::Scale(ridge);
+        let Some(step) = solved(&gram, &product(sensitivities.transpose(), &right)) else { return nothing };
         let rest = |i: usize| residual[i] + (0..n).map(|k| sensitivities[(i, k)] * step[k]).sum::<f64>();
         let after: f64 = (0..residual.len()).map(|i| rest(i).powi(2)).sum();
         let gain = (residual.iter().map(|r| r * r).sum::<f64>() - after).max(0.0);
@@ -196,8 +196,6 @@ fn length(values: &[f64]) -> f64 {
 
 /// Solution of a small symmetric system; `None` where it is singular.
 fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
-    use faer::linalg::solvers::Solve;
-    let llt = matrix.llt(faer::Side::Lower).ok()?;
-    let solution = llt.solve(right);
+    let solution = solve_symmetric(matrix, right)?;
     (0..matrix.nrows()).map(|k| Some(solution[(k, 0)]).filter(|value| value.is_finite())).collect()
 }

@@ -1,13 +1,11 @@
-//! Signals of an evaluation: innovations, and predictions beside measurements.
+//! Signals of an evaluation: predictions beside measurements.
 
 use rayon::prelude::*;
 use socam_model::Model;
 
 use crate::{
     IdentifyError,
-    comparison::{Evaluation, NoiseModel},
-    evaluation::{self, Point, Weights},
-    noise::levels,
+    comparison::Evaluation,
     prediction::{
         modal,
         predictor::{Predictor, Start},
@@ -15,49 +13,6 @@ use crate::{
     preprocessing::segments,
     problem::{Problem, StartState},
 };
-
-/// Whitened residuals of one segment of a recording.
-#[derive(Debug, Clone)]
-pub struct Innovations {
-    /// Sample time, s.
-    pub sample_time_s: f64,
-    /// By output, in units of noise; zero where missing.
-    pub outputs: Vec<Vec<f64>>,
-}
-
-/// Whitened residuals of a model at a fit, by segment; `None` where the prediction overflows.
-///
-/// ```
-/// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, innovations, measure}};
-///
-/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
-/// # let problem = Problem::new(&model, &recordings, Options::default())?;
-/// # let values = model.values();
-/// # let levels = NoiseLevels { outputs: vec![0.07; 2], inputs: vec![0.0] };
-/// # let noise_model = NoiseModel::new(&[&problem], &values, levels.clone())?;
-/// let at = measure(&problem, &noise_model, &values)?.expect("no overflow");
-/// let white = innovations(&problem, &noise_model, &at)?.expect("no overflow");
-/// assert_eq!((white.len(), white[0].outputs.len(), white[0].outputs[0].len()), (1, 2, 1000));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// When a recording cannot be read.
-pub fn innovations(
-    problem: &Problem<'_>,
-    noise_model: &NoiseModel,
-    at: &Evaluation,
-) -> Result<Option<Vec<Innovations>>, IdentifyError> {
-    let problem = levels::without_parameters(problem);
-    let weights = Weights { innovations: true, ..noise_model.weights(&problem, &at.values) };
-    let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
-    let Some(evaluated) = evaluation::run(&problem, &point, &weights)? else { return Ok(None) };
-    let each = problem.segments.iter().zip(evaluated).map(|(segment, result)| Innovations {
-        sample_time_s: segment.sample_time_s,
-        outputs: result.innovations,
-    });
-    Ok(Some(each.collect()))
-}
 
 /// Signals of one segment of a recording.
 #[derive(Debug, Clone)]

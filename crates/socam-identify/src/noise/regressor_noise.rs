@@ -13,6 +13,7 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError, Options, Problem, StartState,
     evaluation::{self, Point, SegmentEvaluation, Weights},
+    matrix::gram,
     noise::{innovations_filter::InnovationsFilter, matrix_equations::spectral_radius},
     preprocessing::segments,
     problem::sample_times,
@@ -94,7 +95,7 @@ fn per_sample(
     let mut products = Mat::<f64>::zeros(free, free);
     for result in &results {
         let own = result.factor.as_ref().subcols(result.nuisance(), free);
-        products += own.transpose() * own;
+        products += gram(own);
     }
     Ok(Some(products))
 }

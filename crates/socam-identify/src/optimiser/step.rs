@@ -5,10 +5,11 @@ use clarabel::{
     algebra::CscMatrix,
     solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT},
 };
-use faer::{Mat, MatRef, linalg::solvers::SolveLstsqCore};
+use faer::{Mat, MatRef};
 
 use crate::{
     evaluation::{Point, SegmentEvaluation, Weights},
+    matrix::least_squares,
     optimiser::qr,
     problem::Problem,
     uncertainty::combinations,
@@ -179,9 +180,9 @@ fn damped_step(factor: MatRef<'_, f64>, norms: &[f64], damping: f64) -> Vec<f64>
             0.0
         }
     });
-    let mut right = Mat::from_fn(2 * free, 1, |i, _| if i < free { -factor[(i, free)] } else { 0.0 });
-    matrix.qr().solve_lstsq_in_place_with_conj(faer::Conj::No, right.as_mut());
-    (0..free).map(|j| right[(j, 0)] / norms[j]).collect()
+    let right = Mat::from_fn(2 * free, 1, |i, _| if i < free { -factor[(i, free)] } else { 0.0 });
+    let (step, _) = least_squares(matrix, &right);
+    (0..free).map(|j| step[(j, 0)] / norms[j]).collect()
 }
 
 fn quadratic_programme(

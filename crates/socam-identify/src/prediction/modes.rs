@@ -3,6 +3,8 @@
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 
+use crate::matrix::Eigen;
+
 type C = Complex<f64>;
 
 /// Least distance of two poles relative to the larger one. Derivatives of eigenvectors grow with its inverse.
@@ -31,8 +33,7 @@ pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, 
     let n = matrix.nrows();
     let scale = balance(matrix);
     let balanced = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * scale[j] / scale[i]);
-    let eigen = balanced.eigen().ok()?;
-    let poles: Vec<C> = (0..n).map(|i| eigen.S()[i]).collect();
+    let Eigen { values: poles, vectors } = Eigen::new(&balanced)?;
     // Two poles at zero (two free angles) differ by the rounding of the fastest pole.
     let rounding = 1e-13 * poles.iter().fold(0.0_f64, |most, pole| most.max(pole.norm()));
     for i in 0..n {
@@ -43,7 +44,7 @@ pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, 
             }
         }
     }
-    let vectors = DMatrix::from_fn(n, n, |i, j| eigen.U()[(i, j)]);
+    let vectors = DMatrix::from_fn(n, n, |i, j| vectors[(i, j)]);
     let inverse = vectors.clone().try_inverse()?;
     let condition = vectors.norm() * inverse.norm();
     if condition.is_nan() || condition > MOST_SKEWED {

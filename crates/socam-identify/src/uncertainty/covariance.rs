@@ -6,6 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
     evaluation::{self, SegmentEvaluation},
+    matrix::{Svd, SymmetricEigen, gram, product},
     optimiser::qr,
     problem::Problem,
 };
@@ -55,10 +56,10 @@ impl Uncertainty {
                 |rows: &Vec<Vec<f64>>| Mat::from_fn(rows.len(), free, |i, j| rows[i][j] * correction.sqrt());
             // Scores in coordinates of unit information.
             let white: Vec<Mat<f64>> =
-                scores.iter().map(|segment| relative(&matrix(segment)) * &inverse).collect();
+                scores.iter().map(|segment| product(relative(&matrix(segment)), &inverse)).collect();
             let (spread, lag) = long_run_spread(&white, blocks);
-            let prior = relative(&crate::optimiser::factors::prior_rows(problem, point, &weights)) * &inverse;
-            let mut meat = spread + prior.transpose() * &prior;
+            let prior = relative(&crate::optimiser::factors::prior_rows(problem, point, &weights));
+            let mut meat = spread + gram(product(&prior, &inverse));
             // A direction without information has no scores; its variance ratio is set to one.
             (0..free).filter(|k| !informed[*k]).for_each(|k| meat[(k, k)] = meat[(k, k)].max(1.0));
             // Correlated blocks count for fewer degrees of freedom.
@@ -69,9 +70,9 @@ impl Uncertainty {
         let quantile = StudentsT::new(0.0, 1.0, degrees).map_or(1.96, |t| t.inverse_cdf(0.975));
         let noise =
             Mat::from_fn(free, free, |i, j| noise[(i, j)] * (sizes[i] / scales[i]) * (sizes[j] / scales[j]));
-        let noise = inverse.transpose() * noise * &inverse;
+        let noise = product(product(inverse.transpose(), &noise), &inverse);
         let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
-        let root = inverse * errors_in_variables(&noise);
+        let root = product(&inverse, errors_in_variables(&noise));
         Self { root, meat, quantile }
     }
 
@@ -143,11 +144,11 @@ impl Directions {
     /// From a factor of the information in relative steps; `None` where it has no singular values.
     fn of(factor: &Mat<f64>) -> Option<Self> {
         let free = factor.ncols();
-        let svd = factor.svd().ok()?;
-        let singular = |k: usize| svd.S()[k].max(RANK_TOLERANCE * svd.S()[0]).max(1e-150);
+        let svd = Svd::new(factor)?;
+        let singular = |k: usize| svd.values[k].max(RANK_TOLERANCE * svd.values[0]).max(1e-150);
         Some(Self {
-            inverse: Mat::from_fn(free, free, |i, k| svd.V()[(i, k)] / singular(k)),
-            informed: (0..free).map(|k| svd.S()[k] > RANK_TOLERANCE * svd.S()[0]).collect(),
+            inverse: Mat::from_fn(free, free, |i, k| svd.right[(i, k)] / singular(k)),
+            informed: (0..free).map(|k| svd.values[k] > RANK_TOLERANCE * svd.values[0]).collect(),
         })
     }
 }
@@ -156,11 +157,10 @@ impl Directions {
 fn errors_in_variables(noise: &Mat<f64>) -> Mat<f64> {
     let size = noise.nrows();
     let identity = || Mat::<f64>::identity(size, size);
-    let Ok(decomposed) = noise.self_adjoint_eigen(faer::Side::Lower) else { return identity() };
-    let (vectors, values) = (decomposed.U(), decomposed.S());
+    let Some(SymmetricEigen { vectors, values }) = SymmetricEigen::new(noise) else { return identity() };
     let stretched =
         Mat::from_fn(size, size, |i, k| vectors[(i, k)] / (1.0 - values[k]).clamp(LEAST_INFORMATION, 1.0));
-    stretched * vectors.transpose()
+    product(&stretched, vectors.transpose())
 }
 
 /// Sum over blocks of score * score', correlations between neighbouring blocks included with Bartlett's weights up to
@@ -171,7 +171,7 @@ fn long_run_spread(white: &[Mat<f64>], blocks: usize) -> (Mat<f64>, usize) {
         let free = white[0].ncols();
         white.iter().filter(|rows| rows.nrows() > lag).fold(Mat::<f64>::zeros(free, free), |sum, rows| {
             let count = rows.nrows() - lag;
-            sum + rows.as_ref().subrows(0, count).transpose() * rows.as_ref().subrows(lag, count)
+            sum + product(rows.as_ref().subrows(0, count).transpose(), rows.as_ref().subrows(lag, count))
         })
     };
     let own = lagged(0);
@@ -192,13 +192,12 @@ pub(crate) fn inverse_information(factor: MatRef<'_, f64>) -> Mat<f64> {
     let free = factor.ncols();
     let norms = qr::lengths(factor, free);
     let scaled = Mat::from_fn(free, free, |i, j| factor[(i, j)] / norms[j]);
-    let Ok(svd) = scaled.svd() else {
+    let Some(Svd { values: s, right: v, .. }) = Svd::new(&scaled) else {
         return Mat::from_fn(free, free, |i, j| if i == j { 1e200 } else { 0.0 });
     };
-    let (v, s) = (svd.V(), svd.S());
     let least = RANK_TOLERANCE * if free > 0 && s[0] > 0.0 { s[0] } else { 1.0 };
     let root = Mat::from_fn(free, free, |i, k| v[(i, k)] / s[k].max(least) / norms[i]);
-    &root * root.transpose()
+    product(&root, root.transpose())
 }
 
 /// Scores of the free parameters after elimination of the nuisance parameters: g - A' g_nuisance, A = R_nn⁻¹ R_ng.

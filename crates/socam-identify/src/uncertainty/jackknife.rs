@@ -1,6 +1,6 @@
 //! Intervals clustered by recording (CV3, the jackknife): differences between recordings that noise does not explain are model error.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use socam_model::Model;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -8,6 +8,7 @@ use crate::{
     IdentifyError,
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
+    matrix::{Svd, SymmetricEigen, gram, product},
     optimiser::{factors, qr},
     problem::Problem,
 };
@@ -60,21 +61,21 @@ pub fn half_widths(
     for (segment, result) in problem.segments.iter().zip(evaluated) {
         add_score(result, free, scores.as_mut().col_mut(segment.recording));
     }
-    let mut apart = root.transpose() * &scores;
+    let mut apart = product(root.transpose(), &scores);
     for (recording, mut score) in apart.col_iter_mut().enumerate() {
         let own =
             problem.segments.iter().zip(evaluated).filter(|(segment, _)| segment.recording == recording);
         let share = own.fold(Mat::<f64>::zeros(root.ncols(), root.ncols()), |share, (_, result)| {
             let schur_complement = result.schur_complement();
-            let sensitivities = schur_complement.subcols(0, free) * root;
-            share + sensitivities.transpose() * &sensitivities
+            share + gram(product(schur_complement.subcols(0, free), root))
         });
-        let Ok(eigen) = share.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
-        let along = eigen.U().transpose() * &score;
-        let without = Mat::from_fn(root.ncols(), 1, |k, _| along[k] / (1.0 - eigen.S()[k]).max(LEAST_LEFT));
-        score.copy_from((eigen.U() * without).col(0));
+        let Some(eigen) = SymmetricEigen::new(&share) else { return Ok(None) };
+        let along = product(eigen.vectors.transpose(), score.as_ref().as_mat());
+        let without =
+            Mat::from_fn(root.ncols(), 1, |k, _| along[(k, 0)] / (1.0 - eigen.values[k]).max(LEAST_LEFT));
+        score.copy_from(product(&eigen.vectors, &without).col(0));
     }
-    let steps = root * apart;
+    let steps = product(root, &apart);
     let m = recordings as f64;
     let t = StudentsT::new(0.0, 1.0, m - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
     let mut widths = vec![0.0; problem.model.parameters.len()];
@@ -107,10 +108,11 @@ impl Sensitivities {
         let information = factors::information_factor(problem, &point, &weights, &evaluated);
         let lengths = qr::lengths(information.as_ref(), free);
         let scaled = Mat::from_fn(information.nrows(), free, |i, j| information[(i, j)] / lengths[j]);
-        let Ok(svd) = scaled.thin_svd() else { return Ok(None) };
-        let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.S()[k]).collect();
+        let Some(svd) = Svd::new(&scaled) else { return Ok(None) };
+        let sizes: Vec<f64> = (0..free.min(scaled.nrows())).map(|k| svd.values[k]).collect();
         let kept: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] > LEAST_WEIGHT * sizes[0]).collect();
-        let root = Mat::from_fn(free, kept.len(), |j, k| svd.V()[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
+        let root =
+            Mat::from_fn(free, kept.len(), |j, k| svd.right[(j, kept[k])] / sizes[kept[k]] / lengths[j]);
         Ok(Some(Self { evaluated, root, weights }))
     }
 }

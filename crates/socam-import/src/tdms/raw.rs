@@ -1,7 +1,7 @@
 //! Values of a segment: chunks of equal layout, channel by channel or interleaved.
 
 use super::Problem;
-use super::meta::Fields;
+use super::fields::Fields;
 
 /// How a channel's values lie in a chunk.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,5 @@
 //! Cells of a line, and the numbers in them.
 
-use super::TextLayout;
-
 /// A cell's content.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Cell {
@@ -71,20 +69,6 @@ pub(crate) fn split(line: &str, separator: u8) -> Vec<&str> {
     }
     cells.push(&line[start..]);
     cells
-}
-
-impl TextLayout {
-    /// Cells of a line, without an empty one behind a last separator.
-    pub(crate) fn cells<'l>(&self, line: &'l str) -> Vec<&'l str> {
-        let mut cells = split(line, self.separator);
-        if cells.len() > 1
-            && cells.last().is_some_and(|cell| cell.trim().is_empty())
-            && self.ends_in_separator
-        {
-            cells.pop();
-        }
-        cells
-    }
 }
 
 #[cfg(test)]

@@ -24,6 +24,20 @@ pub struct TextLayout {
     pub missing: Vec<String>,
 }
 
+impl TextLayout {
+    /// Cells of a line, without an empty one behind a last separator.
+    pub(crate) fn cells<'l>(&self, line: &'l str) -> Vec<&'l str> {
+        let mut cells = split(line, self.separator);
+        if cells.len() > 1
+            && cells.last().is_some_and(|cell| cell.trim().is_empty())
+            && self.ends_in_separator
+        {
+            cells.pop();
+        }
+        cells
+    }
+}
+
 /// Lines from which the layout is found.
 const LINES: usize = 400;
 const SEPARATORS: [u8; 5] = [b';', b'\t', b',', b'|', b' '];

@@ -4,13 +4,11 @@ use toml::Spanned;
 
 use super::{
     raw::{Name, RawParameter, Reference, Written},
-    reader::{Reader, line_of},
-    wording::meant,
+    reader::Reader,
+    wording::{line_of, meant},
 };
-use crate::{ModelError, Parameter, Prior, effects::Kind, units};
+use crate::{LARGEST_VALUE, ModelError, Parameter, Prior, effects::Kind, units};
 
-/// Largest value of a parameter, SI: the equations of much larger ones overflow.
-pub const LARGEST_VALUE: f64 = 1e30;
 /// Smallest magnitude of a parameter beside zero, SI: quotients by much smaller ones overflow.
 const SMALLEST_VALUE: f64 = 1e-60;
 

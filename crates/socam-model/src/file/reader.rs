@@ -2,12 +2,12 @@
 
 use toml::Spanned;
 
-use super::{lists::List, raw::Name, wording::meant};
+use super::{
+    lists::List,
+    raw::Name,
+    wording::{line_of, meant},
+};
 use crate::{ModelError, Node, Parameter};
-
-pub(super) fn line_of(text: &str, offset: usize) -> usize {
-    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
-}
 
 /// Declarations so far.
 pub(super) struct Reader<'t> {

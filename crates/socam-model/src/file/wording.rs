@@ -1,6 +1,5 @@
 //! What is wrong with a file that the TOML parser refuses, in words that say what to write.
 
-use super::reader::line_of;
 use crate::ModelError;
 
 /// A required key, and an example of its line.
@@ -51,6 +50,11 @@ const SYNONYMS: [(&str, &str); 16] = [
     ("c", "damping"),
     ("node", "at"),
 ];
+
+/// The line of a position in a text, from 1.
+pub(super) fn line_of(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+}
 
 /// The parser's error with its line, and with what to write.
 pub(super) fn explained(text: &str, error: &toml::de::Error) -> ModelError {

@@ -1,5 +1,8 @@
 //! Physical parameters of a model, their priors, and new values for them.
 
+/// Largest value of a parameter, SI: the equations of much larger ones overflow.
+pub const LARGEST_VALUE: f64 = 1e30;
+
 /// A normal prior of a parameter, for instance from a catalogue.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {

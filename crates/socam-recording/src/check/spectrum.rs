@@ -1,7 +1,9 @@
 //! Power spectral density by Welch's method; from it noise, band, lines and mains hum.
 
+use socam_spectrum::Welch;
+
 use super::finding::Finding;
-use crate::{Channel, Welch, without_mean};
+use crate::Channel;
 
 /// Longest and shortest window, rows.
 const LONGEST: usize = 1 << 14;
@@ -30,8 +32,6 @@ pub(super) struct Gatherer {
     /// None where segments are too short for any window.
     welch: Option<Welch>,
     buffer: Vec<f64>,
-    power: Vec<f64>,
-    windows: u64,
     sample_time_s: f64,
 }
 
@@ -41,8 +41,7 @@ impl Gatherer {
         let quarter = usize::try_from(longest_segment / 4).unwrap_or(LONGEST).clamp(1, LONGEST);
         let length = 1_usize << quarter.ilog2();
         let welch = (length >= SHORTEST && sample_time_s > 0.0).then(|| Welch::new(length));
-        let power = welch.as_ref().map_or(Vec::new(), |welch| vec![0.0; welch.lines()]);
-        Self { welch, buffer: Vec::new(), power, windows: 0, sample_time_s }
+        Self { welch, buffer: Vec::new(), sample_time_s }
     }
 
     /// Marks a gap: no window reaches across.
@@ -55,22 +54,16 @@ impl Gatherer {
             return;
         };
         self.buffer.push(value);
-        let length = welch.length();
-        if self.buffer.len() < length {
-            return;
+        if self.buffer.len() == welch.length() {
+            welch.add([&self.buffer]);
+            self.buffer.drain(..welch.hop());
         }
-        let lines = welch.transform(without_mean(&self.buffer));
-        self.power.iter_mut().zip(lines).for_each(|(power, line)| *power += line.norm_sqr());
-        self.windows += 1;
-        self.buffer.drain(..length / 2);
     }
 
     /// The spectrum; `None` when no window was ever full.
     pub(super) fn finish(self) -> Option<Spectrum> {
-        let welch = self.welch.filter(|_| self.windows > 0)?;
-        let scale = welch.density_per_sum(self.sample_time_s, self.windows);
-        let density: Vec<f64> = self.power.iter().map(|power| power * scale).collect();
-        let step_hz = welch.step_hz(self.sample_time_s);
+        let spectra = self.welch?.finish(self.sample_time_s)?;
+        let (density, step_hz) = (spectra.density(0), spectra.step_hz());
         let mut top: Vec<f64> = density[density.len() * 3 / 4..].to_vec();
         let middle = top.len() / 2;
         let floor = *top.select_nth_unstable_by(middle, f64::total_cmp).1;

@@ -6,7 +6,9 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::records::op;
 
 use super::names::METADATA_NAME;
-use super::records::RECORD_HEAD;
+
+/// Opcode and length before every record, bytes.
+pub(crate) const RECORD_HEAD: u64 = 9;
 
 /// Longest head of a chunk's body: times (16 bytes), content size (8), checksum (4), name of the compression (4 and up to 4), size of
 /// the records (8).

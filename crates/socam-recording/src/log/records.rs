@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::landmark;
+use super::landmark::{self, RECORD_HEAD};
 use crate::error::{RecordingError, Result};
 use crate::files::{self, File};
 
@@ -16,9 +16,6 @@ const BUFFER_BYTES: usize = 1 << 18;
 
 /// Largest record read into memory, and largest content of a chunk (chunks are 1 MiB; attachments are small files).
 pub(super) const RECORD_BYTES: u64 = 128 << 20;
-
-/// Opcode and length before every record.
-pub(crate) const RECORD_HEAD: u64 = 9;
 
 /// Whole records of a file, one at a time; unwanted ones are skipped.
 pub(crate) struct Records {

@@ -6,8 +6,9 @@ use mcap::records::op;
 use rayon::prelude::*;
 
 use super::decode::{Decoder, LogLayout};
+use super::landmark::RECORD_HEAD;
 use super::order::SampleOrder;
-use super::records::{ChunkOpener, Next, RECORD_HEAD, Records};
+use super::records::{ChunkOpener, Next, Records};
 use super::unpack::{Group, Raw, Unpacked};
 use crate::Channel;
 use crate::error::{RecordingError, Result};

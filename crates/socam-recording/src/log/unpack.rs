@@ -4,8 +4,9 @@ use mcap::records::op;
 
 use super::decode::SampleDecoder;
 use super::landmark;
+use super::landmark::RECORD_HEAD;
 use super::order::SampleOrder;
-use super::records::{ChunkOpener, RECORD_HEAD};
+use super::records::ChunkOpener;
 use crate::table::Table;
 
 /// Consecutive records: one chunk, or some outside chunks.

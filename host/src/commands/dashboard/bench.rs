@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use socam_core::{Refusal, Request};
-use socam_dashboard::live::{self, Bench, Connector, Happening, News, Order};
 use socam_recording::{Attachment, Calibration};
+use socam_workbench::about::Happening;
+use socam_workbench::link::{self, Bench, Connector, News, Order};
 
 use super::show::{IDLE_PERIOD_US, Show};
 use super::watcher::{Watcher, ended, health};
@@ -28,15 +29,15 @@ pub(super) fn connector(
     calibration: Option<Calibration>,
     token: Option<Token>,
 ) -> Connector {
-    Box::new(move |ctx| {
-        let (port, own) = live::link();
-        let (bench, calibration, ctx) = (bench.clone(), calibration.clone(), ctx.clone());
+    Box::new(move |wake| {
+        let (port, own) = link::link();
+        let (bench, calibration) = (bench.clone(), calibration.clone());
         let token = token.clone();
         let serve = move || {
             let ended = attend(&own, &bench, calibration, token);
             // The receiver is gone if the window was closed.
             let _ = own.news.send(News::Disconnected(ended.err().map(|error| format!("{error:#}"))));
-            ctx.request_repaint();
+            wake();
         };
         if let Err(error) = std::thread::Builder::new().name("bench".into()).spawn(serve) {
             crate::output::warn(format_args!("cannot start the bench's thread: {error}"));
@@ -217,7 +218,7 @@ impl Talk<'_> {
         Ok(())
     }
 
-    fn plan(&self, wish: &live::Plan) -> anyhow::Result<Plan> {
+    fn plan(&self, wish: &link::Plan) -> anyhow::Result<Plan> {
         let period_us = (1e6 / wish.rate_hz).round() as u32;
         let mut metadata: BTreeMap<String, String> =
             [("profile".into(), wish.name.clone()), ("device".into(), self.device.clone())].into();

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
-use socam_dashboard::theme::Look;
+use socam_chart::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
 use socam_recording::Calibration;
 
@@ -166,11 +166,15 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     let model = crate::model_file::load(&args.bench.model)?;
     dashboard.use_model(model);
     dashboard.simulate_by(simulated::simulated);
-    dashboard.views.live.record_into(args.record_into.clone());
+    dashboard.workspace.next_run.folder = args.record_into.clone();
     if let Some(rate_hz) = args.rate {
-        dashboard.views.live.sample_at(rate_hz);
+        dashboard.workspace.next_run.rate_hz = rate_hz;
     }
-    dashboard.views.live.connect_by(bench::connector(args.bench.clone(), calibration, args.token.read()?));
+    dashboard.workspace.bench.connect_by(bench::connector(
+        args.bench.clone(),
+        calibration,
+        args.token.read()?,
+    ));
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
     if let Some(model) = &args.watch {
@@ -203,7 +207,7 @@ fn draw(
     if let Some(problem) = dashboard.problems().next() {
         anyhow::bail!("{problem}");
     }
-    let bytes = socam_dashboard::draw::raster::png(&image).map_err(|e| anyhow!(e))?;
+    let bytes = socam_chart::raster::png(&image).map_err(|e| anyhow!(e))?;
     let mut file = output::create(target)?;
     std::io::Write::write_all(&mut file, &bytes)?;
     Ok(file.commit()?)

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::bail;
 use socam_core::State;
-use socam_dashboard::Dashboard;
-use socam_dashboard::live::signal::Settings;
+use socam_dashboard::{Dashboard, wake};
+use socam_workbench::input_signal::Settings;
 
 /// Timeout of each step.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -25,7 +25,7 @@ impl Rehearsal {
     /// A run of the default input signal for a given time.
     pub(super) fn new(dashboard: &mut Dashboard, length: Duration) -> Self {
         let signal = Settings { duration_s: length.as_secs_f64(), ..Settings::default() };
-        dashboard.views.live.signal.change(signal);
+        dashboard.workspace.signal.change(signal);
         let (asked, runs_since) = (None, None);
         Self { length, asked, is_connecting: false, since: Instant::now(), runs_since, frames: 0 }
     }
@@ -35,12 +35,12 @@ impl Rehearsal {
     /// # Errors
     /// When a step fails or times out; one sentence.
     pub(super) fn go_on(&mut self, dashboard: &mut Dashboard, ctx: &egui::Context) -> anyhow::Result<bool> {
-        let live = &mut dashboard.views.live;
-        if let Some((_, text, _)) = live.ended() {
+        let workspace = &mut dashboard.workspace;
+        if let Some((_, text, _)) = workspace.bench.ended() {
             println!("{text}");
             return Ok(true);
         }
-        if let Some(problem) = live.problem() {
+        if let Some(problem) = workspace.bench.problem() {
             bail!("{problem}");
         }
         if self.runs_since.is_none() && self.since.elapsed() > PATIENCE {
@@ -48,12 +48,12 @@ impl Rehearsal {
         }
         if !self.is_connecting {
             self.is_connecting = true;
-            live.connect(ctx);
+            workspace.connect(wake(ctx));
         }
-        let state = live.state();
+        let state = workspace.bench.state();
         match state {
-            Some(State::Idle) if self.asked.is_none() => live.arm(),
-            Some(State::Armed) if self.asked == Some(State::Idle) => live.run(),
+            Some(State::Idle) if self.asked.is_none() => workspace.arm(),
+            Some(State::Armed) if self.asked == Some(State::Idle) => workspace.bench.run(),
             Some(State::Running) => {
                 let runs_since = *self.runs_since.get_or_insert_with(Instant::now);
                 self.frames += u32::from(2 * runs_since.elapsed() > self.length);
@@ -73,7 +73,7 @@ impl Rehearsal {
     ) -> anyhow::Result<()> {
         let ctx = egui::Context::default();
         while !is(self) {
-            dashboard.views.live.listen();
+            dashboard.workspace.bench.listen();
             if self.go_on(dashboard, &ctx)? {
                 break;
             }

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use socam_dashboard::live::{Batch, SampleQueue};
 use socam_recording::Calibration;
 use socam_wire::SampleBatch;
+use socam_workbench::queue::{Batch, SampleQueue};
 
 use crate::device::run::Columns;
 

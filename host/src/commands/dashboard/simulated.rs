@@ -1,9 +1,9 @@
 //! The model driven by the inputs of a recording.
 
-use socam_dashboard::recording::Recording;
 use socam_model::Model;
 use socam_recording::Dataset;
 use socam_sim::{Replay, Start, Truth};
+use socam_workbench::recording::Recording;
 
 /// Simulates the model with the inputs of a recording; an error is one sentence.
 pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
@@ -16,5 +16,5 @@ pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
         Ok(Dataset::from_columns(name, done.columns, done.time_s, done.values)?)
     };
     let data = replay().map_err(|error| format!("{error:#}"))?;
-    Recording::of(&data, &socam_dashboard::job::Handle::default())
+    Recording::of(&data, &socam_workbench::job::Handle::default())
 }

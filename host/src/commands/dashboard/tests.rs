@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use socam_core::State;
-use socam_dashboard::live::signal::Settings;
 use socam_dashboard::{Dashboard, Layout, View};
 use socam_recording::Dataset;
+use socam_workbench::input_signal::Settings;
 
 use super::{bench, simulated};
 use crate::device::virtual_bench::BenchArgs;
@@ -34,10 +34,10 @@ fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
         no_noise: false,
         begin_at: None,
     };
-    dashboard.views.live.connect_by(bench::connector(bench, None, None));
+    dashboard.workspace.bench.connect_by(bench::connector(bench, None, None));
     dashboard.simulate_by(simulated::simulated);
-    dashboard.views.live.record_into(folder.into());
-    dashboard.views.live.sample_at(rate_hz);
+    dashboard.workspace.next_run.folder = folder.into();
+    dashboard.workspace.next_run.rate_hz = rate_hz;
     let harness = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02);
     let mut window = harness.build_ui_state(|ui, dashboard: &mut Dashboard| dashboard.ui(ui), dashboard);
     window.run_steps(2);
@@ -61,7 +61,7 @@ fn click(window: &mut Window, label: &str) {
 }
 
 fn state(window: &Window) -> Option<State> {
-    window.state().views.live.state()
+    window.state().workspace.bench.state()
 }
 
 fn connected(device: &str, folder: &Path, rate_hz: f64) -> Window {
@@ -71,7 +71,7 @@ fn connected(device: &str, folder: &Path, rate_hz: f64) -> Window {
 fn connect(mut window: Window) -> Window {
     click(&mut window, "Connect");
     until(&mut window, "the board", |window| state(window) == Some(State::Idle));
-    until(&mut window, "samples", |window| window.state().views.live.samples_shown() > 200);
+    until(&mut window, "samples", |window| window.state().workspace.bench.buffer().rows() > 200);
     window
 }
 
@@ -96,8 +96,8 @@ fn a_run_is_armed_started_stopped_and_looked_at() {
     click(&mut window, "Add");
     std::thread::sleep(Duration::from_millis(400));
     click(&mut window, "Stop");
-    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
-    let (path, text, well) = window.state().views.live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().workspace.bench.ended().is_some());
+    let (path, text, well) = window.state().workspace.bench.ended().unwrap();
     assert!(well && text.starts_with("stopped by the operator") && text.contains("none lost"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 500 && data.lost_samples() == 0, "{}", data.rows());
@@ -122,8 +122,8 @@ fn the_emergency_stop_cuts_the_command_from_any_view_by_its_key() {
     click(&mut window, "Diagnosis");
     window.key_press(egui::Key::Escape);
     window.run_steps(1);
-    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
-    let (path, text, _) = window.state().views.live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().workspace.bench.ended().is_some());
+    let (path, text, _) = window.state().workspace.bench.ended().unwrap();
     assert!(text.contains("emergency") || text.contains("stopped"), "{text}");
     let command = Dataset::open(&path.display().to_string()).unwrap().load(&["command"]).unwrap();
     let values = command.columns[0].values();
@@ -148,7 +148,7 @@ fn a_press_on_the_emergency_stop_acts_while_a_dialog_is_open() {
     window.event(egui::Event::PointerMoved(pos));
     window.event(press);
     window.run_steps(1);
-    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
+    until(&mut window, "the end", |window| window.state().workspace.bench.ended().is_some());
     until(&mut window, "the fault", |window| state(window) == Some(State::Fault));
 }
 
@@ -224,11 +224,11 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = six_channels(folder.path());
     let long = Settings { duration_s: 60.0, ..Settings::default() };
-    window.state_mut().views.live.signal.change(long);
+    window.state_mut().workspace.signal.change(long);
     running(&mut window);
     // What the eye sees is the last ten seconds: they fill up first.
     let full = 90_000;
-    until(&mut window, "a full picture", |window| window.state().views.live.samples_shown() > full);
+    until(&mut window, "a full picture", |window| window.state().workspace.bench.buffer().rows() > full);
     let begin = Instant::now();
     let mut spent = Duration::ZERO;
     let mut frames = 0;
@@ -237,7 +237,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
         let own = cpu_time::ThreadTime::now();
         window.run_steps(1);
         let shapes = window.output().shapes.clone();
-        let _ = socam_dashboard::draw::raster::of_shapes(&window.ctx, shapes, part, egui::Color32::BLACK);
+        let _ = socam_chart::raster::of_shapes(&window.ctx, shapes, part, egui::Color32::BLACK);
         spent += own.elapsed();
         frames += 1;
     }
@@ -246,12 +246,12 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     std::thread::sleep(Duration::from_secs(4));
     let own_ms = 1e3 * spent.as_secs_f64() / f64::from(frames);
     click(&mut window, "Stop");
-    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
-    let (path, text, well) = window.state().views.live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().workspace.bench.ended().is_some());
+    let (path, text, well) = window.state().workspace.bench.ended().unwrap();
     assert!(well, "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert_eq!((data.lost_samples(), data.channels().len()), (0, 6));
-    assert_eq!(window.state().views.live.missed(), [0, 0]);
+    assert_eq!(window.state().workspace.bench.buffer().missed(), [0, 0]);
     println!(
         "measured: live, six channels at 10 kHz: {own_ms:.1} ms of one processor per frame of 1280x800 drawn in software ({rate:.0} frames/s beside all other tests), {text}"
     );

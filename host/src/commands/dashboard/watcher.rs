@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 
-use socam_dashboard::live::{Happening, Health, News, Order, Presses};
 use socam_recording::{Calibration, Event};
 use socam_wire::{BoardStatus, SampleBatch};
+use socam_workbench::about::Happening;
+use socam_workbench::link::{Health, News, Order, Presses};
 
 use super::remedy::fault_line;
 use super::show::Show;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use socam_dashboard::{Dashboard, Layout};
+use socam_dashboard::{Dashboard, Layout, wake};
 
 use super::rehearsal::Rehearsal;
 use crate::output;
@@ -35,7 +35,7 @@ impl eframe::App for Window {
         }
         self.dashboard.ui(ui);
         // The state of the bench is seen in the list of windows, too.
-        let title = format!("socam: {}", self.dashboard.views.live.state_text());
+        let title = format!("socam: {}", self.dashboard.workspace.bench.state_text());
         if title != self.title {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
@@ -64,7 +64,7 @@ pub(super) fn show(
     let start = move |context: &eframe::CreationContext<'_>| {
         dashboard.set_up(&context.egui_ctx);
         if connects {
-            dashboard.views.live.connect(&context.egui_ctx);
+            dashboard.workspace.connect(wake(&context.egui_ctx));
         }
         Ok(Box::new(Window { dashboard, rehearsal, title: String::new() }) as Box<dyn eframe::App>)
     };
@@ -116,8 +116,8 @@ fn remember(path: &Path, layout: &Layout) -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use socam_chart::theme::Look;
     use socam_dashboard::View;
-    use socam_dashboard::theme::Look;
 
     use super::*;
 

@@ -2,11 +2,11 @@
 
 use super::effect::Hidden;
 use crate::SimError;
+use crate::challenge::flaw::Flaw;
 use crate::challenge::laws::{Acting, Kind};
 use crate::challenge::machine::Machine;
 use crate::challenge::unmodelled::{CompliantTie, Unmodelled};
 use crate::concealed::{Concealed, Override};
-use crate::flaw::Flaw;
 
 /// Adds hidden effects to what the machine has beyond its model; returns the flaws of its sensors.
 pub(crate) fn conceal(

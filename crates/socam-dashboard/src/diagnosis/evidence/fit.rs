@@ -5,8 +5,9 @@ use socam_answer::Diagnosis;
 
 use super::colours;
 use crate::diagnosis::choice::Sides;
-use crate::parameters::{heads, number};
-use crate::theme;
+use socam_chart::numbers::number;
+use socam_chart::table::heads;
+use socam_chart::theme;
 
 pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
     ui.label(

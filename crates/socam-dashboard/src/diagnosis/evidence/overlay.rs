@@ -5,10 +5,10 @@ use socam_answer::document::Overlay;
 
 use super::colours;
 use crate::diagnosis::choice::Sides;
-use crate::draw::chart::{Chart, Curve, Seen, Style, range_of, with_room};
-use crate::recording::short;
-use crate::review::thinned;
-use crate::theme;
+use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
+use socam_chart::theme;
+use socam_chart::thin::thinned;
+use socam_workbench::recording::short;
 
 /// Share of the height that the signals take; the residuals take the rest.
 const SIGNALS: f32 = 0.64;

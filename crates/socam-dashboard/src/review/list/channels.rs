@@ -6,12 +6,12 @@ use egui::{
 };
 
 use super::{Dragged, Review, elided};
-use crate::review::derived::Operation;
-use crate::review::derived::dialog::Form;
-use crate::review::entry::Entry;
-use crate::review::plots::Plot;
-use crate::review::signal::Signal;
-use crate::theme;
+use crate::review::derive::Form;
+use socam_chart::theme;
+use socam_workbench::arrangement::Plot;
+use socam_workbench::derivation::Operation;
+use socam_workbench::entry::Entry;
+use socam_workbench::signal::Signal;
 
 impl Review {
     pub(super) fn channels(&mut self, ui: &mut Ui, all: &[Signal], entries: &[Entry]) {

@@ -7,11 +7,12 @@ mod recordings;
 use egui::{RichText, ScrollArea, TextEdit, Ui};
 
 use super::Review;
-use super::entry::Entry;
-use super::signal::{Signal, signals};
-use crate::recording::short;
-use crate::theme;
 pub(super) use elided::elided;
+use socam_chart::theme;
+use socam_workbench::entry::Entry;
+use socam_workbench::entry::signals;
+use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 
 /// A channel that is being dragged.
 #[derive(Debug, Clone)]

@@ -3,8 +3,9 @@
 use egui::{Align, Button, Checkbox, DragValue, Layout, Rect, RichText, Role, TextStyle, Ui, WidgetInfo};
 
 use super::{Review, elided, neat, short_name};
-use crate::review::entry::{Entry, swatch};
-use crate::theme;
+use socam_chart::swatch::swatch;
+use socam_chart::theme;
+use socam_workbench::entry::Entry;
 
 /// Number of recordings up to which each row has a second line with facts.
 const FEW: usize = 3;

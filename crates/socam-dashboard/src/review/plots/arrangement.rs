@@ -1,82 +1,10 @@
-//! Tiles as they are stored: nested columns, rows and tabs.
-
-use std::collections::BTreeSet;
+//! Tiles from a stored arrangement, and back.
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId};
-use serde::{Deserialize, Serialize};
+use socam_workbench::arrangement::{Arrangement, Node, Part, SCHEMA};
+use socam_workbench::derivation::Derivation;
 
-use super::{Plot, Plots};
-use crate::review::derived::Derivation;
-use crate::review::signal::Signal;
-
-/// What stands in a layout's file.
-pub const SCHEMA: &str = "socam.layout/1";
-
-/// A layout of the view over time: its plots, what is hidden, and its derived channels. It names channels, not recordings, and can be
-/// used with others.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Arrangement {
-    /// [`SCHEMA`].
-    pub schema: String,
-    /// The plots; channels without one get one below the others.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub plots: Option<Node>,
-    /// Whether all plots of a column are equally high.
-    #[serde(default)]
-    pub even: bool,
-    /// Channels that are not drawn.
-    #[serde(default)]
-    pub hidden: BTreeSet<Signal>,
-    /// Derived channels.
-    #[serde(default)]
-    pub derived: Vec<Derivation>,
-}
-
-impl Default for Arrangement {
-    fn default() -> Self {
-        Plots::default().arrangement(&[])
-    }
-}
-
-impl Arrangement {
-    /// Reads a layout.
-    ///
-    /// # Errors
-    /// When it is none; one sentence.
-    pub fn parse(value: serde_json::Value) -> Result<Self, serde_json::Error> {
-        serde_json::from_value(value)
-    }
-
-    /// The file's text.
-    #[must_use]
-    pub fn text(&self) -> String {
-        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
-    }
-}
-
-/// A plot, or several beside each other.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Node {
-    /// One plot.
-    Plot(Plot),
-    /// Below each other.
-    Column(Vec<Part>),
-    /// Beside each other.
-    Row(Vec<Part>),
-    /// In one place, one of them in front.
-    Tabs(Vec<Node>),
-}
-
-/// A part of a column or row.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Part {
-    /// Its share of the height or width, relative to the other parts.
-    pub share: f32,
-    /// What is in it.
-    pub of: Node,
-}
+use super::Plots;
 
 impl Plots {
     /// The tiles as they are stored.

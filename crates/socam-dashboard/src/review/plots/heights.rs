@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use egui_tiles::{Container, LinearDir, Tile, TileId};
 
 use super::Plots;
-use crate::draw::chart;
+use socam_chart::chart;
 
 /// Least height of a plot, points.
 const LEAST: f32 = 80.0;

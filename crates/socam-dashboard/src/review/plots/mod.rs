@@ -1,6 +1,6 @@
 //! The tiles of the view over time: which plots there are, what each one holds, and where it is.
 
-pub(super) mod arrangement;
+mod arrangement;
 pub(super) mod heights;
 pub(super) mod insert;
 
@@ -8,86 +8,8 @@ use std::collections::BTreeSet;
 
 use egui::Id;
 use egui_tiles::{Container, Tile, TileId, Tree};
-use serde::{Deserialize, Serialize};
-
-use super::signal::Signal;
-
-/// A tile.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Plot {
-    /// Channels of one unit over time.
-    Time(Vec<Signal>),
-    /// One channel over another, coloured by time.
-    Xy {
-        /// The vertical axis.
-        y: Signal,
-        /// The horizontal axis.
-        x: Signal,
-    },
-    /// The spectra of a channel over time.
-    Spectrogram(Signal),
-    /// Statistics of every channel that is drawn over time.
-    Statistics,
-}
-
-impl Plot {
-    /// The unit of its vertical axis, for plots that take more channels.
-    fn unit(&self) -> Option<&str> {
-        match self {
-            Self::Time(signals) => signals.first().map(|signal| signal.unit.as_str()),
-            _ => None,
-        }
-    }
-
-    pub(super) fn is_over_time(&self) -> bool {
-        matches!(self, Self::Time(_) | Self::Spectrogram(_))
-    }
-
-    pub(super) fn title(&self) -> String {
-        match self {
-            Self::Time(signals) => {
-                signals.iter().map(|signal| signal.name.as_str()).collect::<Vec<_>>().join(", ")
-            }
-            Self::Xy { y, x } => format!("{} over {}", y.name, x.name),
-            Self::Spectrogram(signal) => format!("spectrogram of {}", signal.name),
-            Self::Statistics => "statistics".into(),
-        }
-    }
-
-    /// Puts a channel into it.
-    ///
-    /// # Errors
-    /// When it has another unit, or the tile takes no channel; one sentence.
-    pub(super) fn join(&mut self, signal: Signal) -> Result<(), String> {
-        let unit = self.unit().map(str::to_owned);
-        match self {
-            Self::Time(signals) if unit.as_deref().is_none_or(|unit| unit == signal.unit) => {
-                if !signals.contains(&signal) {
-                    signals.push(signal);
-                }
-                Ok(())
-            }
-            Self::Time(_) => Err(format!(
-                "{} is in {} and this plot in {}: drop it at an edge to get a plot of its own",
-                signal.name,
-                signal.unit,
-                unit.unwrap_or_default()
-            )),
-            Self::Xy { y, .. } => {
-                *y = signal;
-                Ok(())
-            }
-            Self::Spectrogram(own) => {
-                *own = signal;
-                Ok(())
-            }
-            Self::Statistics => {
-                Err("the table shows every channel that is drawn: drop it at an edge to get a plot".into())
-            }
-        }
-    }
-}
+use socam_workbench::arrangement::Plot;
+use socam_workbench::signal::Signal;
 
 /// All tiles.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
-use super::arrangement::Arrangement;
 use super::insert::Place;
 use super::*;
+use socam_workbench::arrangement::Arrangement;
 
 fn signal(name: &str, unit: &str) -> Signal {
     Signal { name: name.into(), unit: unit.into() }
@@ -77,6 +77,6 @@ fn areas_of_data_in_a_column_are_equally_high_and_the_lowest_has_the_axis() {
     let heights: Vec<f32> = column.children.iter().map(|child| column.shares[*child]).collect();
     assert!((heights.iter().sum::<f32>() + 4.0 * heights::GAP - 500.0).abs() < 1e-3);
     assert_eq!(heights[0], heights[1]);
-    assert!((heights[3] - heights[0] - crate::draw::chart::X_AXIS).abs() < 1e-3, "{heights:?}");
+    assert!((heights[3] - heights[0] - socam_chart::chart::X_AXIS).abs() < 1e-3, "{heights:?}");
     assert_eq!(heights[4], heights[0]);
 }

@@ -2,10 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 
+use socam_chart::theme::Look;
 use socam_core::State;
-use socam_dashboard::live::{Batch, Bench, Happening, Health, News, link};
-use socam_dashboard::theme::Look;
-use socam_dashboard::{Dashboard, View};
+use socam_dashboard::{Dashboard, View, wake};
+use socam_workbench::about::Happening;
+use socam_workbench::link::{Bench, Health, News, link};
+use socam_workbench::queue::Batch;
 
 use super::{channels, dashboard, run};
 
@@ -14,12 +16,12 @@ pub(crate) fn connected(look: Look) -> (Dashboard, Bench) {
     let mut dashboard = dashboard(look, View::Live);
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
     let theirs = ends.clone();
-    dashboard.views.live.connect_by(Box::new(move |_| {
+    dashboard.workspace.bench.connect_by(Box::new(move |_| {
         let (port, bench) = link();
         *theirs.lock().unwrap() = Some(bench);
         port
     }));
-    dashboard.views.live.connect(&egui::Context::default());
+    dashboard.workspace.connect(wake(&egui::Context::default()));
     let bench = ends.lock().unwrap().take().unwrap();
     let board = "virtual bench, firmware 1.0.0, at sim".into();
     let limits = vec![Some(4.99), Some(149.2), Some(20.52), Some(4.8), Some(38.0)];

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use socam_chart::theme::Look;
 use socam_dashboard::Dashboard;
-use socam_dashboard::document::Document;
-use socam_dashboard::fleet::Opened;
-use socam_dashboard::job::Handle;
-use socam_dashboard::theme::Look;
+use socam_dashboard::platform::fleet::Opened;
 use socam_dashboard::{Layout, View};
 use socam_fleet::row::{Finding, Parameter, Stage, Status, Verdict};
 use socam_fleet::{FleetOptions, Row, table};
 use socam_model::Model;
+use socam_workbench::job::Handle;
 
 use super::Noise;
 
@@ -166,7 +165,7 @@ pub(crate) fn showing(look: Look, name: &str) -> Dashboard {
     };
     let mut dashboard = Dashboard::new(Layout { look, view: View::Fleet, ..Layout::default() });
     let opened = Opened::read(&kept(name, rows), &Handle::default()).unwrap();
-    dashboard.show(Document::Fleet(Box::new(opened)));
+    dashboard.show_fleet(opened);
     match name {
         "fleet-machine" => dashboard.views.fleet.select(&machine(WEARS)),
         "fleet-findings" => dashboard.views.fleet.select(LONG),

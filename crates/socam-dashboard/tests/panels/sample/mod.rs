@@ -7,19 +7,18 @@ mod tiles;
 mod troubled;
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use socam_answer::Evidence;
 use socam_answer::document::Overlay;
 use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
+use socam_chart::theme::Look;
 use socam_dashboard::diagnosis::Over;
-use socam_dashboard::document::{Document, parse};
-use socam_dashboard::recording::{About, Recording};
-use socam_dashboard::samples::Samples;
 use socam_dashboard::spectra::Kind;
-use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View};
 use socam_recording::{Channel, Dataset, Unit};
+use socam_samples::Samples;
+use socam_workbench::document::{Document, parse};
+use socam_workbench::recording::{About, Recording};
 
 /// Numbers without pattern, the same on every machine.
 pub(crate) struct Noise(pub(crate) u64);
@@ -73,11 +72,7 @@ pub(crate) fn with_channels(
     let data = Dataset::from_columns(name, channels.clone(), time_s.clone(), columns.clone()).unwrap();
     let about =
         About { name: name.into(), channels, sample_time_s: data.sample_time_s(), ..About::default() };
-    Recording {
-        about,
-        samples: Arc::new(Samples::in_memory(time_s, &columns, data.segments().to_vec())),
-        path: None,
-    }
+    Recording::in_memory(about, Samples::in_memory(time_s, &columns, data.segments().to_vec()))
 }
 
 /// A diagnosis as its file has it.
@@ -187,13 +182,11 @@ fn overlay() -> Overlay {
 
 fn diagnosed(look: Look, over: Over) -> Dashboard {
     let mut dashboard = dashboard(look, View::Diagnosis);
-    let mut document = parse("diagnosis.json", DIAGNOSIS).unwrap();
-    if let Document::Diagnosis(diagnosis, _) = &mut document {
+    if let Ok(Document::Diagnosis(mut diagnosis, Some(model))) = parse("diagnosis.json", DIAGNOSIS) {
         diagnosis.overlay = Some(overlay());
+        dashboard.views.diagnosis.show(*diagnosis, Some(evidence()), *model);
     }
-    dashboard.show(document);
-    dashboard.show_evidence(evidence());
-    dashboard.views.diagnosis.over = over;
+    dashboard.views.diagnosis.page.over = over;
     dashboard
 }
 
@@ -277,7 +270,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         _ => return None,
     };
     match name {
-        "help" => state.show_help(),
+        "help" => state.help.is_open = true,
         "time" => state.views.time.cursors = Some([2.5, 5.25]),
         "time-tiles" => state.views.time.arrange(&tiles::tiles()),
         "time-derive" => {

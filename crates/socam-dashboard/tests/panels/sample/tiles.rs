@@ -1,6 +1,8 @@
 //! Plots of every kind.
 
-use socam_dashboard::review::{Arrangement, Derivation, Node, Operation, Part, Plot, Signal};
+use socam_workbench::arrangement::{Arrangement, Node, Part, Plot};
+use socam_workbench::derivation::{Derivation, Operation};
+use socam_workbench::signal::Signal;
 
 fn signal(name: &str, unit: &str) -> Signal {
     Signal { name: name.into(), unit: unit.into() }

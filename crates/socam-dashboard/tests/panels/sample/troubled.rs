@@ -1,6 +1,6 @@
 //! A recording with everything that can be wrong with one.
 
-use socam_dashboard::recording::{Happening, Recording};
+use socam_workbench::recording::{Happening, Recording};
 
 use super::{of, run};
 

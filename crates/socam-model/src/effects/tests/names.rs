@@ -10,38 +10,40 @@ use crate::effects::{CATALOGUE, REFINED};
 /// Paths that may contain ids: the effects' folder, the challenge's independent truth, and tests.
 const EXEMPT: [&str; 6] = [
     "crates/socam-model/src/effects",
-    "sim/src",
+    "sim/src/challenge",
     "host/src/commands/challenge",
     "/tests/",
     "/tests.rs",
     "/benches/",
 ];
 /// Folders of the project whose sources are searched.
-const SEARCHED: [&str; 2] = ["crates", "host"];
+const SEARCHED: [&str; 4] = ["crates", "host", "sim", "python"];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            if path.file_name().is_none_or(|name| name != "target") {
+            if path.file_name().is_none_or(|name| name != "target" && name != ".venv") {
                 sources(&path, found);
             }
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
+        } else if path.extension().is_some_and(|ending| ending == "rs" || ending == "py") {
             found.push(path);
         }
     }
 }
 
-/// String literals of effect ids in the code of a source (line, id). Comments, whose examples are tests, and the unit tests at the end of
-/// the source do not count.
+/// String literals of effect ids in the code of a source (line, id). Comments and documentation, whose examples are tests, and the unit
+/// tests at the end of the source do not count.
 fn named(text: &str) -> Vec<(usize, &'static str)> {
     let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let is_comment =
+        |line: &str| ["//", "# ", "\"\"\""].iter().any(|start| line.trim_start().starts_with(start));
     let ids = CATALOGUE.iter().chain(REFINED).map(|effect| effect.id);
     let mut all: Vec<(usize, &'static str)> = Vec::new();
     for id in ids {
         let literal = format!("\"{id}\"");
         let lines = code.lines().enumerate();
-        let lines = lines.filter(|(_, line)| line.contains(&literal) && !line.trim_start().starts_with("//"));
+        let lines = lines.filter(|(_, line)| line.contains(&literal) && !is_comment(line));
         all.extend(
             lines.map(|(line, _)| (line + 1, id)).filter(|found| !all.contains(found)).collect::<Vec<_>>(),
         );
@@ -77,9 +79,9 @@ fn no_effect_is_named_outside_its_folder() {
 fn a_literal_is_found_in_code_and_neither_in_comments_nor_in_unit_tests() {
     let id = CATALOGUE[0].id;
     let text = format!(
-        "/// a(\"{id}\")\nfn a() -> bool {{ b == \"{id}\" }}\n#[cfg(test)]\nmod tests {{\n    const C: &str = \"{id}\";\n}}\n"
+        "/// a(\"{id}\")\n\"\"\"b(\"{id}\")\nfn a() -> bool {{ b == \"{id}\" }}\n#[cfg(test)]\nmod tests {{\n    const C: &str = \"{id}\";\n}}\n"
     );
-    assert_eq!(named(&text), [(2, id)]);
+    assert_eq!(named(&text), [(3, id)]);
 }
 
 #[test]

@@ -9,8 +9,9 @@ use mcap::records::{
 };
 
 use super::crc32;
+use crate::log::landmark::RECORD_HEAD;
 use crate::log::parse;
-use crate::log::records::{ChunkOpener, RECORD_HEAD};
+use crate::log::records::ChunkOpener;
 
 /// A record and its place.
 struct Placed<'a> {

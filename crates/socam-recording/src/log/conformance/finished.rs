@@ -6,7 +6,7 @@ use mcap::records::op;
 
 use super::crc32;
 use super::doctor::examine;
-use crate::log::records::RECORD_HEAD;
+use crate::log::landmark::RECORD_HEAD;
 use crate::{Attachment, Channel, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv};
 
 /// A recording of some chunks, with all that a log can hold.

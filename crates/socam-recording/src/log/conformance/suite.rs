@@ -12,7 +12,7 @@ use mcap::records::{
 
 use super::bytes::record_bytes;
 use super::crc32;
-use crate::log::records::RECORD_HEAD;
+use crate::log::landmark::RECORD_HEAD;
 
 /// Features in the order of the suite, which is that of a file's name after sorting.
 const FEATURES: [&str; 10] = ["ax", "ch", "chx", "mdx", "mx", "pad", "rch", "rsh", "st", "sum"];

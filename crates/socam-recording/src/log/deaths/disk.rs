@@ -1,5 +1,6 @@
 //! What a disk may hold after a death.
 
+use super::draw::Draw;
 use super::story::Story;
 use crate::disk::trace::Step;
 
@@ -32,32 +33,6 @@ pub(super) struct Content(pub(super) Vec<u8>);
 impl std::fmt::Debug for Content {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} bytes", self.0.len())
-    }
-}
-
-/// Random numbers from a seed (SplitMix64).
-pub(super) struct Draw(u64);
-
-impl Draw {
-    pub(super) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0xd134_2543_de82_ef95))
-    }
-
-    /// A number below `end`, which is not 0.
-    pub(super) fn below(&mut self, end: usize) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % end as u64
-    }
-
-    fn index(&mut self, end: usize) -> usize {
-        self.below(end) as usize
-    }
-
-    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.index(choices.len())]
     }
 }
 

@@ -9,13 +9,15 @@
 //! ```
 
 mod disk;
+mod draw;
 mod failures;
 mod judge;
 mod story;
 
 use std::collections::BTreeMap;
 
-use disk::{Death, Draw};
+use disk::Death;
+use draw::Draw;
 use judge::{Found, judge};
 use story::Story;
 

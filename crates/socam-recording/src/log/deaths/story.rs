@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::disk::Draw;
+use super::draw::Draw;
 use crate::disk::trace::{self, Step};
 use crate::log::file::LogFile;
 use crate::log::sample::{SampleRow, encode_sample};

@@ -23,12 +23,12 @@ fn a_device_that_is_not_there_and_a_folder_that_is_not_there_are_said_in_place()
     click(&mut window, "Arm");
     until(&mut window, "armed", |window| state(window) == Some(State::Armed));
     click(&mut window, "Run");
-    until(&mut window, "a sentence", |window| window.state().views.live.ended().is_some());
-    let (_, text, well) = window.state().views.live.ended().unwrap();
+    until(&mut window, "a sentence", |window| window.state().workspace.bench.ended().is_some());
+    let (_, text, well) = window.state().workspace.bench.ended().unwrap();
     assert!(!well && text.contains("nowhere"), "{text}");
     until(&mut window, "rest", |window| state(window) == Some(State::Idle));
     click(&mut window, "Disconnect");
-    until(&mut window, "an end", |window| !window.state().views.live.is_connected());
+    until(&mut window, "an end", |window| !window.state().workspace.bench.is_connected());
 }
 
 #[test]
@@ -89,11 +89,11 @@ fn a_board_that_vanishes_in_mid_run_is_said_in_place_and_what_was_recorded_is_ke
     let (device, cut) = board_on_a_line();
     let mut window = connected(&device, folder.path(), 1000.0);
     running(&mut window);
-    let before = window.state().views.live.samples_shown();
-    until(&mut window, "a second", |window| window.state().views.live.samples_shown() > before + 1000);
+    let before = window.state().workspace.bench.buffer().rows();
+    until(&mut window, "a second", |window| window.state().workspace.bench.buffer().rows() > before + 1000);
     cut();
-    until(&mut window, "the end", |window| !window.state().views.live.is_connected());
-    let (path, text, well) = window.state().views.live.ended().unwrap();
+    until(&mut window, "the end", |window| !window.state().workspace.bench.is_connected());
+    let (path, text, well) = window.state().workspace.bench.ended().unwrap();
     assert!(!well && text.contains("run-1.mcap") && text.contains("samples over"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 500 && data.cut().is_none(), "{} {:?}", data.rows(), data.cut());
@@ -101,7 +101,7 @@ fn a_board_that_vanishes_in_mid_run_is_said_in_place_and_what_was_recorded_is_ke
     assert!(
         window.query_all_by_label_contains("closed the link").count() > 0,
         "{:?}",
-        window.state().views.live
+        window.state().workspace.bench
     );
     window.get_by_label("Connect");
     window.get_by_label("no board");
@@ -143,8 +143,8 @@ fn a_disk_that_fills_up_stops_the_bench_and_keeps_what_it_has() {
 fn fills_up(folder: &Path) {
     let mut window = connected("sim", folder, 5000.0);
     running(&mut window);
-    until(&mut window, "the end", |window| window.state().views.live.ended().is_some());
-    let (path, text, well) = window.state().views.live.ended().unwrap();
+    until(&mut window, "the end", |window| window.state().workspace.bench.ended().is_some());
+    let (path, text, well) = window.state().workspace.bench.ended().unwrap();
     assert!(!well && text.contains("disk is full") && text.contains("run-1.mcap"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 1000 && data.lost_samples() == 0, "{}", data.rows());
@@ -163,6 +163,6 @@ fn fills_up(folder: &Path) {
     click(&mut window, "Live");
     // The bench must not go on unobserved, and the window does.
     until(&mut window, "rest", |window| state(window) == Some(State::Idle));
-    let shown = window.state().views.live.samples_shown();
-    until(&mut window, "samples", |window| window.state().views.live.samples_shown() > shown);
+    let shown = window.state().workspace.bench.buffer().rows();
+    until(&mut window, "samples", |window| window.state().workspace.bench.buffer().rows() > shown);
 }

@@ -20,12 +20,12 @@ fn every_sample_is_shown(mut window: Window, step_s: f64) {
     running(&mut window);
     draw(&mut window, 10);
     window.key_press(egui::Key::Escape);
-    let ends = |window: &Window| window.state().views.live.ended().is_some();
+    let ends = |window: &Window| window.state().workspace.bench.ended().is_some();
     while !(ends(&window) && state(&window) == Some(State::Fault)) {
         draw(&mut window, 1);
     }
     draw(&mut window, 3);
-    let live = &window.state().views.live;
+    let live = &window.state().workspace.bench;
     let (path, text, _) = live.ended().unwrap();
     let data = Dataset::open(&path.display().to_string()).unwrap();
     let rows = data.rows() as usize;
@@ -38,14 +38,14 @@ fn every_sample_is_shown(mut window: Window, step_s: f64) {
         let same = |(shown, recorded): (&f32, &f64)| {
             *shown == *recorded as f32 || (shown.is_nan() && recorded.is_nan())
         };
-        let shown = live.values(channel, span_s);
+        let shown = live.buffer().values(channel, span_s);
         assert_eq!(shown.len(), rows, "channel {channel}");
         assert!(shown.iter().zip(column.values()).all(same), "channel {channel}");
     }
-    assert_eq!(live.missed(), [0, 0]);
+    assert_eq!(live.buffer().missed(), [0, 0]);
     assert!((at("fault") - span_s[1]).abs() < step_s, "the fault is marked at the run's last sample");
     // The picture goes on after the stop without a gap.
-    let after = live.values(0, [span_s[1], span_s[1] + 0.2]);
+    let after = live.buffer().values(0, [span_s[1], span_s[1] + 0.2]);
     assert!((after.len() as f64 * step_s - 0.2).abs() < 2.0 * step_s, "{}", after.len());
 }
 

@@ -1,0 +1,84 @@
+//! Digits as in reports ([`socam_plot::words`]), in letters that the window's fonts have: these have no raised minus sign.
+
+use socam_plot::words;
+
+/// An estimate with as many digits as its 95 % interval supports.
+#[must_use]
+pub fn estimate(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+    plain(&words::estimate(value, ci95))
+}
+
+/// The 95 % interval of an estimate.
+#[must_use]
+pub fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
+    plain(&words::interval(value, ci95))
+}
+
+/// A number with unit and interval, in words.
+#[must_use]
+pub fn quantity(value: Option<f64>, ci95: [Option<f64>; 2], unit: &str) -> String {
+    plain(&words::quantity(value, ci95, unit))
+}
+
+/// A p-value.
+#[must_use]
+pub fn chance(p: Option<f64>) -> String {
+    plain(&words::chance(p))
+}
+
+/// A size that is known roughly.
+#[must_use]
+pub fn rough(value: f64) -> String {
+    plain(&words::rough(value))
+}
+
+/// `1.2×10⁻⁷` as `1.2e-7`. Raised digits of units stay.
+#[must_use]
+pub fn plain(text: &str) -> String {
+    let text = text.replace("< 10⁻", "< 1×10⁻");
+    let mut parts = text.split("×10");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        out.push('e');
+        let exponent: Vec<char> = part.chars().map_while(lowered).collect();
+        out.extend(&exponent);
+        out.extend(part.chars().skip(exponent.len()));
+    }
+    out
+}
+
+/// Five digits.
+#[must_use]
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.4e}");
+    }
+    let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// A raised sign or digit as it stands on the line.
+fn lowered(raised: char) -> Option<char> {
+    let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9');
+    std::iter::once(('⁻', '-')).chain(digits).find_map(|(own, plain)| (own == raised).then_some(plain))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_stand_on_the_line_and_units_stay_raised() {
+        assert_eq!(plain("1.2×10⁻⁷"), "1.2e-7");
+        assert_eq!(plain("−3.40×10¹² kg m²"), "−3.40e12 kg m²");
+        assert_eq!(chance(Some(1e-20)), "< 1e-15");
+        assert_eq!(
+            quantity(Some(0.401), [Some(0.395), Some(0.407)], "kg m2"),
+            "0.4010 kg m² (95 % interval 0.3950 to 0.4070)"
+        );
+        assert_eq!(plain("above 2.0 N m s²/rad²"), "above 2.0 N m s²/rad²");
+    }
+}

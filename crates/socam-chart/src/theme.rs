@@ -1,0 +1,214 @@
+//! Colours, fonts and spacing, light and dark.
+//!
+//! Lines have the colours of Okabe and Ito, which can be distinguished with any kind of colour blindness, lightened on a dark
+//! background. No information is given by colour alone.
+
+use crate::style::{MarkerShape, Style};
+use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
+
+/// Light or dark appearance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Look {
+    /// Dark text on a light background.
+    Light,
+    /// Light text on a dark background.
+    Dark,
+}
+
+impl From<Look> for Theme {
+    fn from(look: Look) -> Self {
+        match look {
+            Look::Light => Self::Light,
+            Look::Dark => Self::Dark,
+        }
+    }
+}
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+const LINES_LIGHT: [Color32; 8] = [
+    rgb(0x0072b2),
+    rgb(0xd55e00),
+    rgb(0x009e73),
+    rgb(0xb0568c),
+    rgb(0x56b4e9),
+    rgb(0xb87900),
+    rgb(0x5c5c5c),
+    rgb(0x7a5195),
+];
+const LINES_DARK: [Color32; 8] = [
+    rgb(0x56b4e9),
+    rgb(0xff8a4c),
+    rgb(0x2fcf9f),
+    rgb(0xe59ac4),
+    rgb(0x9ad8ff),
+    rgb(0xf0c330),
+    rgb(0xc4c8cc),
+    rgb(0xb79ae0),
+];
+
+/// The colour of the line of this number. Colours repeat after eight lines, with markers on the lines: see [`marker`].
+#[must_use]
+pub fn line(ui: &Ui, number: usize) -> Color32 {
+    let colours = if ui.visuals().dark_mode { &LINES_DARK } else { &LINES_LIGHT };
+    colours[number % colours.len()]
+}
+
+/// A colour of the window, which is dark or light, as it is on white paper: red, green and blue in hexadecimal, and its opacity. Lines
+/// have the colours of the light appearance, and text that is light is dark.
+#[must_use]
+pub fn on_paper(colour: Color32, is_dark: bool) -> (String, f32) {
+    let [r, g, b, a] = colour.to_srgba_unmultiplied();
+    // Rounding of translucent colours changes a shade by up to this much.
+    let slack = if a == 0 { 255 } else { (255 / u16::from(a) + 1).min(40) };
+    let is = |other: &Color32| {
+        let pairs = [r, g, b].into_iter().zip([other.r(), other.g(), other.b()]);
+        pairs.into_iter().all(|(own, other)| u16::from(own.abs_diff(other)) <= slack)
+    };
+    let on_dark = LINES_DARK.iter().position(is).filter(|_| is_dark);
+    let [r, g, b] = match on_dark {
+        Some(number) => [LINES_LIGHT[number].r(), LINES_LIGHT[number].g(), LINES_LIGHT[number].b()],
+        None if is_dark && r.min(g).min(b) > 150 => [255 - r, 255 - g, 255 - b],
+        None => [r, g, b],
+    };
+    (format!("{r:02x}{g:02x}{b:02x}"), f32::from(a) / 255.0)
+}
+
+/// The marker that distinguishes the line of this number from another one of its colour.
+#[must_use]
+pub fn marker(number: usize) -> Option<MarkerShape> {
+    const SHAPES: [MarkerShape; 5] =
+        [MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down, MarkerShape::Circle];
+    let round = number / LINES_LIGHT.len();
+    round.checked_sub(1).map(|round| SHAPES[round % SHAPES.len()])
+}
+
+/// How the line of this number is drawn.
+#[must_use]
+pub fn style(number: usize) -> Style {
+    marker(number).map_or(Style::Solid, Style::Marked)
+}
+
+/// Colour of errors and of places of findings.
+#[must_use]
+pub fn alarm(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0xff8a4c) } else { rgb(0xc24e00) }
+}
+
+/// Colour of success and of the corrected model.
+#[must_use]
+pub fn good(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0x56b4e9) } else { rgb(0x0072b2) }
+}
+
+/// Background of an alarm.
+#[must_use]
+pub fn alarm_ground(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0x3a2517) } else { rgb(0xfdeadd) }
+}
+
+/// Colour of the stop button.
+pub const STOP: Color32 = rgb(0xc1121f);
+
+/// Colour of secondary text.
+#[must_use]
+pub fn weak(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0x9aa4ad) } else { rgb(0x5d6770) }
+}
+
+/// Colour of the lines of grids.
+#[must_use]
+pub fn grid(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0x3a434c) } else { rgb(0xc3ccd3) }
+}
+
+/// Background of cards.
+#[must_use]
+pub fn card(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { rgb(0x1d2227) } else { rgb(0xffffff) }
+}
+
+/// Sets fonts, colours and spacing.
+pub fn apply(ctx: &egui::Context, look: Look) {
+    ctx.set_theme(Theme::from(look));
+    ctx.set_visuals_of(Theme::Light, light());
+    ctx.set_visuals_of(Theme::Dark, dark());
+    ctx.all_styles_mut(|style| {
+        style.animation_time = 0.0;
+        style.spacing.item_spacing = vec2(8.0, 6.0);
+        style.spacing.button_padding = vec2(9.0, 4.0);
+        style.spacing.menu_margin = Margin::same(6);
+        style.spacing.scroll.floating = false;
+        style.spacing.scroll.bar_width = 7.0;
+        style.spacing.scroll.foreground_color = false;
+        style.text_styles = [
+            (TextStyle::Heading, FontId::new(18.0, FontFamily::Proportional)),
+            (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
+            (TextStyle::Button, FontId::new(13.5, FontFamily::Proportional)),
+            (TextStyle::Small, FontId::new(11.5, FontFamily::Proportional)),
+            (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
+        ]
+        .into();
+    });
+}
+
+fn light() -> Visuals {
+    let mut visuals = Visuals::light();
+    visuals.panel_fill = rgb(0xf3f5f7);
+    visuals.window_fill = rgb(0xffffff);
+    visuals.extreme_bg_color = rgb(0xffffff);
+    visuals.faint_bg_color = rgb(0xe9edf0);
+    // Visible on white cards.
+    visuals.text_edit_bg_color = Some(rgb(0xeaeef1));
+    visuals.selection.bg_fill = rgb(0xcfe5f5);
+    visuals.selection.stroke = Stroke::new(1.0, rgb(0x00466f));
+    visuals.hyperlink_color = rgb(0x0067a3);
+    text(&mut visuals, rgb(0x1f262c), rgb(0x000000));
+    ground(&mut visuals, [rgb(0xe3e8ec), rgb(0xd5dde3), rgb(0xc2cdd6)], rgb(0xcdd5db));
+    visuals
+}
+
+fn dark() -> Visuals {
+    let mut visuals = Visuals::dark();
+    visuals.panel_fill = rgb(0x15191d);
+    visuals.window_fill = rgb(0x1d2227);
+    visuals.extreme_bg_color = rgb(0x0e1114);
+    visuals.faint_bg_color = rgb(0x1b2025);
+    visuals.selection.bg_fill = rgb(0x1d4a68);
+    visuals.selection.stroke = Stroke::new(1.0, rgb(0xd5ecff));
+    visuals.hyperlink_color = rgb(0x74c0f5);
+    text(&mut visuals, rgb(0xdde3e8), rgb(0xffffff));
+    ground(&mut visuals, [rgb(0x2a3138), rgb(0x36404a), rgb(0x455260)], rgb(0x333b43));
+    visuals
+}
+
+fn text(visuals: &mut Visuals, body: Color32, strong: Color32) {
+    let widgets = &mut visuals.widgets;
+    widgets.noninteractive.fg_stroke.color = body;
+    widgets.inactive.fg_stroke.color = body;
+    widgets.hovered.fg_stroke.color = strong;
+    widgets.active.fg_stroke.color = strong;
+    widgets.open.fg_stroke.color = strong;
+}
+
+fn ground(visuals: &mut Visuals, [inactive, hovered, active]: [Color32; 3], line: Color32) {
+    let widgets = &mut visuals.widgets;
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
+    for (widget, fill) in [
+        (&mut widgets.inactive, inactive),
+        (&mut widgets.hovered, hovered),
+        (&mut widgets.active, active),
+        (&mut widgets.open, hovered),
+    ] {
+        widget.weak_bg_fill = fill;
+        widget.bg_fill = fill;
+        widget.bg_stroke = Stroke::NONE;
+        widget.expansion = 0.0;
+        widget.corner_radius = CornerRadius::same(4);
+    }
+    widgets.hovered.bg_stroke = Stroke::new(1.0, active);
+    visuals.window_stroke = Stroke::new(1.0, line);
+    visuals.slider_trailing_fill = true;
+}

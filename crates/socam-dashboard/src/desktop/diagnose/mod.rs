@@ -1,0 +1,68 @@
+//! The view that diagnoses: set-up and findings at the left, the bench and its residuals.
+
+mod maker;
+mod report;
+
+use egui::{Context, Ui};
+use socam_answer::{Diagnosis, Evidence};
+use socam_chart::chart::Seen;
+use socam_model::Model;
+use socam_workbench::Workspace;
+
+use crate::diagnosis::DiagnosisPage;
+use crate::view::{Help, ViewPanel};
+use maker::Maker;
+use report::Made;
+
+/// State of the view.
+#[derive(Debug, Default)]
+pub struct Diagnose {
+    /// The diagnosis that is shown.
+    pub page: DiagnosisPage,
+    maker: Maker,
+    /// What only a diagnosis that was made here has.
+    made: Option<Made>,
+}
+
+impl ViewPanel for Diagnose {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        let Self { page, maker, made } = self;
+        page.panels(ui, workspace, seen, EMPTY, |ui, workspace, shown| {
+            maker.ui(ui, workspace);
+            if let Some((shown, made)) = shown.zip(made.as_ref()) {
+                made.offers(ui, workspace, shown);
+            }
+        });
+    }
+
+    fn poll(&mut self, _: &Context, _: &mut Workspace) {
+        if let Some(answer) = self.maker.poll() {
+            self.show(answer.diagnosis, Some(answer.evidence), answer.model);
+            self.made = Some(answer.made);
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        self.maker.is_busy()
+    }
+
+    fn help() -> Help {
+        DiagnosisPage::help()
+    }
+}
+
+impl Diagnose {
+    /// Begins a diagnosis as it is set up.
+    pub(crate) fn start(&mut self, ctx: &Context, workspace: &Workspace) {
+        self.maker.start(ctx, workspace);
+    }
+
+    /// Shows a diagnosis of a model.
+    pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
+        self.page.show(diagnosis, evidence, model);
+        self.made = None;
+        self.maker.fold();
+    }
+}
+
+const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";

@@ -1,0 +1,55 @@
+//! The set-up of the next identification or diagnosis.
+
+use egui::{CollapsingHeader, ComboBox, RichText, Ui};
+use socam_chart::theme;
+use socam_model::{BUILTIN, Model};
+use socam_workbench::Workspace;
+use socam_workbench::setup::is_built_in;
+
+use super::{parameters, roles};
+
+/// Draws the set-up. Returns another model if one was chosen.
+pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<Model> {
+    let (model, known, revision) =
+        (workspace.model().clone(), workspace.known_models(), workspace.revision());
+    let Workspace { setup, entries, .. } = workspace;
+    setup.changes.belong_to(revision);
+    let wanted = choice(ui, &model, &known);
+    if entries.is_empty() {
+        let text = "No recording is open: press Ctrl+O, or drop files here.";
+        ui.label(RichText::new(text).color(theme::weak(ui)));
+    } else {
+        roles::ui(ui, &mut setup.roles, entries);
+    }
+    let header = CollapsingHeader::new(setup.changes.summary(&model)).id_salt("start values");
+    header.show(ui, |ui| parameters::ui(ui, &mut setup.changes, &model));
+    wanted
+}
+
+/// The model that is used, and others to choose: the embedded ones, and those that were open in this window.
+fn choice(ui: &mut Ui, model: &Model, known: &[Model]) -> Option<Model> {
+    let mut wanted = None;
+    ui.horizontal(|ui| {
+        let label = ui.label("Model");
+        let shown = ComboBox::from_id_salt("model").width(230.0).selected_text(title(model));
+        let shown = shown.show_ui(ui, |ui| {
+            for (name, text) in BUILTIN {
+                if ui.selectable_label(model.text == *text, format!("{name}, built in")).clicked() {
+                    wanted = Model::builtin(name);
+                }
+            }
+            for other in known.iter().filter(|other| !is_built_in(other)) {
+                if ui.selectable_label(model.text == other.text, title(other)).clicked() {
+                    wanted = Some(other.clone());
+                }
+            }
+        });
+        shown.response.labelled_by(label.id).on_hover_text("A model file is opened with Ctrl+O");
+    });
+    wanted
+}
+
+fn title(model: &Model) -> String {
+    let kind = if is_built_in(model) { "built in" } else { "from a file or a fit" };
+    format!("{}, {kind}", model.name)
+}

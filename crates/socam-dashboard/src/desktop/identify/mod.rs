@@ -1,0 +1,102 @@
+//! The view that identifies: set-up at the left, parameters with intervals, measured against predicted.
+
+mod predictions;
+mod run;
+mod start;
+
+use egui::{ScrollArea, Ui};
+use socam_chart::chart::Seen;
+use socam_workbench::Workspace;
+use socam_workbench::identification::Identification;
+
+use crate::identification::IdentificationPage;
+use crate::layout;
+use crate::view::{Help, ViewPanel};
+
+/// State of the view.
+#[derive(Debug, Default)]
+pub struct Identify {
+    /// The identification that is shown.
+    pub page: IdentificationPage,
+    /// What only an identification that was made here has.
+    found: Option<run::Found>,
+    start: start::Start,
+    pictures: predictions::Pictures,
+}
+
+impl ViewPanel for Identify {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        let width = layout::panel(ui, "identify", 372.0);
+        let panel = egui::Panel::left("identify").default_size(width).size_range(250.0..=640.0);
+        let panel = panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                self.start.ui(ui, workspace);
+                if let Some(found) = &self.found {
+                    found.offers(ui, workspace);
+                }
+            });
+        });
+        layout::keep_panel(ui, "identify", panel.response.rect.width());
+        egui::CentralPanel::default().show(ui, |ui| {
+            if let Some(found) = self.found.as_ref().filter(|found| !found.predictions.is_empty()) {
+                let height = (0.45 * ui.available_height()).max(150.0);
+                egui::Panel::bottom("predicted").default_size(height).resizable(true).show(ui, |ui| {
+                    self.pictures.ui(ui, &found.predictions, seen);
+                });
+            }
+            self.page.contents(ui, EMPTY);
+        });
+    }
+
+    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+        if let Some(found) = self.start.poll() {
+            self.page.show(found.shown.clone());
+            self.pictures = predictions::Pictures::default();
+            self.found = Some(found);
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        self.start.is_busy()
+    }
+
+    fn help() -> Help {
+        &[
+            (
+                "Model; ...: fit; ...: hold out; ...: no",
+                "the model, and the recordings that are fitted to it together; those that are held out are only predicted, as a proof; the diagnosis has the same set-up",
+            ),
+            (
+                "Start values: ...; ...: fixed; ...: start value; Values of the model",
+                "parameters that are known and not fitted, and where the others start, SI; with bounds of the model file",
+            ),
+            (
+                "Output error; Inverse dynamics",
+                "how it is fitted: by the errors of the simulated outputs, or, for an axis with one coordinate, by linear regression of the force on the motion",
+            ),
+            (
+                "Identify parameters",
+                "fits the free parameters to all recordings together, in the background; Cancel gives it up",
+            ),
+            ("Use as model", "what was found becomes the model of all views"),
+            (
+                "Save model file...; Save as JSON...",
+                "the model with what was found, and the result for scripts",
+            ),
+            (
+                "signals; residuals; predicted recording",
+                "measured against predicted, or the difference, of each channel",
+            ),
+        ]
+    }
+}
+
+impl Identify {
+    /// Shows an identification from a file.
+    pub(crate) fn show(&mut self, identification: Identification) {
+        self.page.show(identification);
+        self.found = None;
+    }
+}
+
+const EMPTY: &str = "Choose recordings and a model at the left and press Identify parameters. Every parameter is then shown with its 95 % interval, and what the recordings do not determine is named. A saved result (.json) can be opened with Ctrl+O or dropped here.";

@@ -1,0 +1,183 @@
+//! The bar of the live view: Arm, Run, Stop, the progress of the run, and one line of words. Nothing in it ever moves.
+
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{
+    Button, Key, KeyboardShortcut, Label, Modifiers, ProgressBar, Rect, RichText, TextStyle, Ui, vec2,
+};
+use socam_core::State;
+
+use socam_chart::theme;
+use socam_workbench::Workspace;
+use socam_workbench::connection::{Connection, Link};
+
+const ARM: KeyboardShortcut = with_two(Key::A);
+const RUN: KeyboardShortcut = with_two(Key::R);
+const STOP: KeyboardShortcut = with_two(Key::D);
+
+/// Two modifiers: no slip of a finger moves the bench. Letters whose shortcut with Ctrl alone is another command are not used.
+const fn with_two(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
+/// Sizes of the parts, points.
+const BUTTON: egui::Vec2 = vec2(82.0, 30.0);
+const WORDS_HEIGHT: f32 = 36.0;
+const GAP: f32 = 6.0;
+
+/// What the line of words says.
+struct Words {
+    text: String,
+    is_grave: bool,
+    /// A button that puts them away.
+    action: Option<&'static str>,
+}
+
+/// Draws the bar. Its parts have fixed places, whatever they say.
+pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
+    let height = BUTTON.y + GAP + WORDS_HEIGHT;
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());
+    // What is put into a child moves nothing in the panel.
+    let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect));
+    let [arm, run, stop] = [0.0, 1.0, 2.0].map(|place| {
+        let left = rect.left() + place * (BUTTON.x + ui.spacing().item_spacing.x);
+        Rect::from_min_size(egui::pos2(left, rect.top()), BUTTON)
+    });
+    if button(ui, arm, "Arm", why_no_arm(&workspace.bench), ARM) {
+        workspace.arm();
+    }
+    if button(ui, run, "Run", why_no_run(&workspace.bench), RUN) {
+        workspace.bench.run();
+    }
+    if button(ui, stop, "Stop", why_no_stop(&workspace.bench), STOP) {
+        workspace.bench.stop();
+    }
+    let left = stop.right() + 2.0 * ui.spacing().item_spacing.x;
+    let progress = Rect::from_min_max(egui::pos2(left, rect.top()), egui::pos2(rect.right(), stop.bottom()));
+    draw_progress(ui, workspace, progress);
+    let below = Rect::from_min_max(egui::pos2(rect.left(), stop.bottom() + GAP), rect.max);
+    words(ui, &mut workspace.bench, below);
+}
+
+/// A button that is disabled for a reason, or does what its tip says. True when it or its keys were pressed.
+fn button(ui: &mut Ui, rect: Rect, name: &str, why_not: Option<&str>, keys: KeyboardShortcut) -> bool {
+    let tip = match name {
+        "Arm" => "Load the signal and watch all limits; nothing moves",
+        "Run" => "The bench moves, and is recorded",
+        _ => "Ramps down gently",
+    };
+    let tip = format!("{tip} ({})", ui.ctx().format_shortcut(&keys));
+    let button = Button::new(RichText::new(name).size(15.0)).min_size(rect.size());
+    let shown = ui.add_enabled_ui(why_not.is_none(), |ui| ui.put(rect, button));
+    let response = shown.inner.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default());
+    // Keys typed into a dialog are meant for it; stopping is always meant.
+    let is_heard = name == "Stop" || ui.ctx().memory(|memory| memory.top_modal_layer().is_none());
+    let pressed = is_heard && ui.ctx().input_mut(|input| input.consume_shortcut(&keys));
+    why_not.is_none() && (response.clicked() || pressed)
+}
+
+fn why_no_arm(bench: &Connection) -> Option<&'static str> {
+    match bench.state() {
+        None => Some("connect to a board first"),
+        Some(State::Idle) if bench.is_recording() => Some("the recording is being closed"),
+        Some(State::Idle) => None,
+        Some(State::Armed) => Some("the bench is armed already"),
+        Some(State::Running | State::Stopping) => Some("the bench moves; stop it first"),
+        Some(State::Fault) => Some("clear the fault first"),
+    }
+}
+
+fn why_no_run(bench: &Connection) -> Option<&'static str> {
+    match bench.state() {
+        Some(State::Armed) if bench.is_recording() => Some("the run begins"),
+        Some(State::Armed) => None,
+        Some(State::Running | State::Stopping) => Some("the bench runs already"),
+        _ => Some("arm the bench first"),
+    }
+}
+
+fn why_no_stop(bench: &Connection) -> Option<&'static str> {
+    match bench.state() {
+        Some(State::Armed | State::Running | State::Stopping) => None,
+        _ => Some("nothing moves, and nothing is armed"),
+    }
+}
+
+/// Elapsed time, planned end and time left of the run.
+fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
+    let text = match workspace.bench.last_run() {
+        None => {
+            let file = workspace.signal.settings.file();
+            format!("planned: {:.1} s", file.duration_s + file.ramp_s)
+        }
+        Some(run) => {
+            let (elapsed, planned) = (run.elapsed_s(), run.planned_s);
+            if run.is_recorded() {
+                format!("{elapsed:.1} s of {planned:.1} s, {:.1} s left", (planned - elapsed).max(0.0))
+            } else {
+                format!("ended after {elapsed:.1} s of {planned:.1} s")
+            }
+        }
+    };
+    let share = workspace.bench.last_run().map_or(0.0, |run| run.elapsed_s() / run.planned_s.max(1e-3));
+    // An empty bar would keep its round end.
+    let fill = if share > 0.0 { ui.visuals().selection.bg_fill } else { egui::Color32::TRANSPARENT };
+    let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32)
+        .fill(fill)
+        .desired_width(rect.width())
+        .desired_height(rect.height())
+        .corner_radius(4)
+        .text(text);
+    ui.put(rect, bar);
+}
+
+/// The most important thing to say: a fault, an error, or what comes next.
+fn message(bench: &Connection) -> Words {
+    let fault = bench.health().and_then(|health| health.fault.clone());
+    if let Some(text) = fault {
+        return Words { text, is_grave: true, action: Some("Clear fault") };
+    }
+    if let Some(text) = bench.problem() {
+        return Words { text: text.to_owned(), is_grave: true, action: Some("Dismiss") };
+    }
+    let text = match (bench.link(), bench.state()) {
+        (Link::Closed, _) => "no board is connected: name a device below, and connect",
+        (Link::Opening, _) => "asking the board who it is",
+        (_, Some(State::Idle)) => "at rest: Arm loads the signal and watches all limits, and nothing moves",
+        (_, Some(State::Armed)) => "armed: Run moves the bench and records it",
+        (_, Some(State::Running)) => "the bench moves: Stop ramps it down, Esc cuts the command at once",
+        (_, Some(State::Stopping)) => "the bench ramps down; Esc cuts the command at once",
+        (_, Some(State::Fault)) => "the board is in fault and says no reason",
+        (Link::Open { .. }, None) => "the board is connected; waiting for its state",
+    };
+    Words { text: text.to_owned(), is_grave: false, action: None }
+}
+
+fn words(ui: &mut Ui, bench: &mut Connection, rect: Rect) {
+    let Words { text, is_grave, action } = message(bench);
+    let colour = if is_grave { theme::alarm(ui) } else { theme::weak(ui) };
+    if is_grave {
+        ui.painter().rect_filled(rect, 4.0, theme::alarm_ground(ui));
+    }
+    let inner = rect.shrink2(vec2(6.0, 0.0));
+    let place = egui::Layout::right_to_left(egui::Align::Center);
+    let mut pressed = None;
+    ui.scope_builder(egui::UiBuilder::new().max_rect(inner).layout(place), |ui| {
+        pressed = action.filter(|action| ui.button(*action).clicked());
+        // Two lines at most, so that the bar keeps its height; the whole text is shown at the pointer.
+        let font = TextStyle::Body.resolve(ui.style());
+        let mut job = LayoutJob::simple(text.clone(), font, colour, 0.0);
+        job.wrap = TextWrapping { max_rows: 2, max_width: ui.available_width(), ..TextWrapping::default() };
+        let words = |ui: &mut Ui| {
+            let galley = ui.painter().layout_job(job);
+            let is_cut = galley.elided;
+            let shown = ui.add(Label::new(galley));
+            if is_cut { shown.on_hover_text(text) } else { shown }
+        };
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), words);
+    });
+    match pressed {
+        Some("Clear fault") => bench.clear_fault(),
+        Some(_) => bench.set_problem(None),
+        None => {}
+    }
+}

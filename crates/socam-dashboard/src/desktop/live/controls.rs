@@ -1,0 +1,240 @@
+//! The panel at the left of the live view: link, recording, input signal.
+
+use egui::{
+    Button, ComboBox, DragValue, Frame, Margin, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo,
+    vec2,
+};
+use socam_core::State;
+use socam_recording::ProfileFile;
+
+use socam_chart::chart::{Chart, Curve, Flag, Style, range_of};
+use socam_chart::theme;
+use socam_workbench::Workspace;
+use socam_workbench::connection::{Connection, Link};
+use socam_workbench::input_signal::{
+    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, Kind, LIMIT_V, Settings, Signal,
+};
+use socam_workbench::next_run::NextRun;
+
+use super::Live;
+use crate::layout;
+
+/// What the operator asks for.
+#[derive(Debug)]
+pub(super) enum Action {
+    /// Open the link to the device.
+    Connect,
+    /// Close the link.
+    Disconnect,
+    /// Change the input signal.
+    Change(Settings),
+    /// Make the built-in profile of this name the input signal.
+    Load(&'static str),
+    /// Write the note into the recording.
+    AddNote,
+    /// Open a recording.
+    Look(String),
+}
+
+impl Live {
+    /// Draws the panel: the texts and the rate in it are edited in place, and all else is asked for.
+    pub(super) fn panel(&mut self, ui: &mut Ui, workspace: &mut Workspace) -> Vec<Action> {
+        let mut actions = Vec::new();
+        let Workspace { bench, device, next_run, signal, .. } = workspace;
+        let shown = egui::Panel::left("bench")
+            .default_size(layout::panel(ui, "bench", 318.0))
+            .size_range(270.0..=480.0)
+            .show(ui, |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    ui.add_space(2.0);
+                    card(ui, "Board", |ui| actions.extend(link(ui, bench, device)));
+                    card(ui, "Recording", |ui| actions.extend(recording(ui, bench, next_run)));
+                    card(ui, "Input Signal", |ui| {
+                        actions.extend(input_signal(ui, bench, signal));
+                        self.preview(ui, bench, signal);
+                    });
+                });
+            });
+        layout::keep_panel(ui, "bench", shown.response.rect.width());
+        actions
+    }
+
+    fn preview(&mut self, ui: &mut Ui, bench: &Connection, signal: &Signal) {
+        let file = signal.settings.file();
+        if self.preview.as_ref().is_none_or(|(of, _)| *of != file) {
+            let line = input_signal::preview(&file, 500);
+            self.preview = Some((file, line));
+        }
+        let Some((_, line)) = &self.preview else { return };
+        match line {
+            Ok(line) => preview(ui, bench, line),
+            Err(sentence) => drop(ui.label(RichText::new(sentence).color(theme::alarm(ui)))),
+        }
+    }
+}
+
+fn card(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    Frame::new().fill(theme::card(ui)).corner_radius(6).inner_margin(Margin::same(9)).show(ui, |ui| {
+        ui.label(RichText::new(title).strong());
+        contents(ui);
+        ui.allocate_space(vec2(ui.available_width(), 0.0));
+    });
+    ui.add_space(5.0);
+}
+
+fn link(ui: &mut Ui, bench: &Connection, device: &mut String) -> Option<Action> {
+    let mut action = None;
+    ui.horizontal(|ui| {
+        let label = ui.label("Device");
+        let closed = *bench.link() == Link::Closed;
+        let field = TextEdit::singleline(device).desired_width(ui.available_width() - 96.0);
+        ui.add_enabled(closed, field)
+            .labelled_by(label.id)
+            .on_hover_text("sim, serial, serial:PATH or tcp:HOST:PORT");
+        if closed {
+            if ui.button("Connect").clicked() {
+                action = Some(Action::Connect);
+            }
+        } else if ui.button(if *bench.link() == Link::Opening { "Cancel" } else { "Disconnect" }).clicked() {
+            action = Some(Action::Disconnect);
+        }
+    });
+    if let Link::Open { board } = bench.link() {
+        ui.label(RichText::new(board).small().color(theme::weak(ui)));
+    }
+    if let Some(health) = bench.health() {
+        let text = format!(
+            "link: {} damaged frames, {} samples dropped, {} periods missed",
+            health.link_errors, health.dropped, health.overruns
+        );
+        let clean = health.link_errors + health.dropped + health.overruns == 0;
+        ui.label(RichText::new(text).small().color(if clean { theme::weak(ui) } else { theme::alarm(ui) }));
+    }
+    action
+}
+
+fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Action> {
+    let idle = !matches!(bench.state(), Some(State::Armed | State::Running | State::Stopping));
+    let mut settings = signal.settings.clone();
+    let mut chosen = None;
+    ui.add_enabled_ui(idle, |ui| {
+        ui.horizontal(|ui| {
+            let label = ui.label("Signal");
+            let shown = ComboBox::from_id_salt("signal").selected_text(settings.name()).width(180.0);
+            let answer = shown.show_ui(ui, |ui| {
+                ui.selectable_value(&mut settings.kind, Kind::Sine, "sine");
+                ui.selectable_value(&mut settings.kind, Kind::Constant, "constant");
+                for name in ProfileFile::built_in_names().filter(|name| *name != "sine") {
+                    let is_it = matches!(&settings.kind, Kind::Other(own, _) if own == name);
+                    if ui.selectable_label(is_it, name).clicked() {
+                        chosen = Some(name);
+                    }
+                }
+            });
+            answer.response.labelled_by(label.id);
+        });
+        match &settings.kind {
+            Kind::Sine => {
+                let room = LIMIT_V - settings.amplitude_v;
+                slider(ui, "Amplitude", &mut settings.amplitude_v, AMPLITUDE_V, "V");
+                slider(ui, "Frequency", &mut settings.frequency_hz, FREQUENCY_HZ, "Hz");
+                slider(ui, "Offset", &mut settings.offset_v, [-room, room], "V");
+            }
+            Kind::Constant => slider(ui, "Level", &mut settings.level_v, [-LIMIT_V, LIMIT_V], "V"),
+            Kind::Other(_, file) => {
+                let purpose = file.purpose.clone().unwrap_or_else(|| "an opened profile".into());
+                ui.label(RichText::new(format!("{purpose}; {} s", file.duration_s)).small());
+            }
+        }
+        if !matches!(settings.kind, Kind::Other(..)) {
+            ui.horizontal(|ui| {
+                let label = ui.label("Duration");
+                let drag = DragValue::new(&mut settings.duration_s)
+                    .speed(0.1)
+                    .suffix(" s")
+                    .range(DURATION_S[0]..=DURATION_S[1]);
+                ui.add(drag).labelled_by(label.id);
+            });
+        }
+    });
+    if let Some(note) = &signal.note {
+        ui.label(RichText::new(note).small().color(theme::alarm(ui)));
+    }
+    let changed = (settings != signal.settings).then_some(Action::Change(settings));
+    chosen.map(Action::Load).or(changed)
+}
+
+fn slider(ui: &mut Ui, name: &str, value: &mut f64, [low, high]: [f64; 2], unit: &str) {
+    ui.horizontal(|ui| {
+        let place = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(vec2(74.0, 22.0), place, |ui| {
+            ui.set_min_width(74.0);
+            ui.label(name)
+        });
+        let label = label.inner;
+        ui.spacing_mut().slider_width = (ui.available_width() - 88.0).max(60.0);
+        let slider = Slider::new(value, low..=high).suffix(format!(" {unit}")).max_decimals(3);
+        ui.add(slider).labelled_by(label.id).on_hover_text(format!("{low} to {high} {unit}"));
+    });
+}
+
+/// The command over time, and where the run is in it.
+fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]]) {
+    let mut chart = Chart::new("preview", "command, V", vec2(ui.available_width(), 96.0));
+    chart.x = [0.0, line.last().map_or(1.0, |[time, _]| *time)];
+    chart.x_label = "s".into();
+    chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));
+    let (name, colour) = ("command".into(), theme::line(ui, 0));
+    chart.curves = vec![Curve { name, colour, parts: vec![line.to_vec()], style: Style::Solid }];
+    if let Some(run) = bench.last_run().filter(|run| run.is_recorded()) {
+        let colour = ui.visuals().strong_text_color();
+        chart.flags = vec![Flag { x: run.elapsed_s(), text: String::new(), colour }];
+    }
+    chart.show(ui, &mut Vec::new());
+}
+
+/// Name, rate and notes of the recording, and what became of it.
+fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Action> {
+    let mut action = None;
+    let state = bench.state();
+    ui.add_enabled_ui(!matches!(state, Some(State::Armed | State::Running | State::Stopping)), |ui| {
+        ui.horizontal(|ui| {
+            let label = ui.label("Name");
+            ui.add(TextEdit::singleline(&mut next.name).desired_width(120.0)).labelled_by(label.id);
+            let text = format!("{} Hz", next.rate_hz);
+            let rate = ComboBox::from_id_salt("rate").selected_text(text).width(86.0).show_ui(ui, |ui| {
+                for rate_hz in [500.0, 1000.0, 2000.0, 5000.0, 10_000.0] {
+                    ui.selectable_value(&mut next.rate_hz, rate_hz, format!("{rate_hz} Hz"));
+                }
+            });
+            let said = || WidgetInfo::labeled(Role::ComboBox, true, "Samples per second");
+            rate.response.on_hover_text("Samples per second").widget_info(said);
+        });
+    });
+    ui.horizontal(|ui| {
+        let label = ui.label("Note");
+        let field = ui.add(TextEdit::singleline(&mut next.note).desired_width(ui.available_width() - 76.0));
+        field.labelled_by(label.id);
+        let note = ui.add_enabled(bench.is_recording() && !next.note.trim().is_empty(), Button::new("Add"));
+        if note.on_hover_text("Into the recording, at this moment").clicked() {
+            action = Some(Action::AddNote);
+        }
+    });
+    let Some(run) = bench.last_run() else { return action };
+    let path = run.path.display().to_string();
+    match &run.end {
+        None => {
+            let counts = bench.health().and_then(|health| health.recorded);
+            let text = counts
+                .map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
+            ui.label(RichText::new(format!("recording {path}{text}")).color(theme::good(ui)));
+        }
+        Some((text, well)) => {
+            ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));
+            if ui.button("Look at the recording").clicked() {
+                action = Some(Action::Look(path));
+            }
+        }
+    }
+    action
+}

@@ -1,0 +1,63 @@
+//! State of the window that only a desktop has.
+
+use std::path::Path;
+
+use socam_workbench::document::Document;
+use socam_workbench::job::Handle;
+use socam_workbench::recording::Recording;
+use socam_workbench::save;
+
+use super::files::Dialog;
+use super::fleet::Opened;
+use super::foreign;
+use super::native::Native;
+
+/// What can be opened.
+#[derive(Debug)]
+pub enum Found {
+    /// A document.
+    Document(Box<Document>),
+    /// The table of a fleet.
+    Fleet(Box<Opened>),
+}
+
+impl From<Document> for Found {
+    fn from(document: Document) -> Self {
+        Self::Document(Box::new(document))
+    }
+}
+
+impl From<Opened> for Found {
+    fn from(opened: Opened) -> Self {
+        Self::Fleet(Box::new(opened))
+    }
+}
+
+/// State of the window that only a desktop has.
+#[derive(Debug, Default)]
+pub(crate) struct Own {
+    /// Files to open with the next pass.
+    pub(super) waiting: Vec<String>,
+    /// The dialog of the window that is open.
+    pub(super) dialog: Option<Dialog>,
+    /// Whether the desktop's dialogs are used, and the one that is open.
+    pub(super) is_native: bool,
+    pub(super) native: Option<Native>,
+    /// Held-out recordings of a diagnosis that begins once all files are open.
+    pub(super) diagnose: Option<Vec<String>>,
+    /// Whether a watch begins once all files are open.
+    pub(super) watches: bool,
+}
+
+/// Writes a recording, by its name as `.csv` or `.m`.
+///
+/// # Errors
+/// When there is such a file already, it cannot be written, or it was cancelled; one sentence.
+pub(crate) fn save(recording: &Recording, path: &Path, handle: &Handle) -> Result<Option<Vec<u8>>, String> {
+    save::save(recording, path, handle).map(|()| None)
+}
+
+/// Whether a mapping would help to open a file that could not be opened for this reason.
+pub(crate) fn can_be_mapped(sentence: &str) -> bool {
+    foreign::needs_mapping(sentence)
+}

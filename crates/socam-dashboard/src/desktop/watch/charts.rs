@@ -1,0 +1,150 @@
+//! The charts of the watch: measurement and model over each other, and the tests beside their threshold.
+
+use egui::{RichText, Ui, vec2};
+use socam_watch::{BlockSignals, Overlay, Symptom};
+
+use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
+use socam_chart::theme;
+
+/// A sample between blocks is missing where they lie farther apart than this many sample times.
+const APART: f64 = 1.5;
+
+/// What the tests judge, in the order of their colours.
+const KINDS: [&str; 3] =
+    ["mean of a channel's error", "power of a channel's error", "apparent value of a parameter"];
+
+/// Draws a chart per output, and one of all tests.
+pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen: &mut Vec<Seen>) {
+    let ends = overlay.blocks.iter().flat_map(|block| [block.time_s.first(), block.time_s.last()]);
+    let Some(x) = range_of(ends.flatten().copied()) else {
+        chart::empty_state(
+            ui,
+            "Waiting for samples",
+            "The model and the measurement appear here block by block.",
+        );
+        return;
+    };
+    let text = "grey: measured; colour, dashed: the model, running freely from the start of each block";
+    ui.label(RichText::new(text).small().color(theme::weak(ui)));
+    let count = overlay.channels.len() + 1;
+    let height =
+        ((ui.available_height() - chart::X_AXIS - 20.0 - 4.0 * count as f32) / count as f32).max(84.0);
+    let flags = flags(ui, overlay, selected, x);
+    ui.spacing_mut().item_spacing.y = 3.0;
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        for (index, channel) in overlay.channels.iter().enumerate() {
+            let title = format!("{}, {}", channel.name, channel.unit);
+            let size = vec2(ui.available_width(), height);
+            let mut chart = Chart::new(("watch", index), title, size);
+            chart.x = x;
+            let pixels = size.x as usize;
+            chart.curves = vec![
+                Curve {
+                    name: "measured".into(),
+                    colour: theme::weak(ui),
+                    parts: parts(overlay, pixels, |block| &block.measured[index]),
+                    style: Style::Solid,
+                },
+                Curve {
+                    name: "model".into(),
+                    colour: theme::line(ui, index),
+                    parts: parts(overlay, pixels, |block| &block.model[index]),
+                    style: Style::Dashed,
+                },
+            ];
+            let values =
+                chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+            chart.y = chart.fitted(range_of(values));
+            chart.flags.clone_from(&flags);
+            chart.flag_words = false;
+            chart.show(ui, seen);
+        }
+        tests(ui, overlay, (x, height), flags, seen);
+    });
+}
+
+/// The largest test of each channel or parameter group over time; 1 is the threshold.
+fn tests(
+    ui: &mut Ui,
+    overlay: &Overlay,
+    (x, height): ([f64; 2], f32),
+    mut flags: Vec<Flag>,
+    seen: &mut Vec<Seen>,
+) {
+    let size = vec2(ui.available_width(), height + chart::X_AXIS);
+    let mut chart = Chart::new(("watch", "tests"), "largest test, in units of its threshold", size);
+    chart.x = x;
+    chart.x_label = "time, s".into();
+    chart.when_empty = "nothing was judged yet";
+    ui.horizontal(|ui| {
+        for (number, name) in KINDS.into_iter().enumerate() {
+            ui.label(RichText::new(name).small().strong().color(theme::line(ui, number)));
+        }
+    });
+    for (number, name) in KINDS.into_iter().enumerate() {
+        let largest = |block: &BlockSignals| {
+            let own =
+                overlay.statistics.iter().zip(&block.tests).filter(|(symptom, _)| kind(symptom) == number);
+            let largest = own.map(|(_, value)| *value).reduce(f64::max);
+            largest.zip(block.time_s.last()).map(|(value, time)| [*time, value])
+        };
+        let line: Vec<[f64; 2]> = overlay.blocks.iter().filter_map(|block| largest(block)).collect();
+        let parts = if line.is_empty() { Vec::new() } else { vec![line] };
+        let (colour, style) = (theme::line(ui, number), theme::style(number));
+        chart.curves.push(Curve { name: name.into(), colour, parts, style });
+    }
+    let threshold = Curve {
+        name: "threshold".into(),
+        colour: theme::alarm(ui),
+        parts: vec![x.map(|x| [x, 1.0]).to_vec()],
+        style: Style::Dashed,
+    };
+    chart.curves.push(threshold);
+    let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+    chart.y = chart.fitted(range_of(values.chain([0.0])));
+    chart.flags.append(&mut flags);
+    chart.show(ui, seen);
+}
+
+fn kind(symptom: &Symptom) -> usize {
+    match symptom {
+        Symptom::Level(_) => 0,
+        Symptom::Power(_) => 1,
+        Symptom::Parameter(_) => 2,
+    }
+}
+
+/// Onset and time of each alarm in sight; the selected one is explained.
+fn flags(ui: &Ui, overlay: &Overlay, selected: Option<usize>, x: [f64; 2]) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for alarm in &overlay.alarms {
+        let is_selected = selected.is_none_or(|number| number == alarm.number);
+        let colour = theme::alarm(ui).gamma_multiply(if is_selected { 1.0 } else { 0.4 });
+        for (at, word) in [(alarm.onset_s, "change"), (alarm.time_s, "alarm")] {
+            if (x[0]..=x[1]).contains(&at) {
+                flags.push(Flag { x: at, text: format!("{word} {}", alarm.number), colour });
+            }
+        }
+    }
+    flags.sort_by(|a, b| a.x.total_cmp(&b.x));
+    flags
+}
+
+/// A signal of all blocks, in parts without gaps, thinned to the width of the picture.
+fn parts(
+    overlay: &Overlay,
+    pixels: usize,
+    signal: impl Fn(&BlockSignals) -> &Vec<f64>,
+) -> Vec<Vec<[f64; 2]>> {
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for block in &overlay.blocks {
+        let step_s = block.time_s.windows(2).next().map_or(f64::INFINITY, |pair| pair[1] - pair[0]);
+        if let (Some(last), Some(next)) = (points.last(), block.time_s.first())
+            && next - last[0] > APART * step_s
+        {
+            points.push([*next, f64::NAN]);
+        }
+        points.extend(block.time_s.iter().zip(signal(block)).map(|(time, value)| [*time, *value]));
+    }
+    socam_chart::thin::thinned(&points, pixels)
+}

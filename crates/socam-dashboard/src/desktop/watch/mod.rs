@@ -1,0 +1,273 @@
+//! The watch view: the model runs beside the bench, or beside a recording that is replayed, and an alarm says what has changed.
+
+mod alarms;
+mod charts;
+mod session;
+
+use egui::{ComboBox, DragValue, RichText, ScrollArea, Ui};
+use socam_watch::{Alarm, Event, Overlay, Settings};
+
+use crate::layout;
+use crate::progress::wake;
+use crate::view::{Help, ViewPanel};
+use session::Session;
+use socam_chart::chart::{self, Seen};
+use socam_chart::theme;
+use socam_workbench::View;
+use socam_workbench::job::CANCELLED;
+use socam_workbench::recording::{Recording, short};
+use socam_workbench::{Request, Workspace};
+
+/// Speeds of a replay, as multiples of the recording's own; `None` is as fast as possible.
+const SPEEDS: [(Option<f64>, &str); 3] =
+    [(None, "as fast as possible"), (Some(1.0), "1 x"), (Some(10.0), "10 x")];
+
+/// What is watched: the running bench, or a recording by name.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+enum Subject {
+    #[default]
+    Bench,
+    Recording(String),
+}
+
+/// State of the view.
+#[derive(Debug, Default)]
+pub struct WatchView {
+    subject: Option<Subject>,
+    /// Names of the recordings that are healthy.
+    healthy: Vec<String>,
+    settings: Settings,
+    speed: Option<f64>,
+    session: Option<Session>,
+    /// The last snapshot, kept after the watch has ended.
+    overlay: Option<Overlay>,
+    /// Name of what was watched.
+    name: String,
+    problem: Option<String>,
+    /// Number of the alarm whose window is shown.
+    selected: Option<usize>,
+    /// A watch begins as soon as there is something to watch.
+    begins: bool,
+}
+
+impl ViewPanel for WatchView {
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
+        let width = layout::panel(ui, "watch", 330.0);
+        let panel = egui::Panel::left("watch").default_size(width).size_range(260.0..=520.0);
+        let panel = panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                ui.add_space(2.0);
+                self.set_up(ui, workspace);
+                if let Some(overlay) = &self.overlay {
+                    ui.separator();
+                    alarms::state(ui, overlay, &self.name);
+                    alarms::list(ui, overlay, &mut self.selected);
+                }
+            });
+        });
+        layout::keep_panel(ui, "watch", panel.response.rect.width());
+        egui::CentralPanel::default().show(ui, |ui| match &self.overlay {
+            Some(overlay) => charts::draw(ui, overlay, self.selected, seen),
+            None => chart::empty_state(
+                ui,
+                "Nothing is watched yet",
+                "Choose a recording or the running bench at the left, tick recordings of the healthy bench, and press Watch. The model then runs beside it; an alarm says when, where and what has changed.",
+            ),
+        });
+    }
+
+    fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
+        if self.begins && self.subject(workspace).is_some() {
+            self.begin(ctx, workspace);
+        }
+        let Some(session) = &mut self.session else { return };
+        session.take(&workspace.feed);
+        for event in session.events() {
+            if session.is_live
+                && let Event::Named(alarm) = &event
+            {
+                workspace.request(Request::Alarm(alarms::sentence(alarm)));
+            }
+        }
+        self.overlay = session.overlay().or(self.overlay.take());
+        let Some(end) = session.end() else { return };
+        self.session = None;
+        self.problem = end.err().filter(|sentence| sentence != CANCELLED);
+    }
+
+    /// A watch of the bench ends when its user says so; it does not keep a picture waiting.
+    fn is_busy(&self) -> bool {
+        self.session.as_ref().is_some_and(|session| !session.is_live)
+    }
+
+    fn help() -> Help {
+        &[
+            (
+                "Watch",
+                "runs the model beside a recording or the running bench, and raises an alarm when the two part",
+            ),
+            ("What is watched; Speed", "the running bench, or a recording and how fast it is replayed"),
+            (
+                "healthy ...",
+                "recordings of the bench in good order: they say what is usual; without one, the beginning of what is watched does",
+            ),
+            (
+                "False alarms per hour; Length of the window",
+                "of a healthy bench, over all channels; how much of the past is shown, and is searched for a cause",
+            ),
+            (
+                "Alarm ...",
+                "marks the alarm in the charts; its causes are those that the score test ranks first",
+            ),
+        ]
+    }
+}
+
+impl WatchView {
+    /// Watches the running bench, or else the first recording, as soon as there is one; other recordings are healthy.
+    pub fn begin_when_possible(&mut self) {
+        self.begins = true;
+    }
+
+    /// False alarms per hour.
+    pub fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
+    /// Alarms so far.
+    #[must_use]
+    pub fn alarms(&self) -> &[Alarm] {
+        self.overlay.as_ref().map_or(&[], |overlay| &overlay.alarms)
+    }
+
+    fn begin(&mut self, ctx: &egui::Context, workspace: &Workspace) {
+        let subject = self.subject(workspace);
+        self.begins = false;
+        let others = workspace.shown().map(|(_, recording)| recording.about.name.clone());
+        let is_watched = |name: &String| subject == Some(Subject::Recording(name.clone()));
+        self.healthy = others.filter(|name| !is_watched(name)).collect();
+        self.start(ctx, workspace, subject);
+    }
+
+    /// The subject that was chosen, if it is still there, else the first there is.
+    fn subject(&self, workspace: &Workspace) -> Option<Subject> {
+        let is_there = |subject: &Subject| match subject {
+            Subject::Bench => !workspace.feed.channels.is_empty(),
+            Subject::Recording(name) => workspace.shown().any(|(_, shown)| shown.about.name == *name),
+        };
+        let first =
+            || workspace.shown().next().map(|(_, shown)| Subject::Recording(shown.about.name.clone()));
+        self.subject.clone().filter(is_there).or_else(|| Some(Subject::Bench).filter(is_there)).or_else(first)
+    }
+
+    fn start(&mut self, ctx: &egui::Context, workspace: &Workspace, subject: Option<Subject>) {
+        let named = |name: &String| workspace.shown().find(|(_, shown)| shown.about.name == *name);
+        let healthy: Vec<Recording> =
+            self.healthy.iter().filter_map(named).map(|(_, recording)| recording.clone()).collect();
+        let (model, settings) = (workspace.model().clone(), self.settings.clone());
+        let session = match subject {
+            Some(Subject::Bench) => {
+                let channels = workspace.feed.channels.to_vec();
+                Some(Session::live(&wake(ctx), model, channels, healthy, settings))
+            }
+            Some(Subject::Recording(name)) => named(&name).map(|(_, recording)| {
+                Session::replay(&wake(ctx), model, (recording.clone(), self.speed), healthy, settings)
+            }),
+            None => None,
+        };
+        (self.overlay, self.problem, self.selected) = (None, None, None);
+        self.name = session.as_ref().map_or_else(String::new, |session| short(&session.name).to_owned());
+        self.session = session;
+    }
+
+    fn set_up(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+        if let Some(session) = &self.session {
+            if session.ui(ui) {
+                self.session = None;
+            }
+            return;
+        }
+        if let Some(problem) = &self.problem {
+            ui.label(RichText::new(problem).color(theme::alarm(ui)));
+        }
+        let subject = self.subject(workspace);
+        if subject.is_none() {
+            let text = "Open recordings (Ctrl+O), or connect to a bench in the Live view.";
+            ui.label(RichText::new(text).color(theme::weak(ui)));
+            if ui.button("Go to the Live view").clicked() {
+                workspace.request(Request::Show(View::Live));
+            }
+            return;
+        }
+        self.choose_subject(ui, workspace, subject.as_ref());
+        self.choose_healthy(ui, workspace, subject.as_ref());
+        for (label, value, range, unit) in [
+            ("False alarms per hour", &mut self.settings.false_alarms_per_hour, 0.001..=60.0, ""),
+            ("Length of the window", &mut self.settings.window_s, 1.0..=600.0, " s"),
+        ] {
+            ui.horizontal(|ui| {
+                let label = ui.label(label);
+                ui.add(DragValue::new(value).range(range).speed(0.01).suffix(unit)).labelled_by(label.id);
+            });
+        }
+        if ui.button(RichText::new("Watch").strong()).clicked() {
+            let ctx = ui.ctx().clone();
+            self.start(&ctx, workspace, subject);
+        }
+    }
+
+    fn choose_subject(&mut self, ui: &mut Ui, workspace: &Workspace, subject: Option<&Subject>) {
+        let name = |subject: &Subject| match subject {
+            Subject::Bench => "the running bench".to_owned(),
+            Subject::Recording(name) => short(name).to_owned(),
+        };
+        let bench = Some(Subject::Bench).filter(|_| !workspace.feed.channels.is_empty());
+        let recordings = workspace.shown().map(|(_, shown)| Subject::Recording(shown.about.name.clone()));
+        let all: Vec<Subject> = bench.into_iter().chain(recordings).collect();
+        let label = ui.label("What is watched");
+        let shown = ComboBox::from_id_salt("subject")
+            .selected_text(subject.map_or_else(String::new, name))
+            .width(ui.available_width() - 16.0)
+            .truncate();
+        let shown = shown.show_ui(ui, |ui| {
+            for own in all {
+                let text = name(&own);
+                ui.selectable_value(&mut self.subject, Some(own), text);
+            }
+        });
+        shown.response.labelled_by(label.id);
+        if let Some(Subject::Recording(_)) = subject {
+            ui.horizontal(|ui| {
+                let label = ui.label("Speed");
+                let text = SPEEDS.iter().find(|(speed, _)| *speed == self.speed).map_or("", |(_, text)| text);
+                let shown = ComboBox::from_id_salt("speed").selected_text(text).show_ui(ui, |ui| {
+                    for (speed, text) in SPEEDS {
+                        ui.selectable_value(&mut self.speed, speed, text);
+                    }
+                });
+                shown.response.labelled_by(label.id);
+            });
+        }
+    }
+
+    fn choose_healthy(&mut self, ui: &mut Ui, workspace: &Workspace, subject: Option<&Subject>) {
+        let is_watched = |name: &String| subject == Some(&Subject::Recording(name.clone()));
+        let names = workspace.shown().map(|(_, shown)| shown.about.name.clone());
+        let others: Vec<String> = names.filter(|name| !is_watched(name)).collect();
+        self.healthy.retain(|name| others.contains(name));
+        for name in others {
+            let mut on = self.healthy.contains(&name);
+            if ui.checkbox(&mut on, format!("healthy {}", short(&name))).changed() {
+                self.healthy.retain(|own| *own != name);
+                self.healthy.extend(on.then_some(name));
+            }
+        }
+        if self.healthy.is_empty() {
+            let text = format!(
+                "No healthy recording is ticked: the first {} s of what is watched are taken as healthy.",
+                self.settings.learn_s
+            );
+            ui.label(RichText::new(text).small().color(theme::weak(ui)));
+        }
+    }
+}

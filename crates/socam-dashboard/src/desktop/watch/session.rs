@@ -1,0 +1,264 @@
+//! A watch on a thread of its own: it takes samples of a recording or of the running bench, and publishes what it sees.
+
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use socam_model::Model;
+use socam_recording::{Channel, Dataset};
+use socam_watch::{Baseline, Event, Overlay, Settings, Watch, WatchError};
+
+use crate::progress;
+use socam_workbench::job::{CANCELLED, Handle, Job};
+use socam_workbench::queue::Batch;
+use socam_workbench::recording::Recording;
+use socam_workbench::{Feed, Wake};
+
+/// Samples between two looks at whether the watch was stopped.
+const ROWS: usize = 256;
+/// Longest time between two snapshots, and between two looks of a watch that waits for samples.
+const SNAPSHOT_EVERY: Duration = Duration::from_millis(50);
+
+/// What is watched.
+pub(super) enum Source {
+    /// A recording, at a multiple of its own speed; `None` is as fast as possible.
+    Replay { recording: Recording, speed: Option<f64> },
+    /// The running bench.
+    Live { channels: Vec<Channel>, samples: Receiver<Arc<Batch>> },
+}
+
+/// A watch that runs or has ended.
+#[derive(Debug)]
+pub(super) struct Session {
+    job: Job<Result<(), String>>,
+    overlay: Arc<Mutex<Option<Overlay>>>,
+    events: Receiver<Event>,
+    /// Samples of the running bench to the watch; `None` once the bench has gone.
+    feed: Option<Sender<Arc<Batch>>>,
+    /// Whether the running bench is watched.
+    pub(super) is_live: bool,
+    /// Name of what is watched.
+    pub(super) name: String,
+}
+
+/// The thread's end.
+struct Worker<'a> {
+    watch: Watch,
+    overlay: Arc<Mutex<Option<Overlay>>>,
+    events: Sender<Event>,
+    handle: &'a Handle,
+    shown: Instant,
+}
+
+impl Session {
+    pub(super) fn replay(
+        wake: &Wake,
+        model: Model,
+        (recording, speed): (Recording, Option<f64>),
+        healthy: Vec<Recording>,
+        settings: Settings,
+    ) -> Self {
+        let name = recording.about.name.clone();
+        Self::start(wake, model, (Source::Replay { recording, speed }, name, None), healthy, settings)
+    }
+
+    pub(super) fn live(
+        wake: &Wake,
+        model: Model,
+        channels: Vec<Channel>,
+        healthy: Vec<Recording>,
+        settings: Settings,
+    ) -> Self {
+        let (feed, samples) = channel();
+        let source = Source::Live { channels, samples };
+        Self::start(wake, model, (source, "the running bench".into(), Some(feed)), healthy, settings)
+    }
+
+    fn start(
+        wake: &Wake,
+        model: Model,
+        (source, name, feed): (Source, String, Option<Sender<Arc<Batch>>>),
+        healthy: Vec<Recording>,
+        settings: Settings,
+    ) -> Self {
+        let overlay = Arc::<Mutex<Option<Overlay>>>::default();
+        let (sender, events) = channel();
+        let theirs = overlay.clone();
+        let job = Job::start("Learning from the healthy recordings", wake, move |handle| {
+            let baseline = learned(&model, &healthy, &settings)?;
+            let channels = match &source {
+                Source::Replay { recording, .. } => recording.about.channels.clone(),
+                Source::Live { channels, .. } => channels.clone(),
+            };
+            let watch = Watch::new(&model, &channels, baseline, settings).map_err(sentence)?;
+            let mut worker = Worker { watch, overlay: theirs, events: sender, handle, shown: Instant::now() };
+            handle.doing("Watching".into());
+            match source {
+                Source::Replay { recording, speed } => worker.replay(&recording.dataset()?, speed),
+                Source::Live { samples, .. } => worker.listen(&samples),
+            }
+        });
+        Self { job, overlay, events, is_live: feed.is_some(), feed, name }
+    }
+
+    /// Passes on the samples of the running bench. When it has gone, the watch judges what it has, and ends.
+    pub(super) fn take(&mut self, bench: &Feed) {
+        if bench.channels.is_empty() {
+            self.feed = None;
+        }
+        let Some(feed) = &self.feed else { return };
+        // A watch that failed receives nothing; its error is told at its end.
+        bench.batches.iter().for_each(|batch| drop(feed.send(Arc::clone(batch))));
+    }
+
+    /// The last snapshot.
+    pub(super) fn overlay(&self) -> Option<Overlay> {
+        self.overlay.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub(super) fn events(&self) -> impl Iterator<Item = Event> {
+        self.events.try_iter()
+    }
+
+    /// The end of the watch, once: an error in one sentence.
+    pub(super) fn end(&self) -> Option<Result<(), String>> {
+        self.job.poll().map(|end| end.and_then(|end| end))
+    }
+
+    /// Draws progress and a button to end it.
+    pub(super) fn ui(&self, ui: &mut egui::Ui) -> bool {
+        progress::job(ui, &self.job)
+    }
+}
+
+/// The baseline of healthy recordings; `None` if there are none.
+fn learned(model: &Model, healthy: &[Recording], settings: &Settings) -> Result<Option<Baseline>, String> {
+    if healthy.is_empty() {
+        return Ok(None);
+    }
+    let data = healthy.iter().map(Recording::dataset).collect::<Result<Vec<_>, _>>()?;
+    Baseline::of(model, &data, settings).map(Some).map_err(sentence)
+}
+
+impl Worker<'_> {
+    fn replay(&mut self, data: &Dataset, speed: Option<f64>) -> Result<(), String> {
+        let (begin, rows) = (Instant::now(), data.rows().max(1) as f32);
+        let (mut first_s, mut done) = (None, 0);
+        for block in data.blocks().map_err(sentence)? {
+            let block = block.map_err(sentence)?;
+            let columns: Vec<&[f64]> = block.columns.iter().map(|column| column.values()).collect();
+            let mut row = Vec::with_capacity(columns.len());
+            for (index, time_s) in block.time_s.iter().enumerate() {
+                row.clear();
+                row.extend(columns.iter().map(|column| column[index]));
+                let events = self.watch.push(*time_s, &row);
+                self.publish(events)?;
+                done += 1;
+                if done % ROWS == 0 {
+                    self.handle.reached(done as f32 / rows)?;
+                    let due_s = (time_s - *first_s.get_or_insert(*time_s)) / speed.unwrap_or(f64::INFINITY);
+                    self.wait_until(begin + Duration::from_secs_f64(due_s.max(0.0)))?;
+                }
+            }
+        }
+        let events = self.watch.finish();
+        self.publish(events)?;
+        self.show();
+        Ok(())
+    }
+
+    fn wait_until(&mut self, due: Instant) -> Result<(), String> {
+        loop {
+            self.show_at_times();
+            let left = due.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(());
+            }
+            std::thread::sleep(left.min(SNAPSHOT_EVERY));
+            self.proceed()?;
+        }
+    }
+
+    fn listen(&mut self, samples: &Receiver<Arc<Batch>>) -> Result<(), String> {
+        loop {
+            self.proceed()?;
+            match samples.try_recv() {
+                Ok(batch) => {
+                    let width = batch.values.len() / batch.time_s.len().max(1);
+                    for (time_s, row) in batch.time_s.iter().zip(batch.values.chunks(width.max(1))) {
+                        let events = self.watch.push(*time_s, row);
+                        self.publish(events)?;
+                    }
+                }
+                Err(TryRecvError::Empty) => std::thread::sleep(SNAPSHOT_EVERY / 5),
+                Err(TryRecvError::Disconnected) => {
+                    let events = self.watch.finish();
+                    self.publish(events)?;
+                    self.show();
+                    return Ok(());
+                }
+            }
+            self.show_at_times();
+        }
+    }
+
+    fn proceed(&self) -> Result<(), String> {
+        if self.handle.is_cancelled() { Err(CANCELLED.into()) } else { Ok(()) }
+    }
+
+    fn publish(&mut self, events: Result<Vec<Event>, WatchError>) -> Result<(), String> {
+        for event in events.map_err(sentence)? {
+            // The window may be gone.
+            let _ = self.events.send(event);
+            self.show();
+        }
+        Ok(())
+    }
+
+    fn show_at_times(&mut self) {
+        if self.shown.elapsed() > SNAPSHOT_EVERY {
+            self.show();
+        }
+    }
+
+    fn show(&mut self) {
+        self.shown = Instant::now();
+        *self.overlay.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.watch.overlay());
+    }
+}
+
+fn sentence(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_judges_what_it_has_when_the_bench_has_gone() {
+        let model = Model::builtin("two-mass").unwrap();
+        let channels: Vec<Channel> = ["motor_torque_Nm", "motor_speed_rad_s", "load_speed_rad_s"]
+            .iter()
+            .filter_map(|column| Channel::from_column_name(column))
+            .collect();
+        let settings = Settings::default();
+        let mut session =
+            Session::live(&(Arc::new(|| {}) as Wake), model, channels.clone(), Vec::new(), settings);
+        let time_s: Vec<f64> = (0..300).map(|k| f64::from(k) * 1e-3).collect();
+        let values = vec![0.0; time_s.len() * channels.len()];
+        let batch = Batch { time_s, step_s: 1e-3, after_setup: false, values };
+        session.take(&Feed { channels: Arc::new(channels), batches: vec![Arc::new(batch)] });
+        session.take(&Feed::default());
+        let begin = Instant::now();
+        let end = loop {
+            match session.end() {
+                Some(end) => break end,
+                None => assert!(begin.elapsed() < Duration::from_secs(20), "the watch did not end"),
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        assert_eq!(end, Ok(()));
+        assert!(session.overlay().is_some());
+    }
+}

@@ -1,0 +1,50 @@
+//! The result of an identification, as its file has it.
+
+mod result;
+
+use egui::{ScrollArea, Ui};
+use socam_chart::chart::{self, Seen};
+use socam_workbench::Workspace;
+use socam_workbench::identification::Identification;
+
+use crate::view::{Help, ViewPanel};
+
+/// Shows an identification.
+#[derive(Debug, Default)]
+pub struct IdentificationPage {
+    /// The identification that is shown.
+    pub shown: Option<Identification>,
+}
+
+impl ViewPanel for IdentificationPage {
+    fn ui(&mut self, ui: &mut Ui, _: &mut Workspace, _: &mut Vec<Seen>) {
+        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, EMPTY));
+    }
+
+    fn uses_recordings(&self) -> bool {
+        false
+    }
+
+    fn help() -> Help {
+        &[]
+    }
+}
+
+impl IdentificationPage {
+    /// Shows an identification.
+    pub(crate) fn show(&mut self, identification: Identification) {
+        self.shown = Some(identification);
+    }
+
+    /// Draws the tables, or `empty`, what to do where there is none.
+    pub(crate) fn contents(&self, ui: &mut Ui, empty: &str) {
+        match &self.shown {
+            Some(shown) => {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| result::ui(ui, shown));
+            }
+            None => chart::empty_state(ui, "No identification yet", empty),
+        }
+    }
+}
+
+const EMPTY: &str = "Drop a saved result (.json) here: every parameter is shown with its 95 % interval, and what the recordings do not determine is named.";

@@ -1,0 +1,129 @@
+//! The window in which a channel is derived.
+
+use egui::{Button, ComboBox, DragValue, RichText, Ui, Window};
+
+use socam_chart::theme;
+use socam_workbench::derivation::{Derivation, Operation};
+use socam_workbench::signal::Signal;
+
+/// The dialog's fields.
+#[derive(Debug, Clone, Default)]
+pub(in crate::review) struct Form {
+    operation: Operation,
+    of: String,
+    second: String,
+    corner_hz: Option<f64>,
+    window_s: Option<f64>,
+}
+
+impl Form {
+    /// A form for a channel.
+    pub(in crate::review) fn of(name: &str, operation: Operation) -> Self {
+        Self { operation, of: name.to_owned(), ..Self::default() }
+    }
+
+    /// Draws it. Returns the channel to be added, and whether the window stays open.
+    pub(in crate::review) fn ui(
+        &mut self,
+        ctx: &egui::Context,
+        signals: &[Signal],
+    ) -> (Option<Derivation>, bool) {
+        let (mut added, mut open) = (None, true);
+        let centre = ctx.content_rect().center();
+        let window = Window::new("Derive a channel").collapsible(false).resizable(false);
+        window
+            .open(&mut open)
+            .default_width(420.0)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(centre)
+            .show(ctx, |ui| {
+                self.fields(ui, signals);
+                ui.separator();
+                let derivation = self.derivation();
+                let unit = self.unit(&derivation, signals);
+                let (text, colour) = match &unit {
+                    Ok(unit) => (format!("{}, {unit}", derivation.name()), ui.visuals().text_color()),
+                    Err(sentence) => (sentence.clone(), theme::alarm(ui)),
+                };
+                ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap());
+                if ui.add_enabled(unit.is_ok(), Button::new("Add channel")).clicked() {
+                    added = Some(derivation);
+                }
+            });
+        let stays = open && added.is_none();
+        (added, stays)
+    }
+
+    fn fields(&mut self, ui: &mut Ui, signals: &[Signal]) {
+        let mut names: Vec<&str> = Vec::new();
+        for signal in signals {
+            if !names.contains(&signal.name.as_str()) {
+                names.push(&signal.name);
+            }
+        }
+        egui::Grid::new("derived channel").num_columns(2).show(ui, |ui| {
+            let label = ui.label("operation");
+            let chosen =
+                ComboBox::from_id_salt("operation").width(260.0).selected_text(self.operation.name());
+            let chosen = chosen.show_ui(ui, |ui| {
+                for operation in Operation::ALL {
+                    ui.selectable_value(&mut self.operation, operation, operation.name())
+                        .on_hover_text(operation.sentence());
+                }
+            });
+            chosen.response.labelled_by(label.id);
+            ui.end_row();
+            choose(ui, "of channel", &mut self.of, &names);
+            if let Some(word) = self.operation.second() {
+                choose(ui, word, &mut self.second, &names);
+            }
+            if let Some((word, unit)) = self.operation.value() {
+                let label = ui.label(word);
+                let (value, usual) = match unit {
+                    "Hz" => (&mut self.corner_hz, 10.0),
+                    _ => (&mut self.window_s, 0.1),
+                };
+                let number = value.get_or_insert(usual);
+                let speed = 0.01 * *number;
+                let drag = DragValue::new(number).speed(speed).range(1e-6..=1e6).suffix(format!(" {unit}"));
+                ui.add(drag).labelled_by(label.id);
+                ui.end_row();
+            }
+        });
+        ui.add(
+            egui::Label::new(RichText::new(self.operation.sentence()).small().color(theme::weak(ui))).wrap(),
+        );
+    }
+
+    fn derivation(&self) -> Derivation {
+        let value = match self.operation.value() {
+            Some((_, "Hz")) => self.corner_hz,
+            Some(_) => self.window_s,
+            None => None,
+        };
+        let second = self.operation.second().map(|_| self.second.clone());
+        Derivation { operation: self.operation, of: self.of.clone(), second, value }
+    }
+
+    /// The unit of the result with the channels that are there.
+    fn unit(&self, derivation: &Derivation, signals: &[Signal]) -> Result<String, String> {
+        let of = |name: &str| signals.iter().find(|signal| signal.name == name);
+        let first = of(&self.of).ok_or("choose a channel")?;
+        let second = derivation.second.as_deref().and_then(of).map(|signal| signal.unit.as_str());
+        derivation.unit(&first.unit, second)
+    }
+}
+
+fn choose(ui: &mut Ui, word: &str, chosen: &mut String, names: &[&str]) {
+    if !names.contains(&chosen.as_str()) {
+        *chosen = names.first().map_or_else(String::new, |name| (*name).to_owned());
+    }
+    let label = ui.label(word);
+    let shown = ComboBox::from_id_salt(word).width(260.0).selected_text(chosen.clone()).show_ui(ui, |ui| {
+        for name in names {
+            ui.selectable_value(chosen, (*name).to_owned(), *name);
+        }
+    });
+    shown.response.labelled_by(label.id);
+    ui.end_row();
+}

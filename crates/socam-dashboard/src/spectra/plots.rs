@@ -1,0 +1,137 @@
+//! The charts of spectra and of responses.
+
+use egui::{RichText, Ui, vec2};
+use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
+use socam_chart::theme;
+use socam_workbench::recording::{Recording, short};
+
+use super::densities::{self, amplitudes};
+use super::model_response::model_response;
+use super::response::{Curves, curves};
+use super::{Numbered, Spectra};
+
+impl Spectra {
+    pub(super) fn spectrum(&self, ui: &mut Ui, shown: &[(usize, &Recording)], seen: &mut Vec<Seen>) {
+        let mut channels: Vec<&socam_recording::Channel> = Vec::new();
+        for channel in shown.iter().flat_map(|(_, recording)| &recording.about.channels) {
+            if !channels.contains(&channel) {
+                channels.push(channel);
+            }
+        }
+        let found: Vec<_> =
+            shown.iter().map(|(_, recording)| self.densities.get(&recording.samples, &())).collect();
+        let known = || found.iter().filter_map(|result| result.as_ref()?.as_ref().ok());
+        let ends = known().flatten().flatten();
+        let ends = ends.flat_map(|own| [own.frequency_hz(1), own.frequency_hz(own.lines() - 1)]);
+        let x = range_of(ends).unwrap_or([0.1, 500.0]);
+        let has_failed = found.iter().any(|result| matches!(result, Some(Err(_))));
+        let height = heights(ui, channels.len());
+        ui.spacing_mut().item_spacing.y = 3.0;
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (place, channel) in channels.iter().enumerate() {
+                let is_last = place + 1 == channels.len();
+                let title = format!("{}, {} per sqrt(Hz)", channel.name, channel.unit);
+                let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
+                let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
+                for ((number, recording), found) in shown.iter().zip(&found) {
+                    let own = recording.about.channels.iter().position(|other| other == *channel);
+                    let Some((index, Ok(all))) = own.zip(*found) else { continue };
+                    if let Some(spectra) = &all[index] {
+                        let line = amplitudes(spectra);
+                        chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
+                    }
+                }
+                finish(&mut chart, x, is_last);
+                chart.scales = [Scale::Log; 2];
+                let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
+                chart.y = range_of(values.filter(|value| *value > 0.0))
+                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-7 * high), high])));
+                chart.when_empty = if has_failed { densities::TOO_SHORT } else { "no spectrum yet" };
+                chart.show(ui, seen);
+            }
+        });
+    }
+
+    pub(super) fn response(
+        &self,
+        ui: &mut Ui,
+        shown: &[(usize, &Recording)],
+        (model, revision): Numbered<'_>,
+        seen: &mut Vec<Seen>,
+    ) {
+        let Some(between) = self.chosen(revision) else { return };
+        let [input, output] = &between.columns;
+        let found: Vec<_> =
+            shown.iter().map(|(_, recording)| self.responses.get(&recording.samples, &between)).collect();
+        let lines =
+            || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
+        let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
+        let mut charts = [
+            ("magnitude", format!("|{output} / input|")),
+            ("phase", "phase, degrees".to_owned()),
+            ("coherence", "coherence".to_owned()),
+        ]
+        .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
+        for ((number, recording), found) in shown.iter().zip(&found) {
+            let Some(Ok(measured)) = found else { continue };
+            let Curves { magnitude, phase, coherence } = curves(&measured.response);
+            for (chart, line) in charts.iter_mut().zip([magnitude, phase, vec![coherence]]) {
+                chart.curves.push(curve(ui, *number, &recording.about.name, line));
+            }
+        }
+        for (chart, line) in charts.iter_mut().zip(model_response(model, output, Some(input), x)) {
+            let colour = ui.visuals().strong_text_color();
+            chart.curves.push(Curve {
+                name: format!("model {}", model.name),
+                colour,
+                parts: line,
+                style: Style::Dashed,
+            });
+        }
+        remark(
+            ui,
+            "solid: recordings, where the 95 % confidence circle leaves out zero; dashed: the model at its file's values",
+        );
+        for ((_, recording), found) in shown.iter().zip(&found) {
+            if let Some(Err(problem)) = found {
+                remark(ui, &format!("{}: {problem}", short(&recording.about.name)));
+            }
+        }
+        let height = heights(ui, 3);
+        ui.spacing_mut().item_spacing.y = 3.0;
+        for (place, mut chart) in charts.into_iter().enumerate() {
+            chart.size = vec2(ui.available_width(), if place == 2 { height + AXIS - 22.0 } else { height });
+            finish(&mut chart, x, place == 2);
+            chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
+            let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
+            chart.y = match place {
+                0 => range_of(values.filter(|v| *v > 0.0))
+                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-6 * high), high]))),
+                1 => [-190.0, 190.0],
+                _ => [-0.05, 1.15],
+            };
+            chart.when_empty = "no response yet";
+            chart.show(ui, seen);
+        }
+    }
+}
+
+fn remark(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().color(theme::weak(ui)));
+}
+
+const AXIS: f32 = chart::X_AXIS;
+
+fn heights(ui: &Ui, count: usize) -> f32 {
+    let count = count.max(1) as f32;
+    ((ui.available_height() - AXIS - 4.0 * count) / count).max(96.0)
+}
+
+fn finish(chart: &mut Chart, x: [f64; 2], is_last: bool) {
+    chart.x = x;
+    chart.x_label = if is_last { "frequency, Hz".into() } else { String::new() };
+}
+
+fn curve(ui: &Ui, number: usize, name: &str, parts: Vec<Vec<[f64; 2]>>) -> Curve {
+    Curve { name: name.to_owned(), colour: theme::line(ui, number), parts, style: theme::style(number) }
+}

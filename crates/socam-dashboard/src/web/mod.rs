@@ -1,0 +1,14 @@
+//! What the window does in a browser: a page gives it files, and offers those that it writes for download.
+
+mod frame;
+mod own;
+mod views;
+
+pub(crate) use own::{Own, can_be_mapped, save};
+pub use views::Views;
+
+/// What can be opened.
+pub type Found = socam_workbench::document::Document;
+
+/// Whether a bench can be reached from here.
+pub(crate) const HAS_BENCH: bool = false;

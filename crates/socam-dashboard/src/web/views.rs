@@ -1,0 +1,16 @@
+//! The views of a page: those that only read.
+
+use crate::check::Checks;
+use crate::diagnosis::DiagnosisPage;
+use crate::identification::IdentificationPage;
+use crate::review::Review;
+use crate::spectra::Spectra;
+use crate::view::views;
+
+views! {
+    Time: time = Review;
+    Frequency: frequency = Spectra;
+    Check: check = Checks;
+    Identify: identify = IdentificationPage;
+    Diagnosis: diagnosis = DiagnosisPage;
+}

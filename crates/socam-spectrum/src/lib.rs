@@ -1,0 +1,17 @@
+//! Spectra of sampled signals: the discrete Fourier transform, power densities and coherence by Welch's method, and the part of a signal
+//! within a band.
+//!
+//! * [`transform`] and [`autocorrelation`] are of one signal as it is.
+//! * [`Welch`] averages over segments, between which there may be gaps; [`Spectra`] is its result, [`coherence_p_value`] what chance makes
+//!   of it.
+//! * [`square_within`] is the part of a signal within a band.
+
+mod band;
+mod fourier;
+mod spectra;
+mod welch;
+
+pub use band::square_within;
+pub use fourier::{autocorrelation, transform};
+pub use spectra::{Spectra, coherence_p_value};
+pub use welch::Welch;

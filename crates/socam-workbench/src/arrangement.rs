@@ -1,0 +1,158 @@
+//! Plots and their places as they are stored: nested columns, rows and tabs.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use crate::derivation::Derivation;
+use crate::signal::Signal;
+
+/// What stands in a layout's file.
+pub const SCHEMA: &str = "socam.layout/1";
+
+/// A layout of the view over time: its plots, what is hidden, and its derived channels. It names channels, not recordings, and can be
+/// used with others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Arrangement {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The plots; channels without one get one below the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plots: Option<Node>,
+    /// Whether all plots of a column are equally high.
+    #[serde(default)]
+    pub even: bool,
+    /// Channels that are not drawn.
+    #[serde(default)]
+    pub hidden: BTreeSet<Signal>,
+    /// Derived channels.
+    #[serde(default)]
+    pub derived: Vec<Derivation>,
+}
+
+impl Default for Arrangement {
+    fn default() -> Self {
+        Self { schema: SCHEMA.into(), plots: None, even: true, hidden: BTreeSet::new(), derived: Vec::new() }
+    }
+}
+
+impl Arrangement {
+    /// Reads a layout.
+    ///
+    /// # Errors
+    /// When it is none; one sentence.
+    pub fn parse(value: serde_json::Value) -> Result<Self, serde_json::Error> {
+        serde_json::from_value(value)
+    }
+
+    /// The file's text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
+
+/// A plot, or several beside each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Node {
+    /// One plot.
+    Plot(Plot),
+    /// Below each other.
+    Column(Vec<Part>),
+    /// Beside each other.
+    Row(Vec<Part>),
+    /// In one place, one of them in front.
+    Tabs(Vec<Node>),
+}
+
+/// A part of a column or row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its share of the height or width, relative to the other parts.
+    pub share: f32,
+    /// What is in it.
+    pub of: Node,
+}
+
+/// What a tile shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Plot {
+    /// Channels of one unit over time.
+    Time(Vec<Signal>),
+    /// One channel over another, coloured by time.
+    Xy {
+        /// The vertical axis.
+        y: Signal,
+        /// The horizontal axis.
+        x: Signal,
+    },
+    /// The spectra of a channel over time.
+    Spectrogram(Signal),
+    /// Statistics of every channel that is drawn over time.
+    Statistics,
+}
+
+impl Plot {
+    /// The unit of its vertical axis, for plots that take more channels.
+    fn unit(&self) -> Option<&str> {
+        match self {
+            Self::Time(signals) => signals.first().map(|signal| signal.unit.as_str()),
+            _ => None,
+        }
+    }
+
+    /// Whether its horizontal axis is time.
+    #[must_use]
+    pub fn is_over_time(&self) -> bool {
+        matches!(self, Self::Time(_) | Self::Spectrogram(_))
+    }
+
+    /// Its title.
+    #[must_use]
+    pub fn title(&self) -> String {
+        match self {
+            Self::Time(signals) => {
+                signals.iter().map(|signal| signal.name.as_str()).collect::<Vec<_>>().join(", ")
+            }
+            Self::Xy { y, x } => format!("{} over {}", y.name, x.name),
+            Self::Spectrogram(signal) => format!("spectrogram of {}", signal.name),
+            Self::Statistics => "statistics".into(),
+        }
+    }
+
+    /// Puts a channel into it.
+    ///
+    /// # Errors
+    /// When it has another unit, or the tile takes no channel; one sentence.
+    pub fn join(&mut self, signal: Signal) -> Result<(), String> {
+        let unit = self.unit().map(str::to_owned);
+        match self {
+            Self::Time(signals) if unit.as_deref().is_none_or(|unit| unit == signal.unit) => {
+                if !signals.contains(&signal) {
+                    signals.push(signal);
+                }
+                Ok(())
+            }
+            Self::Time(_) => Err(format!(
+                "{} is in {} and this plot in {}: drop it at an edge to get a plot of its own",
+                signal.name,
+                signal.unit,
+                unit.unwrap_or_default()
+            )),
+            Self::Xy { y, .. } => {
+                *y = signal;
+                Ok(())
+            }
+            Self::Spectrogram(own) => {
+                *own = signal;
+                Ok(())
+            }
+            Self::Statistics => {
+                Err("the table shows every channel that is drawn: drop it at an edge to get a plot".into())
+            }
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Derived channels: what they are computed from, their names and units.
+
+pub(crate) mod compute;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use socam_samples::Samples;
+
+use crate::signal::Signal;
+use crate::units::Units;
+
+/// How a channel is derived from one or two others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Operation {
+    /// Slope, from the neighbours on both sides.
+    #[default]
+    Derivative,
+    /// Integral by trapezoids; it begins at 0 after each gap.
+    Integral,
+    /// One channel minus another, such as a twist.
+    Difference,
+    /// One channel over another.
+    Ratio,
+    /// One channel times another, such as a power.
+    Product,
+    /// Butterworth low-pass, forward and backward.
+    LowPass,
+    /// What the low-pass takes away.
+    HighPass,
+    /// Mean of a window around each sample.
+    MovingMean,
+}
+
+impl Operation {
+    /// All operations.
+    pub const ALL: [Self; 8] = [
+        Self::Derivative,
+        Self::Integral,
+        Self::Difference,
+        Self::Ratio,
+        Self::Product,
+        Self::LowPass,
+        Self::HighPass,
+        Self::MovingMean,
+    ];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Derivative => "derivative",
+            Self::Integral => "integral",
+            Self::Difference => "difference",
+            Self::Ratio => "ratio",
+            Self::Product => "product (power)",
+            Self::LowPass => "low-pass",
+            Self::HighPass => "high-pass",
+            Self::MovingMean => "moving mean",
+        }
+    }
+
+    /// What it computes, in a sentence.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Derivative => "Slope between the samples before and after each sample.",
+            Self::Integral => "Integral by trapezoids. It begins at 0 after each gap and each missing value.",
+            Self::Difference => {
+                "The channel minus the second one. A twist is a difference of integrated speeds."
+            }
+            Self::Ratio => "The channel over the second one; missing where the second one is 0.",
+            Self::Product => "The channel times the second one. Torque times speed is power.",
+            Self::LowPass => {
+                "Second-order Butterworth filter, forward and backward: no delay, half the power at the corner."
+            }
+            Self::HighPass => "The channel minus its low-pass (Butterworth, forward and backward): no delay.",
+            Self::MovingMean => "Mean of the samples in a window around each sample; shorter beside a gap.",
+        }
+    }
+
+    /// What stands before the second channel; `None` for operations of one channel.
+    #[must_use]
+    pub fn second(self) -> Option<&'static str> {
+        match self {
+            Self::Difference => Some("minus"),
+            Self::Ratio => Some("over"),
+            Self::Product => Some("times"),
+            _ => None,
+        }
+    }
+
+    /// What its number is, and the number's unit.
+    #[must_use]
+    pub fn value(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::LowPass | Self::HighPass => Some(("corner", "Hz")),
+            Self::MovingMean => Some(("window", "s")),
+            _ => None,
+        }
+    }
+}
+
+/// A derived channel. Channels are named without units, so that it applies to recordings in V and in SI.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Derivation {
+    /// What is computed.
+    pub operation: Operation,
+    /// Name of the channel.
+    pub of: String,
+    /// Name of the second channel, for operations of two.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second: Option<String>,
+    /// Corner in Hz or window in s, for operations that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+}
+
+impl Derivation {
+    /// Its name: the channel's, a dot, and what is computed.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let second = self.second.as_deref().unwrap_or_default();
+        let value = self.value.unwrap_or_default();
+        let end = match self.operation {
+            Operation::Derivative => "derivative".into(),
+            Operation::Integral => "integral".into(),
+            Operation::Difference => format!("minus.{second}"),
+            Operation::Ratio => format!("over.{second}"),
+            Operation::Product => format!("times.{second}"),
+            Operation::LowPass => format!("low_pass_{value}Hz"),
+            Operation::HighPass => format!("high_pass_{value}Hz"),
+            Operation::MovingMean => format!("mean_{value}s"),
+        };
+        format!("{}.{end}", self.of)
+    }
+
+    /// Its unit, from those of its channels.
+    ///
+    /// # Errors
+    /// When channels of different units are to be subtracted, or a unit is unknown; one sentence.
+    pub fn unit(&self, of: &str, second: Option<&str>) -> Result<String, String> {
+        let parsed = |unit: &str| Units::parse(unit).ok_or_else(|| format!("the unit {unit} is unknown"));
+        let own = parsed(of)?;
+        Ok(match (self.operation, second) {
+            (Operation::Derivative, _) => (own / Units::SECOND).to_string(),
+            (Operation::Integral, _) => (own * Units::SECOND).to_string(),
+            (Operation::Ratio, Some(other)) => (own / parsed(other)?).to_string(),
+            (Operation::Product, Some(other)) => (own * parsed(other)?).to_string(),
+            (Operation::Difference, Some(other)) if other != of => {
+                return Err(format!("{of} minus {other} has no unit; choose channels of the same unit"));
+            }
+            _ => of.to_owned(),
+        })
+    }
+}
+
+/// A derived channel of one recording.
+#[derive(Debug, Clone)]
+pub struct Derived {
+    pub(crate) derivation: Derivation,
+    pub(crate) signal: Signal,
+    /// One channel; `None` where it could not be computed.
+    pub(crate) samples: Option<Arc<Samples>>,
+}

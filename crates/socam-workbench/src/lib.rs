@@ -1,0 +1,34 @@
+//! State of a window on recordings, models and a running bench, without the window.
+//!
+//! Nothing here draws: no crate that this one is built from knows a window, and a test asserts it. A thread that has something new to
+//! show calls a [`Wake`]. What is read by other crates, such as files of other programs, comes in by a plain function
+//! ([`recording::Read`]), so that everything here also runs in a browser.
+
+pub mod about;
+pub mod arrangement;
+pub mod buffer;
+pub mod computed;
+pub mod connection;
+pub mod derivation;
+pub mod derivations;
+pub mod document;
+pub mod entry;
+pub mod identification;
+pub mod input_signal;
+pub mod job;
+pub mod link;
+pub mod next_run;
+pub mod purpose;
+pub mod queue;
+pub mod recording;
+pub mod run;
+pub mod save;
+pub mod setup;
+pub mod signal;
+mod units;
+pub mod view;
+pub mod workspace;
+
+pub use job::Wake;
+pub use view::View;
+pub use workspace::{Content, Feed, Request, Workspace};

@@ -1,0 +1,145 @@
+//! Messages between the window and the thread that talks to the board.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::sync::mpsc::{Receiver, Sender};
+
+use socam_core::State;
+use socam_recording::{Channel, ProfileFile};
+
+use crate::about::Happening;
+use crate::job::Wake;
+use crate::queue::SampleQueue;
+
+/// An order of the window to the thread that talks to the board.
+#[derive(Debug, Clone)]
+pub enum Order {
+    /// Open the link to a device: `sim`, `serial`, `serial:PATH` or `tcp:HOST:PORT`.
+    Connect(String),
+    /// Close it.
+    Disconnect,
+    /// Load an input signal and watch all limits.
+    Arm(Box<Plan>),
+    /// Start, and record.
+    Run,
+    /// Write a note into the recording.
+    Note(String),
+    /// Write an alarm of a watch into the recording.
+    Alarm(String),
+    /// Clear a stored fault.
+    ClearFault,
+}
+
+/// Plan of a run.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The command.
+    pub signal: ProfileFile,
+    /// Its name, for the recording.
+    pub name: String,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// File of the recording.
+    pub path: PathBuf,
+    /// Note for the recording.
+    pub note: String,
+}
+
+/// News of the board and its recorder.
+#[derive(Debug, Clone)]
+pub enum News {
+    /// The link is open.
+    Connected {
+        /// Board, firmware and such, in words.
+        board: String,
+        /// Channels, the command first.
+        channels: Vec<Channel>,
+        /// Largest magnitude of each channel that the board allows, in the channel's unit.
+        limits: Vec<Option<f64>>,
+    },
+    /// State of the board.
+    Status(Health),
+    /// A recording has begun.
+    Began {
+        /// The file.
+        path: PathBuf,
+        /// Planned duration, s.
+        planned_s: f64,
+    },
+    /// It has ended, and its file is closed.
+    Ended {
+        /// The file.
+        path: PathBuf,
+        /// The result in words.
+        text: String,
+        /// Whether it succeeded.
+        well: bool,
+    },
+    /// `start`, `note`, `stop` or `fault`, at its time since the link was opened.
+    Event(Happening),
+    /// An error; the link stays open.
+    Problem(String),
+    /// The link is closed; a sentence if it was not closed by an order.
+    Disconnected(Option<String>),
+}
+
+/// State of the board.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Health {
+    /// State of its safety machine.
+    pub state: State,
+    /// The fault that stopped it: cause and remedy in one sentence.
+    pub fault: Option<String>,
+    /// Number of sampling periods that the board missed.
+    pub overruns: u64,
+    /// Number of samples that the board dropped because the link was slow.
+    pub dropped: u64,
+    /// Number of damaged frames in both directions.
+    pub link_errors: u64,
+    /// Number of recorded and of lost samples.
+    pub recorded: Option<[u64; 2]>,
+}
+
+/// How often the operator pressed stop: 1 asks for a gentle stop, 2 or more cuts the command.
+pub type Presses = Arc<AtomicU32>;
+
+/// The window's end of a link.
+#[derive(Debug)]
+pub struct Port {
+    /// Orders to the thread that talks to the board.
+    pub orders: Sender<Order>,
+    /// News.
+    pub news: Receiver<News>,
+    /// Samples.
+    pub samples: SampleQueue,
+    /// Presses of stop; they overtake orders.
+    pub presses: Presses,
+}
+
+/// The other end of a [`Port`].
+#[derive(Debug)]
+pub struct Bench {
+    /// Orders of the window.
+    pub orders: Receiver<Order>,
+    /// News for the window.
+    pub news: Sender<News>,
+    /// Samples for the window.
+    pub samples: SampleQueue,
+    /// How often stop was pressed since the last run began.
+    pub presses: Presses,
+}
+
+/// Both ends of a link.
+#[must_use]
+pub fn link() -> (Port, Bench) {
+    let (orders, theirs) = std::sync::mpsc::channel();
+    let (news, heard) = std::sync::mpsc::channel();
+    let samples = SampleQueue::default();
+    let presses = Presses::default();
+    let port = Port { orders, news: heard, samples: samples.clone(), presses: presses.clone() };
+    (port, Bench { orders: theirs, news, samples, presses })
+}
+
+/// Makes a link: starts the thread that talks to the board. The thread may wake the window at any time.
+pub type Connector = Box<dyn Fn(Wake) -> Port>;

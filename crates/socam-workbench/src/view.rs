@@ -1,0 +1,54 @@
+//! Names of the views.
+
+use serde::{Deserialize, Serialize};
+
+/// The name of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum View {
+    /// The running bench.
+    Live,
+    /// Recordings over time.
+    Time,
+    /// Spectra, responses, poles and zeros.
+    Frequency,
+    /// Whether recordings can carry a fit.
+    Check,
+    /// Parameters of the model, from recordings. Layouts of earlier versions call it by its result.
+    #[serde(alias = "Parameters")]
+    Identify,
+    /// What physics the model lacks.
+    Diagnosis,
+    /// A bench or recording with the model running beside it.
+    Watch,
+    /// What the recordings of many machines say together.
+    Fleet,
+}
+
+impl View {
+    /// All views, in the order of their tabs.
+    pub const ALL: &[Self] = &[
+        Self::Live,
+        Self::Time,
+        Self::Frequency,
+        Self::Check,
+        Self::Identify,
+        Self::Diagnosis,
+        Self::Watch,
+        Self::Fleet,
+    ];
+
+    /// The name on its tab.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Live => "Live",
+            Self::Time => "Time",
+            Self::Frequency => "Frequency",
+            Self::Check => "Check",
+            Self::Identify => "Identify",
+            Self::Diagnosis => "Diagnosis",
+            Self::Watch => "Watch",
+            Self::Fleet => "Fleet",
+        }
+    }
+}

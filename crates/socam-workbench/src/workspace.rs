@@ -1,0 +1,188 @@
+//! What all views work on, and what they ask of the window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use socam_model::Model;
+use socam_recording::{Channel, ProfileFile};
+
+use crate::connection::Connection;
+use crate::entry::Entry;
+use crate::input_signal::Signal;
+use crate::job::Wake;
+use crate::next_run::NextRun;
+use crate::purpose::Purpose;
+use crate::queue::Batch;
+use crate::recording::Recording;
+use crate::setup::{Chosen, Setup};
+use crate::view::View;
+
+/// Writes a folder of that name; an error is one sentence.
+pub type WriteFolder = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
+
+/// What is saved once its place is known.
+pub enum Content {
+    /// A file.
+    Bytes(Vec<u8>),
+    /// The folder of a diagnosis' report.
+    Report(WriteFolder),
+}
+
+impl std::fmt::Debug for Content {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Bytes(_) => "Bytes",
+            Self::Report(_) => "Report",
+        })
+    }
+}
+
+/// Something that a view asks of the window; it is done after the view is drawn.
+#[derive(Debug)]
+pub enum Request {
+    /// Show another view.
+    Show(View),
+    /// Open a file.
+    Open(String),
+    /// Save a small file; a page in a browser offers it for download.
+    Save(PathBuf, Vec<u8>),
+    /// Ask where to save something, with a name to propose; a page in a browser offers it for download.
+    SaveAs(Purpose, String, Content),
+    /// Make a profile the input signal, and show it; a page in a browser, which has no bench, offers it for download.
+    Signal(Box<ProfileFile>),
+    /// Make a model the one that recordings are compared with.
+    Model(Box<Model>),
+    /// Mark an alarm in the recording that is being made, if one is.
+    Alarm(String),
+    /// Show a remark.
+    Say(String),
+    /// Show an error.
+    Warn(String),
+}
+
+/// Samples of the running bench that have arrived since the last pass.
+#[derive(Debug, Default)]
+pub struct Feed {
+    /// Channels of the bench; empty while no bench is connected.
+    pub channels: Arc<Vec<Channel>>,
+    /// The samples, the oldest first.
+    pub batches: Vec<Arc<Batch>>,
+}
+
+/// The open recordings, the model, and requests to the window.
+#[derive(Debug)]
+pub struct Workspace {
+    /// The open recordings.
+    pub entries: Vec<Entry>,
+    model: Model,
+    /// The models that were used before.
+    models: Vec<Model>,
+    /// What the next identification or diagnosis is made of.
+    pub setup: Setup,
+    /// Counts the models that have been set; results that depend on the model are kept with it.
+    revision: u64,
+    requests: Vec<Request>,
+    /// Whether a bench can be reached from here: not from a page in a browser.
+    pub has_bench: bool,
+    /// The device that is connected to next: `sim`, `serial`, `serial:PATH` or `tcp:HOST:PORT`.
+    pub device: String,
+    /// The connection to the bench.
+    pub bench: Connection,
+    /// Samples of the running bench.
+    pub feed: Feed,
+    /// The input signal of the next run.
+    pub signal: Signal,
+    /// The next run.
+    pub next_run: NextRun,
+}
+
+impl Workspace {
+    /// Nothing is open; recordings are compared with `model`.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self {
+            entries: Vec::new(),
+            model,
+            models: Vec::new(),
+            setup: Setup::default(),
+            revision: 0,
+            requests: Vec::new(),
+            has_bench: false,
+            device: "sim".into(),
+            bench: Connection::default(),
+            feed: Feed::default(),
+            signal: Signal::default(),
+            next_run: NextRun::default(),
+        }
+    }
+
+    /// The model that recordings are compared with.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Number of the model: another one after it was replaced.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Replaces the model.
+    pub fn set_model(&mut self, model: Model) {
+        let before = std::mem::replace(&mut self.model, model);
+        self.models.retain(|known| known.text != before.text && known.text != self.model.text);
+        self.models.push(before);
+        self.revision += 1;
+    }
+
+    /// The models that were used in this window, the present one last.
+    #[must_use]
+    pub fn known_models(&self) -> Vec<Model> {
+        self.models.iter().chain([&self.model]).cloned().collect()
+    }
+
+    /// What the next identification or diagnosis fits.
+    ///
+    /// # Errors
+    /// Why nothing can be started; one sentence.
+    pub fn chosen(&self) -> Result<Chosen, String> {
+        self.setup.chosen(&self.entries, &self.model)
+    }
+
+    /// The recordings that are shown, with their numbers, which determine their colours.
+    pub fn shown(&self) -> impl Iterator<Item = (usize, &Recording)> {
+        self.entries.iter().filter(|entry| entry.shown).map(|entry| (entry.number, &entry.recording))
+    }
+
+    /// Opens the link to the device.
+    pub fn connect(&mut self, wake: Wake) {
+        self.bench.connect(&self.device, wake);
+    }
+
+    /// Loads the input signal; the board then monitors all limits, and nothing moves.
+    pub fn arm(&mut self) {
+        self.bench.arm(self.next_run.plan(&self.signal.settings));
+    }
+
+    /// Takes what the bench has sent since the last call.
+    pub fn listen(&mut self) {
+        self.bench.listen();
+        let channels: &[Channel] =
+            if self.bench.is_connected() { self.bench.buffer().channels() } else { &[] };
+        if *self.feed.channels != channels {
+            self.feed.channels = Arc::new(channels.to_vec());
+        }
+        self.feed.batches = self.bench.take_fresh();
+    }
+
+    /// Asks something of the window.
+    pub fn request(&mut self, request: Request) {
+        self.requests.push(request);
+    }
+
+    /// What was asked since the last call.
+    pub fn take_requests(&mut self) -> Vec<Request> {
+        std::mem::take(&mut self.requests)
+    }
+}
