@@ -11,7 +11,6 @@ mod catalogue;
 mod challenge;
 mod compare;
 mod core_on_board;
-mod dependencies;
 mod diagnose;
 mod diagnose_published;
 mod diagnose_robust;
