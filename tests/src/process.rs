@@ -21,11 +21,16 @@ pub fn program() -> &'static Path {
             Some("debug") | None => "dev",
             Some(profile) => profile,
         };
-        // Within the whole workspace, because cargo chooses the features of shared libraries by what is built together.
+        // With what it is tested together, because cargo chooses the features of shared libraries by what is built together.
+        let tier = if cfg!(feature = "full") {
+            &["--workspace"][..]
+        } else {
+            &["--package", "socam-host", "--no-default-features"]
+        };
         let built = Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--workspace", "--bin", "socam-host", "--profile", profile])
+            .args(["build", "--quiet", "--bin", "socam-host", "--profile", profile])
+            .args(tier)
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .env_remove("RUSTC_BOOTSTRAP")
             .stdin(Stdio::null())
             .output()
             .expect("cargo starts");

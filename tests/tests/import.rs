@@ -51,7 +51,7 @@ fn files_of_other_programs_hold_the_same_values() {
         skip("no Python with the libraries of other formats (SOCAM_PYTHON names one)");
         return;
     };
-    let folder = foreign_files(python);
+    let folder = foreign_files(&python);
     let truth = columns(&folder.path().join("truth.csv"), &["motor_speed", "torque"]);
     let log = folder.path().join("imported.mcap");
     let target = log.to_str().unwrap();
