@@ -46,6 +46,7 @@ const STATED: [&str; 11] = [
 ];
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn files_of_other_programs_hold_the_same_values() {
     let Some(python) = python() else {
         skip("no Python with the libraries of other formats (SOCAM_PYTHON names one)");

@@ -39,6 +39,8 @@ mod import;
 #[cfg(unix)]
 mod interrupt;
 mod lab_jobs;
+#[cfg(not(feature = "full"))]
+mod lean;
 #[cfg(feature = "full")]
 mod readers;
 mod record;
