@@ -98,9 +98,14 @@ pub(crate) fn open_regular(run: &str) -> anyhow::Result<Dataset> {
 /// The same for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
 /// that bend at their samples.
 pub(crate) fn open_for(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let data = socam_expectation::on_regular_grid(socam_import::open(run)?, model, parts)?;
+    let data = open_silently(run, model, parts)?;
     say_warnings(run, &data);
     Ok(data)
+}
+
+/// As [`open_for`], without a word about the recording's warnings.
+pub(crate) fn open_silently(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
+    Ok(socam_expectation::on_regular_grid(socam_import::open(run)?, model, parts)?)
 }
 
 /// Says a recording's warnings.
@@ -211,6 +216,14 @@ pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
     let mut file = create(path)?;
     file.write_all(text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
     Ok(file.commit()?)
+}
+
+/// Writes text files into a folder, which is made where there is none; each is there whole or not at all. The last one is the page, so that
+/// whatever it links to is there.
+pub(crate) fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text))
 }
 
 #[cfg(test)]

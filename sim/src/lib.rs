@@ -16,6 +16,7 @@
 
 mod analog;
 mod bench;
+#[cfg(feature = "challenge")]
 pub mod challenge;
 mod channel;
 mod concealed;

@@ -5,10 +5,7 @@ use jiff::{
     civil::{Date, DateTime},
     tz::TimeZone,
 };
-use socam_recording::Dataset;
-
-/// Key of a log's metadata that holds the serial number of the machine; `record --machine` writes it.
-pub const MACHINE_KEY: &str = "machine";
+use socam_recording::{Dataset, MACHINE_KEY};
 
 /// Serial number that a log holds.
 pub(crate) fn machine_of_log(data: &Dataset) -> Option<String> {

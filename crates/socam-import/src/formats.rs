@@ -1,11 +1,16 @@
 //! The formats, and how a file's is found.
 
+#[cfg(feature = "formats-arrow")]
 mod arrow;
 pub(crate) mod fence;
+#[cfg(feature = "formats-hdf5")]
 mod hdf5;
 mod matlab;
+#[cfg(feature = "formats-ros")]
 mod mcap;
+#[cfg(feature = "formats-mdf4")]
 mod mdf;
+#[cfg(feature = "formats-arrow")]
 mod parquet;
 mod tree;
 
@@ -78,6 +83,26 @@ const REFUSED: [(&[u8], &str); 9] = [
     (b"7z\xbc\xaf", "is a 7z archive; unpack it"),
 ];
 
+/// The error for a file whose format is left out of this build.
+#[cfg(not(all(
+    feature = "formats-arrow",
+    feature = "formats-hdf5",
+    feature = "formats-mdf4",
+    feature = "formats-ros"
+)))]
+fn not_built(path: &Path, kind: Kind) -> ImportError {
+    let feature = match kind {
+        Kind::Parquet | Kind::Arrow => "formats-arrow",
+        Kind::Hdf5 => "formats-hdf5",
+        Kind::Mdf4 => "formats-mdf4",
+        _ => "formats-ros",
+    };
+    let problem = format!(
+        "is {kind}, which this build does not read: build socam-host with its feature `{feature}`, or with all of them (`cargo install --path host`)"
+    );
+    ImportError::file(path, problem)
+}
+
 /// Finds the format of a file by its first bytes.
 ///
 /// # Errors
@@ -120,12 +145,24 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
     let read = || match kind {
         Kind::Text => text::read(path, layout, date, wanted),
         Kind::Tdms => tdms::read(path, wanted),
-        Kind::Mdf4 => mdf::read(path, wanted),
         Kind::Mat => matlab::read(path, wanted),
+        #[cfg(feature = "formats-mdf4")]
+        Kind::Mdf4 => mdf::read(path, wanted),
+        #[cfg(feature = "formats-hdf5")]
         Kind::Hdf5 => hdf5::read(path, wanted),
+        #[cfg(feature = "formats-arrow")]
         Kind::Parquet => parquet::read(path, wanted),
+        #[cfg(feature = "formats-arrow")]
         Kind::Arrow => arrow::read(path, wanted),
+        #[cfg(feature = "formats-ros")]
         Kind::Mcap => mcap::read(path, wanted),
+        #[cfg(not(all(
+            feature = "formats-arrow",
+            feature = "formats-hdf5",
+            feature = "formats-mdf4",
+            feature = "formats-ros"
+        )))]
+        _ => Err(not_built(path, kind)),
     };
     let source = fence::fenced(read).unwrap_or_else(|| {
         let problem = format!("its {kind} cannot be read");

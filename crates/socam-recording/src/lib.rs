@@ -29,6 +29,7 @@ mod beside;
 mod calibration_edit;
 mod calibration_file;
 pub mod check;
+mod checksum;
 mod convert;
 mod csv_lines;
 mod csv_read;
@@ -57,6 +58,7 @@ mod welch;
 pub use beside::temporary_beside;
 pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
+pub use checksum::{sha256, sha256_of_file};
 pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Shared, Steps};
 pub use error::{RecordingError, Result};
@@ -70,7 +72,7 @@ pub use line_problem::LineProblem;
 pub use log::attachments::{Attachment, read_attachments};
 pub use log::contents::{AttachmentInfo, LogContents};
 pub use log::names::{
-    EVENT_TOPIC, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
+    EVENT_TOPIC, MACHINE_KEY, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
 };
 pub use log::parse::record as parse_log_record;
 pub use log::record::{Recorder, RecordingSummary};

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use socam_compare::{ChannelComparison, Comparison, Document, ModelCheck, Options, Verdict};
 use socam_recording::Dataset;
 use socam_sim::{Replay, Start, Truth};
@@ -77,11 +76,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             ),
             format!("false alarm rate {}", args.false_alarm_rate),
         ];
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-        output::write_whole(&folder.join("index.html"), &socam_compare::page(&comparison, &about))?;
-        let document = Document::new(&comparison, None);
-        output::write_whole(&folder.join("comparison.json"), &serde_json::to_string_pretty(&document)?)?;
+        let document = serde_json::to_string_pretty(&Document::new(&comparison, None))?;
+        let page = socam_report::comparison::page(&comparison, &about);
+        output::write_folder(folder, &[("comparison.json".into(), document), ("index.html".into(), page)])?;
     }
     if args.json {
         output::print_json(&Document::new(&comparison, model))?;

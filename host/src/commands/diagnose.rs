@@ -5,9 +5,10 @@ mod text;
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
-use socam_diagnose::Answer;
-use socam_recording::{Dataset, OutputFile, Selection};
+use socam_diagnose::{Answer, HeldOut};
+use socam_recording::{Dataset, OutputFile, RecordingError, Selection};
 
 use super::{Outcome, identify::Start};
 use crate::interrupt::Interrupt;
@@ -18,8 +19,8 @@ pub(crate) use text::text;
 /// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
 ///
 /// Fits the model to the recordings, tests whether anything is missing, tries every effect of the catalogue at every place, and keeps those
-/// that predict better in cross-validation (leave one recording out). Recordings of --holdout are opened after the last choice, for
-/// validation; without them the result is not validated.
+/// that predict better in cross-validation (leave one recording out). Recordings of --holdout are read only after the last choice, for
+/// validation; until then only their checksums are compared. Without them the result is not validated.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -102,12 +103,18 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    let open = |runs: &[String]| {
-        // Outputs that are missing at most grid points would have no spectra.
-        let each = runs.iter().map(|run| output::open_for(run, &model, 1));
-        each.collect::<anyhow::Result<Vec<Dataset>>>()
+    // Outputs that are missing at most grid points would have no spectra.
+    let training: anyhow::Result<Vec<Dataset>> =
+        args.runs.iter().map(|run| output::open_for(run, &model, 1)).collect();
+    let training = training?;
+    check_held_out(&args)?;
+    let opened = Mutex::new(Vec::new());
+    let open = |run: &str| {
+        let data = output::open_silently(run, &model, 1)?;
+        opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
+        anyhow::Ok(data)
     };
-    let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
+    let held_out = args.holdout.iter().fold(HeldOut::none(), |all, run| all.with(run, move || open(run)));
     let mut fit = socam_identify::Options::default();
     let answer = watch::fit(&interrupt, args.progress, &mut fit, |fit| {
         let options = socam_diagnose::Options {
@@ -119,8 +126,10 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             watch: fit.watch.clone(),
             ..socam_diagnose::Options::default()
         };
-        socam_diagnose::diagnose(&model, &training, &holdout, &options)
+        socam_diagnose::diagnose(&model, &training, held_out, &options)
     })?;
+    let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
+    held_out.iter().for_each(|data| output::say_warnings(data.name(), data));
     if let Some(mut target) = target {
         target.write_all(answer.model_toml.as_bytes())?;
         target.commit()?;
@@ -129,7 +138,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let Answer { diagnosis, evidence, model_toml } = &answer;
     if let Some(dir) = &args.report {
         let made = provenance::of(&args.model, &model, args.runs.iter().chain(&args.holdout))?;
-        socam_diagnose::report::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
+        socam_report::diagnosis::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;
@@ -137,7 +146,18 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::on(training.iter().chain(&holdout)))
+    Ok(Outcome::on(training.iter().chain(&held_out)))
+}
+
+/// Refuses held-out recordings that cannot be opened, as far as their first bytes tell, and copies of fitted files. Reads no sample: that is
+/// left to the diagnosis, after its last choice.
+fn check_held_out(args: &Args) -> anyhow::Result<()> {
+    let selections = |runs: &[String]| {
+        runs.iter().map(|run| Selection::parse(run)).collect::<Result<Vec<_>, RecordingError>>()
+    };
+    let held_out = selections(&args.holdout)?;
+    held_out.iter().try_for_each(socam_import::probe)?;
+    Ok(socam_diagnose::refuse_copies(&selections(&args.runs)?, &held_out)?)
 }
 
 /// Refuses samples that are named twice, also by different paths.
@@ -146,10 +166,7 @@ fn apart(args: &Args) -> anyhow::Result<()> {
     for run in args.runs.iter().chain(&args.holdout) {
         let mut own = Selection::parse(run)?;
         own.path = own.path.canonicalize().unwrap_or(own.path);
-        let overlaps = |other: &Selection| {
-            let (a, b) = (own.span, other.span);
-            own.path == other.path && a.from_s < b.to_s && b.from_s < a.to_s
-        };
+        let overlaps = |other: &Selection| own.path == other.path && own.span.overlaps(&other.span);
         if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
             let what = if *before == run {
                 format!("`{run}` is named twice")

@@ -1,14 +1,15 @@
 //! `identify`: recordings and a model in, parameters with intervals out.
 
 mod args;
+#[cfg(feature = "thesis")]
 mod coefficient_match;
+#[cfg(feature = "exchange")]
 mod etf;
+#[cfg(feature = "exchange")]
 mod files;
 mod frf;
 mod noise;
 mod options;
-mod page;
-mod pictures;
 mod result;
 mod validation;
 
@@ -19,6 +20,8 @@ use socam_model::Model;
 use socam_recording::{Dataset, OutputFile};
 
 use super::Outcome;
+#[cfg(not(all(feature = "exchange", feature = "thesis")))]
+use super::not_built;
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::{band, calibrated, model_file, watch};
@@ -42,8 +45,14 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     refuse_unused(&args)?;
     match args.method {
         Method::Frf => return frf::run(&args, &model),
+        #[cfg(feature = "exchange")]
         Method::Etf => return etf::run(&args, &model),
+        #[cfg(not(feature = "exchange"))]
+        Method::Etf => return Err(not_built("`--method etf`", "exchange")),
+        #[cfg(feature = "thesis")]
         Method::CoefficientMatch => return coefficient_match::run(&args, &model),
+        #[cfg(not(feature = "thesis"))]
+        Method::CoefficientMatch => return Err(not_built("`--method coefficient-match`", "thesis")),
         Method::OutputError | Method::InverseDynamics => {}
     }
     if args.band.is_some() && args.validate.is_empty() {

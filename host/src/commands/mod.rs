@@ -1,19 +1,22 @@
 //! The commands, one file each. A new one takes its `mod` line and its line in the table below.
 
 mod calibrate;
+#[cfg(feature = "challenge")]
 mod challenge;
 mod check;
 mod compare;
 mod completions;
-#[cfg(feature = "dashboard")]
+#[cfg(feature = "window")]
 mod dashboard;
 mod demo;
 mod design;
 mod diagnose;
 mod efficiency;
 mod export;
+#[cfg(feature = "exchange")]
 mod export_model;
 mod flash;
+#[cfg(feature = "fleet")]
 mod fleet;
 mod identify;
 mod import;
@@ -24,6 +27,7 @@ mod record;
 mod recover;
 mod simulate;
 mod template;
+#[cfg(feature = "thesis")]
 mod thesis;
 mod virtual_board;
 mod watch;
@@ -57,20 +61,54 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Makes the subcommands from `Name => module` lines. Each module has `Args` (whose doc comment is the command's help) and
-/// `run(Args) -> anyhow::Result<Outcome>`.
+/// Arguments of a command that this build leaves out: any, so that it says so whatever is typed.
+#[cfg(not(all(feature = "window", feature = "fleet", feature = "exchange", feature = "challenge", feature = "thesis")))]
+#[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
+pub(crate) struct NotBuilt {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    _any: Vec<std::ffi::OsString>,
+}
+
+/// The error of a command, or an option of one, that this build leaves out.
+pub(crate) fn not_built(what: &str, feature: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "{what} is not part of this build: build socam-host with its feature `{feature}`, or with all of them (`cargo install --path host`)"
+    )
+}
+
+/// Makes the subcommands from lines `Name => module` or `Name => module if "feature"`. Each module has `Args` (whose doc comment is
+/// the command's help) and `run(Args) -> anyhow::Result<Outcome>`. A command whose feature is off says which one it needs.
 macro_rules! commands {
-    ($($(#[$condition:meta])* $name:ident => $module:ident,)*) => {
+    ($($name:ident => $module:ident $(if $feature:literal)?,)*) => {
         #[derive(Debug, clap::Subcommand)]
         pub(crate) enum Command {
-            $($(#[$condition])* $name($module::Args),)*
+            $(
+                $(#[cfg(feature = $feature)])?
+                $name($module::Args),
+                $(
+                    #[cfg(not(feature = $feature))]
+                    #[command(about = concat!("Not part of this build, which lacks the feature `", $feature, "`"))]
+                    $name(NotBuilt),
+                )?
+            )*
         }
 
         impl Command {
             /// Runs it.
             pub(crate) fn run(self) -> anyhow::Result<Outcome> {
                 match self {
-                    $($(#[$condition])* Self::$name(args) => $module::run(args),)*
+                    $(
+                        $(#[cfg(feature = $feature)])?
+                        Self::$name(args) => $module::run(args),
+                        $(
+                            #[cfg(not(feature = $feature))]
+                            Self::$name(_) => {
+                                let name = stringify!($module).replace('_', "-");
+                                Err(not_built(&format!("`{name}`"), $feature))
+                            }
+                        )?
+                    )*
                 }
             }
         }
@@ -82,10 +120,10 @@ commands! {
     Check => check,
     Import => import,
     Export => export,
-    ExportModel => export_model,
+    ExportModel => export_model if "exchange",
     Identify => identify,
     Diagnose => diagnose,
-    Fleet => fleet,
+    Fleet => fleet if "fleet",
     Compare => compare,
     Calibrate => calibrate,
     Efficiency => efficiency,
@@ -95,14 +133,13 @@ commands! {
     Watch => watch,
     Recover => recover,
     Simulate => simulate,
-    Challenge => challenge,
+    Challenge => challenge if "challenge",
     VirtualBoard => virtual_board,
-    #[cfg(feature = "dashboard")]
-    Dashboard => dashboard,
+    Dashboard => dashboard if "window",
     Flash => flash,
     New => new,
     Model => model,
     Template => template,
-    Thesis => thesis,
+    Thesis => thesis if "thesis",
     Completions => completions,
 }

@@ -6,9 +6,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use socam_fleet::labels::MACHINE_KEY;
 use socam_model::Model;
-use socam_recording::{Attachment, Calibration, ProfileFile};
+use socam_recording::{Attachment, Calibration, MACHINE_KEY, ProfileFile};
 use socam_watch::{Baseline, Watch};
 
 use super::Outcome;

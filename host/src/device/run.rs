@@ -8,7 +8,7 @@ mod recording;
 
 use std::collections::BTreeMap;
 
-#[cfg(feature = "dashboard")]
+#[cfg(feature = "window")]
 use anyhow::Context;
 use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,7 +19,7 @@ use super::session::Session;
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 pub(crate) use columns::Columns;
-#[cfg(feature = "dashboard")]
+#[cfg(feature = "window")]
 pub(crate) use columns::fault_text;
 use deadline::Deadline;
 pub(crate) use plan::{End, Monitor, Plan, Report};
@@ -84,7 +84,7 @@ pub(crate) fn record_watched(
 }
 
 /// Loads the plan's calibration and profile, and arms the board: it watches all limits, and nothing moves.
-#[cfg(feature = "dashboard")]
+#[cfg(feature = "window")]
 pub(crate) fn arm(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
     prepare(session, plan)?;
     session.request(Request::Arm)?.context("the board cannot be armed")

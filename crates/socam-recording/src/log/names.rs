@@ -15,6 +15,9 @@ pub const EVENT_TOPIC: &str = "/socam/event";
 /// Name of the metadata record with versions and notes.
 pub const METADATA_NAME: &str = "socam";
 
+/// Key in that record of the machine's serial number, which `record --machine` writes.
+pub const MACHINE_KEY: &str = "machine";
+
 /// Name of the metadata record written when a recording is finished in order.
 pub const SUMMARY_NAME: &str = "socam.summary";
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
-use socam_diagnose::Answer;
+use socam_diagnose::{Answer, HeldOut};
 use socam_model::Model;
 use socam_sim::Concealed;
 
@@ -30,20 +30,20 @@ pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcom
         outcome = worse(outcome, record(&path, profile, DURATION_S, seed, vec![hidden.clone()])?);
         paths.push(path);
     }
-    let data =
-        paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
-    let (training, holdout) = data.split_at(FITTED.len());
+    let names: Vec<String> = paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+    let (fitted, held_out) = names.split_at(FITTED.len());
+    let training = fitted.iter().map(|run| output::open(run)).collect::<Result<Vec<_>, _>>()?;
+    let held_out = held_out.iter().fold(HeldOut::none(), |all, run| all.with(run, move || output::open(run)));
     let mut fit = socam_identify::Options::default();
     let answer = watch::fit(&Interrupt::listen(), false, &mut fit, |fit| {
         let options =
             socam_diagnose::Options { watch: fit.watch.clone(), ..socam_diagnose::Options::default() };
-        socam_diagnose::diagnose(model, training, holdout, &options)
+        socam_diagnose::diagnose(model, &training, held_out, &options)
     })?;
     let report = dir.join("report");
-    let names: Vec<String> = paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
     let made = provenance::of(MODEL, model, &names)?;
     let Answer { diagnosis, evidence, model_toml } = &answer;
-    socam_diagnose::report::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
+    socam_report::diagnosis::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     output::print(&format!("\nDiagnosis: {}", diagnose::text(&answer.diagnosis)))?;
     output::print(&format!("\nConcealed was {HIDDEN}.\n"))?;
     Ok(outcome)

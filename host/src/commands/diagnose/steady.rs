@@ -60,7 +60,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     if let Some(dir) = &args.report {
         let made = provenance::of(&args.model, model, &args.runs)?;
         let model = (model, Some(model_toml.as_str()));
-        socam_diagnose::report::write(dir, &diagnosis, &Evidence::default(), model, &made)?;
+        socam_report::diagnosis::write(dir, &diagnosis, &Evidence::default(), model, &made)?;
     }
     if args.json {
         output::print_json(&diagnosis)?;

@@ -6,12 +6,10 @@ use serde_json::Value;
 use socam_frequency::response::{Method, Response};
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_response::{Answer, ResponseError, answer::decibel, document, pictures};
+use socam_report::response::{self, Section};
+use socam_response::{Answer, ResponseError, answer::decibel, document};
 
-use super::{
-    args::Args,
-    page::{self, Section},
-};
+use super::args::Args;
 use crate::{
     commands::Outcome,
     output::{self, WrongArguments},
@@ -27,7 +25,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let answers = estimate(args, model, &datasets, &args.frequency.output)?;
     let document = document(&model.name, &args.runs, &answers);
     if let Some(dir) = &args.frequency.report {
-        page::write_all(dir, &files(args, model, &answers, &document)?)?;
+        output::write_folder(dir, &files(args, model, &answers, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -148,7 +146,7 @@ fn files(
     ];
     let mut sections = Vec::new();
     for answer in answers {
-        let drawn = pictures::response(answer);
+        let drawn = response::pictures(answer);
         let mut sentences = vec![format!("Estimated from {}.", method(&answer.response))];
         sentences.extend(answer.distortion_sentences().iter().map(|sentence| format!("{sentence}.")));
         for picture in &drawn {
@@ -159,6 +157,6 @@ fn files(
     }
     let title = format!("Frequency response of {}", model.name);
     let about = format!("From {}.", args.runs.join(", "));
-    files.push(("index.html".to_owned(), page::page(&title, &about, &sections)));
+    files.push(("index.html".to_owned(), response::page(&title, &about, &sections)));
     Ok(files)
 }

@@ -21,7 +21,7 @@ impl Columns {
     }
 
     /// Those of a value per channel that belong to recorded channels.
-    #[cfg(feature = "dashboard")]
+    #[cfg(feature = "window")]
     pub(crate) fn recorded<T>(&self, all: Vec<T>) -> Vec<T> {
         all.into_iter()
             .zip(&self.recorded)
