@@ -200,29 +200,25 @@ pub fn say(image: &Path) -> Option<String> {
     Some(String::from_utf8(ran.stdout).expect("text"))
 }
 
-/// The emulator's folder with what it needs; `None`, with the reason said, where there is no Node.
+/// The emulator's folder with what it needs; `None`, with the reason said, where there was no set-up.
 fn program() -> Option<&'static Path> {
     static PROGRAM: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let program = PROGRAM.get_or_init(install).as_deref();
+    let program = PROGRAM.get_or_init(copy).as_deref();
     if program.is_none() {
-        crate::skip("there is no Node to emulate the board with");
+        crate::skip("the board's emulator is not installed (tests/run --set-up does it where there is Node)");
     }
     program
 }
 
-fn install() -> Option<PathBuf> {
-    Command::new("node").arg("--version").output().ok()?;
+/// Copies the emulator's sources to the packages that `tests/run --set-up` has installed beside the build.
+fn copy() -> Option<PathBuf> {
     let folder = firmware::kept("emulator");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("emulator");
-    std::fs::create_dir_all(&folder).expect("a folder beside the build");
+    if !crate::readers::is_set_up(&source.join("package-lock.json"), &folder) {
+        return None;
+    }
     for entry in source.read_dir().expect("tests/emulator").map_while(Result::ok) {
         std::fs::copy(entry.path(), folder.join(entry.file_name())).expect("a copy beside the build");
-    }
-    if !folder.join("node_modules/rp2040js").is_dir() {
-        let npm =
-            Command::new("npm").args(["ci", "--silent", "--ignore-scripts"]).current_dir(&folder).output();
-        let npm = npm.expect("npm comes with Node");
-        assert!(npm.status.success(), "{}", String::from_utf8_lossy(&npm.stderr));
     }
     Some(folder)
 }

@@ -48,7 +48,6 @@ fn build(what: &[&str], file: &str) -> Option<PathBuf> {
         .args(what)
         .current_dir(&folder)
         .env_remove("RUSTFLAGS")
-        .env_remove("RUSTC_BOOTSTRAP")
         .env_remove("CARGO_TARGET_DIR")
         .stdin(Stdio::null())
         .output()

@@ -5,33 +5,38 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-/// The program of this workspace, up to date and of the same profile as the test.
-///
-/// Cargo hands a binary's path only to tests of its own package, so this one asks cargo for it: when the whole workspace is under
-/// test it is built already, and cargo only looks.
+/// The program of this workspace: `SOCAM_HOST`, which `tests/run` has built together with the tests, or one that cargo builds now with the
+/// profile of this test.
 ///
 /// # Panics
 /// When it does not build.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        let test = std::env::current_exe().expect("this test's path");
-        let folder = test.ancestors().nth(2).expect("target/PROFILE/deps/TEST");
-        let profile = match folder.file_name().and_then(OsStr::to_str) {
-            Some("debug") | None => "dev",
-            Some(profile) => profile,
-        };
-        // Within the whole workspace, because cargo chooses the features of shared libraries by what is built together.
-        let built = Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--workspace", "--bin", "socam-host", "--profile", profile])
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .env_remove("RUSTC_BOOTSTRAP")
-            .stdin(Stdio::null())
-            .output()
-            .expect("cargo starts");
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        folder.join(format!("socam-host{}", std::env::consts::EXE_SUFFIX))
-    })
+    PROGRAM.get_or_init(|| std::env::var_os("SOCAM_HOST").map_or_else(build, PathBuf::from))
+}
+
+fn build() -> PathBuf {
+    let test = std::env::current_exe().expect("this test's path");
+    let folder = test.ancestors().nth(2).expect("target/PROFILE/deps/TEST");
+    let profile = match folder.file_name().and_then(OsStr::to_str) {
+        Some("debug") | None => "dev",
+        Some(profile) => profile,
+    };
+    // Cargo chooses the features of shared libraries by what is built together.
+    let together: &[&str] = if cfg!(feature = "full") {
+        &["--workspace"]
+    } else {
+        &["--package", "socam-host", "--no-default-features"]
+    };
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--bin", "socam-host", "--profile", profile])
+        .args(together)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .stdin(Stdio::null())
+        .output()
+        .expect("cargo starts");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    folder.join(format!("socam-host{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// The program, without standard input and colours.

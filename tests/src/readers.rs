@@ -1,8 +1,6 @@
 //! Programs of others that read what this one writes.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::OnceLock;
 
 /// Scripts of the readers.
 #[must_use]
@@ -10,51 +8,33 @@ pub fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("readers")
 }
 
-/// Where the readers are kept: beside the build, so that `cargo clean` takes them too.
+/// Where `tests/run --set-up` puts the readers: beside the build, so that `cargo clean` takes them too.
 ///
 /// # Panics
 /// When the test's own path is unknown.
 #[must_use]
 pub fn kept() -> PathBuf {
-    let test = std::env::current_exe().expect("this test's path");
-    let target = test.ancestors().nth(3).expect("target/PROFILE/deps");
-    target.join("readers")
+    crate::firmware::kept("readers")
 }
 
-/// Runs a step of the preparation; false when the program is absent or it fails (no network).
-pub fn prepare(program: impl AsRef<Path>, arguments: &[&str], folder: &Path) -> bool {
-    Command::new(program.as_ref())
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .is_ok_and(|output| output.status.success())
+/// A Python with the packages of `readers/requirements.txt`: `SOCAM_PYTHON`, or the one that the set-up made for the present list.
+#[must_use]
+pub fn python() -> Option<PathBuf> {
+    let named = std::env::var_os("SOCAM_PYTHON").map(PathBuf::from);
+    let (list, folder) = (scripts().join("requirements.txt"), kept().join("venv"));
+    named.or_else(|| is_set_up(&list, &folder).then(|| folder.join("bin/python")))
 }
 
-/// A Python with the packages of `readers/requirements.txt`: `SOCAM_PYTHON`, or one that is made on first use; `None` without network.
-pub fn python() -> Option<&'static Path> {
-    // Tests run side by side; one of them makes it.
-    static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
-    PYTHON.get_or_init(make_python).as_deref()
+/// A folder whose `node_modules` hold the packages of `readers/package.json`: `SOCAM_NODE_MODULES`, or that of the set-up.
+#[must_use]
+pub fn node_modules() -> Option<PathBuf> {
+    let named = std::env::var_os("SOCAM_NODE_MODULES").map(PathBuf::from);
+    let (list, folder) = (scripts().join("package.json"), kept().join("node"));
+    named.or_else(|| is_set_up(&list, &folder).then_some(folder))
 }
 
-fn make_python() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("SOCAM_PYTHON") {
-        return Some(named.into());
-    }
-    let python = kept().join("venv/bin/python");
-    let packages = scripts().join("requirements.txt");
-    let wanted = std::fs::read_to_string(&packages).ok()?;
-    // What was installed: a changed list is installed again.
-    let ready = kept().join("venv/ready");
-    if std::fs::read_to_string(&ready).ok().as_ref() != Some(&wanted) {
-        std::fs::create_dir_all(kept()).ok()?;
-        let install = ["-m", "pip", "install", "--quiet", "-r", packages.to_str()?];
-        let done =
-            prepare("python3", &["-m", "venv", "venv"], &kept()) && prepare(&python, &install, &kept());
-        if !done {
-            return None;
-        }
-        std::fs::write(&ready, wanted).ok()?;
-    }
-    Some(python)
+/// Whether `tests/set-up` has installed the packages of a list, as it stands today, into a folder.
+pub(crate) fn is_set_up(list: &Path, folder: &Path) -> bool {
+    let installed = std::fs::read(folder.join("installed"));
+    installed.is_ok_and(|installed| std::fs::read(list).is_ok_and(|wanted| wanted == installed))
 }

@@ -42,6 +42,7 @@ fn leave_out(recordings: [&str; 3], held_out: usize) -> Value {
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn two_recordings_predict_the_shaft_torques_of_the_third() {
     let mut paths = Vec::new();
     for recording in RECORDINGS {

@@ -279,6 +279,7 @@ fn limited(command: &[&OsStr]) -> Ran {
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn a_model_that_cannot_be_exported_is_refused_in_one_sentence() {
     let folder = Folder::new();
     let nowhere = folder.path("nowhere.toml");

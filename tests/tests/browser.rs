@@ -26,7 +26,6 @@ fn page() -> Option<PathBuf> {
     let built = Command::new(build)
         .arg(target)
         .env("CARGO", env!("CARGO"))
-        .env_remove("RUSTC_BOOTSTRAP")
         .stdin(Stdio::null())
         .output()
         .expect("bash");

@@ -24,25 +24,21 @@ impl Folder {
         let _ = run(["simulate", "-o", &path].iter().chain(arguments)).done();
         path
     }
+
+    /// A recording of the virtual bench, and what `identify --method frf` says of it and writes into `response`.
+    fn response(&self) -> (String, Value) {
+        let recording = self.simulate("run.mcap", &["--profile", "multisine", "--duration", "16s"]);
+        let report = self.path("response");
+        let options = ["--method", "frf", "--output", "output_speed", "--report", &report, "--json"];
+        let found = run(["identify", &recording].iter().chain(&options)).json();
+        (recording, found)
+    }
 }
 
 #[test]
-fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_function() {
+fn the_response_of_the_virtual_bench_is_its_own() {
     let folder = Folder::new();
-    let recording = folder.simulate("run.mcap", &["--profile", "multisine", "--duration", "16s"]);
-    let report = folder.path("response");
-    let found = run([
-        "identify",
-        &recording,
-        "--method",
-        "frf",
-        "--output",
-        "output_speed",
-        "--report",
-        &report,
-        "--json",
-    ])
-    .json();
+    let (_, found) = folder.response();
     assert_eq!(found["schema"], "socam.frequency-response/1");
     let output = &found["outputs"][0];
     assert_eq!(output["estimated_by"]["method"], "periodic");
@@ -61,7 +57,13 @@ fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_functi
         assert!((88.0..=100.0).contains(&number(&output["beside_model"][held])), "{output:?}");
     }
     assert_eq!(output["distortion"]["even"]["significant"], false, "{}", output["distortion"]);
+}
 
+#[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
+fn the_response_of_the_virtual_bench_leads_to_its_transfer_function() {
+    let folder = Folder::new();
+    let (recording, _) = folder.response();
     // A transfer function draws on all lines together: nearer to the exact one than any line need be.
     let etf = run(["identify", &recording, "--method", "etf", "--json"]).json();
     let beside = &etf["beside_model"];
@@ -69,7 +71,7 @@ fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_functi
     assert!(number(&beside["worst_db"]) < 0.2 && number(&beside["worst_deg"]) < 1.5, "{beside}");
 
     // The response that was written is data for a transfer function, and that for coefficient matching.
-    let csv = format!("{report}/response.csv");
+    let csv = folder.path("response/response.csv");
     let folder_etf = folder.path("transfer");
     let etf = run([
         "identify",
@@ -93,6 +95,7 @@ fn the_response_of_the_virtual_bench_is_its_own_and_leads_to_its_transfer_functi
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn a_response_that_was_written_leads_to_the_same_transfer_function_as_its_recording() {
     let folder = Folder::new();
     let recording = folder.simulate("run.mcap", &["--profile", "chirp", "--duration", "20s"]);
@@ -116,6 +119,7 @@ fn a_response_that_was_written_leads_to_the_same_transfer_function_as_its_record
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn an_exact_transfer_function_gives_the_determined_combinations_and_the_thesis_one_does_not() {
     let folder = Folder::new();
     // P and Q of these parameters, apart from the program: determinants of M s2 + C s + K at seven s, interpolated.
@@ -206,6 +210,7 @@ fn interpolated(of: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn the_thesis_is_computed_again() {
     let folder = Folder::new();
     let dir = folder.path("page");
@@ -220,6 +225,7 @@ fn the_thesis_is_computed_again() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn an_option_that_a_method_would_not_use_is_refused() {
     let folder = Folder::new();
     let recording = folder.simulate("run.csv", &["--profile", "multisine", "--duration", "4s"]);

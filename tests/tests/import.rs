@@ -46,12 +46,13 @@ const STATED: [&str; 11] = [
 ];
 
 #[test]
+#[cfg_attr(not(feature = "full"), ignore = "full tier")]
 fn files_of_other_programs_hold_the_same_values() {
     let Some(python) = python() else {
         skip("no Python with the libraries of other formats (SOCAM_PYTHON names one)");
         return;
     };
-    let folder = foreign_files(python);
+    let folder = foreign_files(&python);
     let truth = columns(&folder.path().join("truth.csv"), &["motor_speed", "torque"]);
     let log = folder.path().join("imported.mcap");
     let target = log.to_str().unwrap();

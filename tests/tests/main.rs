@@ -1,24 +1,37 @@
 //! All end-to-end tests as one program: it is linked once, and its tests share the processors.
+//!
+//! What is marked `full` is left out of the fast tier of `tests/run`: it needs the window, formats of other programs, fleets, exports, Python,
+//! a browser or the emulated board, or takes more than ten seconds. Of each command the fast tier runs what is quicker.
 
 mod aalto;
 mod bad_input;
+#[cfg(feature = "full")]
 mod board;
+#[cfg(feature = "full")]
 mod board_link;
+#[cfg(feature = "full")]
 mod board_memory;
+#[cfg(feature = "full")]
 mod board_safety;
+#[cfg(feature = "full")]
 mod browser;
 mod catalogue;
+#[cfg(feature = "full")]
 mod challenge;
 mod compare;
+#[cfg(feature = "full")]
 mod core_on_board;
-mod dependencies;
 mod diagnose;
+#[cfg(feature = "full")]
 mod diagnose_published;
+#[cfg(feature = "full")]
 mod diagnose_robust;
 mod diagnose_steady;
+#[cfg(feature = "full")]
 mod export_model;
+#[cfg(feature = "full")]
 mod firmware_image;
-#[cfg(unix)]
+#[cfg(all(unix, feature = "full"))]
 mod fleet;
 mod frequency;
 mod identify;
@@ -27,6 +40,9 @@ mod imports;
 #[cfg(unix)]
 mod interrupt;
 mod lab_jobs;
+#[cfg(not(feature = "full"))]
+mod lean;
+#[cfg(feature = "full")]
 mod readers;
 mod record;
 mod watch;

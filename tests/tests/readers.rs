@@ -1,7 +1,7 @@
 //! A recording and a recovered one open, checksums verified and every value equal, in readers that others wrote.
 //!
-//! The Python and JavaScript readers are fetched into `target/readers` on first use. `SOCAM_PYTHON` names a Python that has
-//! the packages of `readers/requirements.txt` already, `SOCAM_NODE_MODULES` a folder with those of `readers/package.json`.
+//! `tests/run --set-up` puts the Python and JavaScript readers into `target/readers`. `SOCAM_PYTHON` names another Python that has
+//! the packages of `readers/requirements.txt`, `SOCAM_NODE_MODULES` another folder with those of `readers/package.json`.
 //! Rerun is large, so it is only asked when `SOCAM_RERUN_PYTHON` names a Python that has `rerun-sdk`.
 //! What cannot run is skipped, and said on stderr.
 
@@ -12,7 +12,7 @@ use socam_recording::{
     Attachment, Channel, Dataset, Event, Recorder, RecordingHeader, SampleRow, Status, Unit, export_csv,
     recover,
 };
-use socam_tests::readers::{kept, prepare, python, scripts};
+use socam_tests::readers::{node_modules, python, scripts};
 
 const ROWS: u64 = 30_000;
 
@@ -104,31 +104,13 @@ fn read_with(program: &Path, script: &str, working_directory: &Path) {
     }
 }
 
-fn node_modules() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("SOCAM_NODE_MODULES") {
-        return Some(named.into());
-    }
-    let folder = kept().join("node");
-    let ready = folder.join("ready");
-    if !ready.exists() {
-        std::fs::create_dir_all(&folder).ok()?;
-        std::fs::copy(scripts().join("package.json"), folder.join("package.json")).ok()?;
-        let install = ["install", "--no-audit", "--no-fund", "--ignore-scripts"];
-        if !prepare("npm", &install, &folder) || !prepare("node", &["--version"], &folder) {
-            return None;
-        }
-        std::fs::write(&ready, "").ok()?;
-    }
-    Some(folder)
-}
-
 #[test]
 fn python_reads_every_value() {
     let Some(python) = python() else {
         eprintln!("skipped: no Python with the mcap packages (SOCAM_PYTHON names one)");
         return;
     };
-    read_with(python, "read_python.py", &scripts());
+    read_with(&python, "read_python.py", &scripts());
 }
 
 #[test]

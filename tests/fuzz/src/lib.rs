@@ -1,12 +1,11 @@
 //! Fuzzing of every parser of bytes that may come from strangers.
 //!
-//! A [`Target`] is one parser: a function of an input with stated properties, and seeds that the project's own writers make. The program
-//! `socam-fuzz` mutates seeds and the inputs of `corpus/`.
+//! A [`Target`] is one parser: a function of an input with stated properties, and seeds that the project's own writers make. libFuzzer
+//! mutates the seeds and the inputs of `corpus/`: `tests/fuzz/run`.
 
 mod damage;
 mod hostile;
 mod links;
-pub mod mutation;
 mod seeds;
 mod targets;
 
@@ -42,10 +41,18 @@ pub fn target(name: &str) -> Option<&'static Target> {
     TARGETS.iter().chain([&targets::BROKEN]).find(|target| target.name == name)
 }
 
-/// The folder of kept inputs of a target: each was a defect once, or is hostile by its size or nesting.
+/// The seeds of a target, which may need a folder, and the inputs of `corpus/` that were a defect once.
+///
+/// # Panics
+/// When a kept input cannot be read.
 #[must_use]
-pub fn corpus(target: &Target) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name)
+pub fn whole(target: &Target, folder: &Path) -> Vec<Vec<u8>> {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
+    let kept = std::fs::read_dir(corpus).into_iter().flatten().flatten();
+    let mut kept: Vec<PathBuf> = kept.map(|entry| entry.path()).collect();
+    kept.sort();
+    let kept = kept.iter().map(|path| std::fs::read(path).expect("a kept input can be read"));
+    (target.seeds)(folder).into_iter().chain(kept).collect()
 }
 
 /// Inputs of a target that are hostile by their size or nesting, to be parsed once.
