@@ -17,7 +17,6 @@ mod signal;
 mod spectrogram;
 mod statistics;
 mod toolbar;
-mod units;
 mod views;
 mod xy;
 

@@ -1,7 +1,8 @@
 //! How the lines of a text file are to be read, found from its beginning.
 
+use socam_units::{conversion, is_counts, seconds};
+
 use super::cells::{Cell, cell, split};
-use crate::unit;
 
 /// How the lines of a text file are read. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -124,7 +125,7 @@ pub(super) fn header(line: &str) -> &str {
 
 fn is_unit(text: &str) -> bool {
     let text = text.trim().trim_matches('"');
-    text == "date" || unit::parse(text).is_some() || unit::seconds(text).is_some() || unit::is_counts(text)
+    text == "date" || conversion(text).is_some() || seconds(text).is_some() || is_counts(text)
 }
 
 #[cfg(test)]
