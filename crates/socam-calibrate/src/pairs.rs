@@ -2,31 +2,10 @@
 
 use std::path::Path;
 
-use socam_core::scaling::RAD_S_PER_RPM;
 use socam_recording::Unit;
+use socam_units::{Conversion, Meaning, column};
 
 use crate::CalibrateError;
-
-/// Unit suffixes, longest first, with their factors to SI: those of recordings and those of instruments' scales.
-const SUFFIXES: [(&str, Unit, f64); 17] = [
-    ("_rad_s", Unit::RadPerS, 1.0),
-    ("_krpm", Unit::RadPerS, 1000.0 * RAD_S_PER_RPM),
-    ("_rpm", Unit::RadPerS, RAD_S_PER_RPM),
-    ("_m_s", Unit::MPerS, 1.0),
-    ("_Nmm", Unit::Nm, 1e-3),
-    ("_rad", Unit::Rad, 1.0),
-    ("_deg", Unit::Rad, std::f64::consts::PI / 180.0),
-    ("_Nm", Unit::Nm, 1.0),
-    ("_mV", Unit::V, 1e-3),
-    ("_mA", Unit::A, 1e-3),
-    ("_mm", Unit::M, 1e-3),
-    ("_N", Unit::N, 1.0),
-    ("_V", Unit::V, 1.0),
-    ("_A", Unit::A, 1.0),
-    ("_K", Unit::K, 1.0),
-    ("_m", Unit::M, 1.0),
-    ("_1", Unit::One, 1.0),
-];
 
 /// A column, in SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,10 +50,12 @@ impl Pairs {
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| line_error(1, error.to_string()))?.clone();
-        let mut columns: Vec<(usize, f64, Measured)> = Vec::new();
+        let mut columns: Vec<(usize, Conversion, Measured)> = Vec::new();
         for (cell, title) in header.iter().enumerate() {
-            if let Some((name, unit, factor)) = split(title) {
-                columns.push((cell, factor, Measured { name: name.to_owned(), unit, values: Vec::new() }));
+            let column = column(title, None);
+            if let Meaning::Values(conversion) = column.meaning {
+                let measured = Measured { name: column.name, unit: conversion.unit, values: Vec::new() };
+                columns.push((cell, conversion, measured));
             }
         }
         if columns.len() < 2 {
@@ -89,11 +70,11 @@ impl Pairs {
                 )
             })?;
             let line = record.position().map_or(1, csv::Position::line);
-            for (cell, factor, column) in &mut columns {
+            for (cell, conversion, column) in &mut columns {
                 let text = &record[*cell];
                 let value = match text.parse::<f64>() {
                     _ if text.is_empty() => None,
-                    Ok(value) if value.is_finite() => Some(value * *factor),
+                    Ok(value) if value.is_finite() => Some(conversion.si(value)),
                     _ => {
                         let problem = format!(
                             "`{text}` under {} is no number; leave the cell empty where nothing was read",
@@ -127,12 +108,6 @@ impl Pairs {
         };
         (0..rows).filter_map(row).collect()
     }
-}
-
-fn split(title: &str) -> Option<(&str, Unit, f64)> {
-    SUFFIXES.iter().find_map(|(suffix, unit, factor)| {
-        title.strip_suffix(suffix).filter(|name| !name.is_empty()).map(|name| (name, *unit, *factor))
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What drives the machine and what is measured.
 
-use socam_model::{column_unit, units};
+use socam_model::column_unit;
 use socam_recording::Dataset;
 
 use crate::{
@@ -208,7 +208,7 @@ impl Machine {
         };
         let measured = spec.unit.as_deref().or(own);
         let travel = rad_per_m.filter(|_| measured.is_some_and(is_linear));
-        let factor = spec.unit.as_deref().and_then(units::parse).map_or(1.0, |unit| unit.factor);
+        let factor = spec.unit.as_deref().and_then(socam_units::parse).map_or(1.0, |unit| unit.factor);
         if channel.scale.is_none() {
             channel.scale = spec.scale;
         }

@@ -237,7 +237,7 @@ fn belt(words: &mut Words, name: &str, how: &str) -> Result<Vec<Part>, DescribeE
         return Err(DescribeError::text(&words.text, format!("its two pulleys are missing; write {how}")));
     };
     let pitch = words.take_keyed("pitch");
-    let (driven_m, pulleys) = match socam_model::units::parse(&unit) {
+    let (driven_m, pulleys) = match socam_units::parse(&unit) {
         Some(parsed) if !unit.is_empty() => {
             (second * parsed.factor, format!("radii {first}:{second} {unit}"))
         }

@@ -1,7 +1,5 @@
 //! One drive or one measurement as it is written.
 
-use socam_model::units;
-
 use crate::DescribeError;
 
 /// `QUANTITY@PART[:COLUMN[*SCALE][ UNIT]]`.
@@ -34,7 +32,7 @@ impl<'s> Spec<'s> {
             None => (column, None),
         };
         let column = column.filter(|column| !column.is_empty()).map(str::to_owned);
-        if let Some(unit) = unit.as_ref().filter(|unit| units::parse(unit).is_none()) {
+        if let Some(unit) = unit.as_ref().filter(|unit| socam_units::parse(unit).is_none()) {
             return Err(wrong(&format!("\"{unit}\" is no unit; write one such as rpm, deg or mm")));
         }
         Ok(Self { text, quantity: quantity.trim(), part: part.trim(), column, scale, unit })

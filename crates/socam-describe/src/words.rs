@@ -1,6 +1,6 @@
 //! Words and numbers with units.
 
-use socam_model::units::{self, Dimension};
+use socam_units::Dimension;
 
 use crate::DescribeError;
 
@@ -32,7 +32,7 @@ pub(crate) struct Words {
 const KEYS: [&str; 3] = ["span", "width", "pitch"];
 
 pub(crate) fn dimension(unit: &str) -> Dimension {
-    units::parse(unit).map_or([0; 4], |unit| unit.dimension)
+    socam_units::parse(unit).map_or([0; 4], |unit| unit.dimension)
 }
 
 impl Words {
@@ -66,7 +66,7 @@ impl Words {
             let mut unit = rest.to_owned();
             while let Some(more) = all.get(next) {
                 let longer = format!("{unit} {more}").trim().to_owned();
-                if self::number(more).is_some() || units::parse(&longer).is_none() {
+                if self::number(more).is_some() || socam_units::parse(&longer).is_none() {
                     break;
                 }
                 unit = longer;
@@ -84,7 +84,7 @@ impl Words {
     }
 
     fn size(&self, value: f64, unit: &str) -> Result<Size, DescribeError> {
-        let parsed = units::parse(if unit.is_empty() { "1" } else { unit });
+        let parsed = socam_units::parse(if unit.is_empty() { "1" } else { unit });
         let Some(parsed) = parsed else {
             let problem = format!("\"{unit}\" is no unit; write one such as kgcm2, Nm/rad, mm, kg or ohm");
             return Err(DescribeError::text(&self.text, problem));

@@ -168,12 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn suffixes_mean_the_same_to_models_and_recordings() {
-        for unit in socam_recording::Unit::ALL {
-            assert_eq!(column_unit(&format!("x{}", unit.suffix())), Some(unit.symbol()));
-        }
-        assert_eq!(column_unit("x"), None);
-        // A column that is named without its unit must be in that of its quantity, unless the model scales it.
+    fn a_column_without_a_unit_is_in_that_of_its_quantity_unless_the_model_scales_it() {
         let torque = "role = \"input\"\nquantity = \"torque\"";
         let named = |lines: &str| {
             let text =

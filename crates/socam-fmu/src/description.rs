@@ -4,7 +4,7 @@ use std::io;
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
-use socam_model::{Model, units};
+use socam_model::Model;
 
 use crate::variables::{Kind, Variable, can_exchange};
 
@@ -141,23 +141,14 @@ fn units(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()>
     Ok(())
 }
 
-/// Exponents other than 0 of an SI unit. FMI counts radians, which [`units::parse`] does not.
+/// Exponents other than 0 of an SI unit. FMI counts radians, which the dimension of a unit does not.
 fn exponents(unit: &str) -> Option<Vec<(&'static str, i32)>> {
-    let parsed = units::parse(unit)?;
+    let parsed = socam_units::parse(unit)?;
     let [kg, m, s, ampere] = parsed.dimension.map(i32::from);
-    let (above, below) = unit.split_once('/').unwrap_or((unit, ""));
-    let rad = radians(above) - radians(below);
+    let rad = i32::from(parsed.product.radians());
     let bases = [("kg", kg), ("m", m), ("s", s), ("A", ampere), ("rad", rad)];
     // A unit that is not SI would need a factor.
     (parsed.factor == 1.0).then(|| bases.into_iter().filter(|(_, power)| *power != 0).collect())
-}
-
-fn radians(product: &str) -> i32 {
-    let power = |word: &str| match word.trim_matches(['(', ')']).strip_prefix("rad")? {
-        "" => Some(1),
-        power => power.trim_start_matches('^').parse::<i32>().ok(),
-    };
-    product.split_whitespace().filter_map(power).sum()
 }
 
 /// The text with blanks for characters that XML cannot hold.

@@ -137,7 +137,7 @@ impl File {
     fn own_clock(&self, group: usize) -> Result<Times> {
         let taken = &self.source.groups[group];
         let own = taken.time.and_then(|column| {
-            let unit_s = taken.signals[column].unit.as_deref().and_then(crate::unit::seconds)?;
+            let unit_s = taken.signals[column].unit.as_deref().and_then(socam_units::seconds)?;
             Some((column, unit_s))
         });
         let Some((column, unit_s)) = own else {

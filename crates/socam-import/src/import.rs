@@ -49,6 +49,15 @@ pub struct Understood {
 /// # Errors
 /// One sentence: where the file cannot be read, the mapping names what it does not hold, or times do not increase.
 pub fn import(selection: &Selection, mapping: &Mapping) -> Result<Imported> {
+    import_noted(selection, mapping, Vec::new())
+}
+
+/// As [`import`], with notes on what the mapping leaves aside, which are said once.
+pub(crate) fn import_noted(
+    selection: &Selection,
+    mapping: &Mapping,
+    mut notes: Vec<Warning>,
+) -> Result<Imported> {
     let path = &selection.path;
     let signals = mapping.channels.iter().map(|channel| channel.signal.clone());
     let times = mapping.clocks.iter().filter_map(|clock| match &clock.time {
@@ -60,11 +69,18 @@ pub fn import(selection: &Selection, mapping: &Mapping) -> Result<Imported> {
     let names: HashSet<String> = signals.chain(times).collect();
     let wanted = Wanted { signals: Some(names), ..Wanted::ALL };
     let source = read(path, mapping.text.as_ref(), mapping.date_format.as_deref(), &wanted)?;
-    assemble(selection, mapping, source)
+    let new: Vec<Warning> = source.notes.iter().filter(|note| !notes.contains(note)).cloned().collect();
+    notes.extend(new);
+    assemble(selection, mapping, source, notes)
 }
 
 /// Makes a recording of what was read.
-fn assemble(selection: &Selection, mapping: &Mapping, source: Source) -> Result<Imported> {
+fn assemble(
+    selection: &Selection,
+    mapping: &Mapping,
+    source: Source,
+    mut notes: Vec<Warning>,
+) -> Result<Imported> {
     let file = File { path: selection.path.clone(), mapping: mapping.file.clone(), source };
     let mut used: Vec<usize> = Vec::new();
     let mut found = Vec::new();
@@ -86,7 +102,6 @@ fn assemble(selection: &Selection, mapping: &Mapping, source: Source) -> Result<
     let (base_times, base_offset_s) =
         clocks[base].as_ref().ok_or_else(|| file.problem("holds no clock".into()))?;
     let rows_s = base_times.relative_to(base_times.epoch_ns, *base_offset_s);
-    let mut notes = file.source.notes.clone();
     let mut imported = (Vec::new(), Vec::new(), Vec::new());
     for (channel, (group, column)) in mapping.channels.iter().zip(found) {
         let Some((times, offset_s)) = &clocks[group] else { continue };

@@ -14,7 +14,6 @@ mod source;
 mod tdms;
 mod text;
 mod times;
-pub mod unit;
 
 pub use error::{ImportError, Result};
 pub use formats::{Kind, detect, fence::fenced, read};

@@ -10,7 +10,6 @@ use conversion::conversion;
 
 use crate::error::Result;
 use crate::text::TextLayout;
-use crate::unit;
 
 /// Schema of the mapping file.
 pub const SCHEMA: &str = "socam.import/1";
@@ -205,7 +204,7 @@ fn clock(fields: &mut Fields<'_>) -> Clock {
         (None, Some(rate_hz)) => Time::Rate(rate_hz),
         (Some(signal), None) => {
             let unit = fields.maybe_text("unit");
-            let seconds = unit.as_deref().and_then(unit::seconds);
+            let seconds = unit.as_deref().and_then(socam_units::seconds);
             if seconds.is_none() {
                 let found = unit.map_or("left out".to_owned(), |unit| format!("\"{unit}\""));
                 let message = format!("`unit` of the clock is {found}; expected s, ms, us, ns, min or h");
@@ -228,10 +227,15 @@ fn clock(fields: &mut Fields<'_>) -> Clock {
     }
 }
 
+/// Whether a channel may have this name in a mapping.
+pub(crate) fn is_name(name: &str) -> bool {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    !name.is_empty() && name.chars().all(is_plain)
+}
+
 fn channel(name: &str, fields: &mut Fields<'_>) -> ChannelMap {
     let line = fields.line("");
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if name.is_empty() || !name.chars().all(is_plain) {
+    if !is_name(name) {
         fields.complain(format!("`{name}` is no name of a channel; use letters, digits and underscores"));
     }
     let signal = fields.text("signal");

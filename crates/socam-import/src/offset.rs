@@ -1,10 +1,11 @@
 //! The offset between two clocks that saw the same motion.
 
+use socam_units::{Meaning, column};
+
 use crate::align::align;
 use crate::mapping::Between;
 use crate::source::{Signal, Source};
 use crate::times::{Times, median_step_s};
-use crate::unit;
 
 /// Correlation above which two signals are taken for the same motion.
 const SAME: f64 = 0.9;
@@ -60,8 +61,10 @@ fn signals<'s>(source: &'s Source, group: usize, times: &Times) -> Vec<(&'s str,
 }
 
 fn unit_of(signal: &Signal) -> Option<socam_recording::Unit> {
-    let text = signal.unit.clone().or_else(|| unit::in_name(&signal.name).1)?;
-    unit::parse(&text).map(|conversion| conversion.unit)
+    match column(&signal.name, signal.unit.as_deref()).meaning {
+        Meaning::Values(conversion) => Some(conversion.unit),
+        _ => None,
+    }
 }
 
 /// Steps by which `b` must be moved to agree with `a`, refined between samples, and the correlation there.

@@ -1,20 +1,22 @@
 //! A mapping proposed from names, units and statistics of a file, with what it is based on.
 
 mod clocks;
+mod draft;
 mod names;
 mod write;
 
 use std::path::Path;
 
 use socam_recording::Selection;
+use socam_units::{Column, Conversion, Meaning};
 
 use crate::error::{ImportError, Result};
-use crate::formats::{detect, read};
-use crate::import::{Imported, import};
-use crate::mapping::{Mapping, Stamps};
-use crate::source::{Signal, Source, Wanted};
+use crate::formats::detect;
+use crate::import::{Imported, import_noted};
+use crate::mapping::Stamps;
+use crate::source::{Signal, Source};
 use crate::times::Times;
-use crate::unit;
+use draft::Draft;
 
 /// Rows of a group from which a mapping is proposed.
 const ROWS: usize = 200_000;
@@ -57,6 +59,10 @@ pub struct Proposed {
     pub rows: usize,
     /// Samples per second, where the clock is known.
     pub rate_hz: Option<f64>,
+    /// What its name and unit say.
+    column: Column,
+    /// Whether its table is named by the rule of `socam`'s own CSV.
+    is_own: bool,
 }
 
 /// A clock and what is known of it.
@@ -78,36 +84,34 @@ struct ProposedClock {
 /// # Errors
 /// When the file cannot be read, or holds nothing but times and constants.
 pub fn propose(path: &Path) -> Result<Proposal> {
-    let source = read(path, None, None, &Wanted { signals: None, most_rows: ROWS })?;
-    let clocks = clocks::find(&source);
-    let channels = channels(&source, &clocks);
-    if channels.iter().all(Proposed::is_constant) {
-        let notes: Vec<String> = source.notes.iter().map(ToString::to_string).collect();
-        let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
-        return Err(ImportError::file(path, format!("holds nothing but times and constants{notes}")));
-    }
-    let text = write::mapping(path, &source, &clocks, &channels);
-    let unknown_unit = |proposed: &Proposed| format!("the unit of `{}`{}", proposed.signal, proposed.guess);
-    let mut unknown: Vec<String> =
-        channels.iter().filter(|c| c.unit.is_none() && !c.is_constant()).map(unknown_unit).collect();
-    for clock in clocks.iter().filter(|clock| clock.time.is_none()) {
-        let group = &source.groups[clock.group].name;
-        let place = if group.is_empty() { String::new() } else { format!(" of group `{group}`") };
-        unknown.push(format!("when the samples{place} were taken"));
-    }
-    let assumed = clocks.iter().filter_map(|clock| clock.assumption(&source)).collect();
-    let notes = source.notes.iter().map(ToString::to_string).collect();
-    Ok(Proposal { format: detect(path)?.to_string(), text, unknown, assumed, notes, channels })
+    let mut draft = Draft::of(path)?;
+    names::make_keys(&mut draft.channels);
+    let text = write::mapping(path, &draft);
+    let assumed = draft.assumed();
+    let unknown = draft.unknown();
+    let notes = draft.notes.iter().map(ToString::to_string).collect();
+    Ok(Proposal {
+        format: detect(path)?.to_string(),
+        text,
+        unknown,
+        assumed,
+        notes,
+        channels: draft.channels,
+    })
 }
 
-/// Makes a recording of a file that states all units and times itself.
+/// Makes a recording of a file that states all units and times itself. In a table whose clock is the column `t_s`, which is named by the
+/// rule of `socam`'s own CSV, columns without a unit are left aside instead, as they are there.
 ///
 /// # Errors
 /// As [`import`](fn@import); also where a unit or a time is not stated, which `import --propose` shows.
 pub fn import_stated(selection: &Selection) -> Result<Imported> {
     let path = &selection.path;
-    let proposal = propose(path)?;
-    let open: Vec<String> = proposal.unknown.iter().chain(&proposal.assumed).cloned().collect();
+    let mut draft = Draft::of(path)?;
+    if draft.channels.iter().any(|channel| channel.conversion().is_some()) {
+        draft.leave_unstated_aside();
+    }
+    let open: Vec<String> = draft.unknown().into_iter().chain(draft.assumed()).collect();
     if !open.is_empty() {
         const SHOWN: usize = 3;
         let more = open.len().saturating_sub(SHOWN);
@@ -118,28 +122,8 @@ pub fn import_stated(selection: &Selection) -> Result<Imported> {
         let problem = format!("does not say {list}");
         return Err(ImportError::Unstated { path: path.into(), problem });
     }
-    import(selection, &Mapping::parse(&proposal.text)?)
-}
-
-fn channels(source: &Source, clocks: &[ProposedClock]) -> Vec<Proposed> {
-    let mut channels: Vec<Proposed> = Vec::new();
-    for (index, group) in source.groups.iter().enumerate() {
-        let clock = clocks.iter().find(|clock| clock.group == index);
-        for (column, signal) in group.signals.iter().enumerate() {
-            let is_time =
-                clock.and_then(|clock| clock.time.as_ref()).is_some_and(|(time, _)| *time == column);
-            if is_time || group.time == Some(column) || clocks::is_time_like(signal) {
-                continue;
-            }
-            let prefix = names::common_prefix(group);
-            let mut proposed = Proposed::of(signal, source.name_of(index, column), prefix);
-            proposed.rate_hz = clock.and_then(ProposedClock::rate_hz);
-            proposed.name =
-                names::unique(&proposed.name, &group.name, |name| channels.iter().any(|c| c.name == *name));
-            channels.push(proposed);
-        }
-    }
-    channels
+    draft.say_letters();
+    import_noted(selection, &draft.mapping(), draft.notes)
 }
 
 impl ProposedClock {
@@ -150,6 +134,11 @@ impl ProposedClock {
         Some(format!("the unit of the time `{name}`, taken for {unit} because {}", self.assumed.as_ref()?))
     }
 
+    fn is_own(&self, source: &Source) -> bool {
+        let time = self.time.as_ref();
+        time.is_some_and(|(column, _)| clocks::is_own(&source.groups[self.group].signals[*column]))
+    }
+
     fn rate_hz(&self) -> Option<f64> {
         let step = crate::times::median_step_s(&self.times.as_ref()?.seconds)?;
         (step > 0.0).then(|| step.recip())
@@ -157,30 +146,35 @@ impl ProposedClock {
 }
 
 impl Proposed {
-    fn of(signal: &Signal, full_name: String, prefix: usize) -> Self {
-        let (bare, in_name) = unit::in_name(&signal.name);
-        let is_name = |own: &&str| own.starts_with(|c: char| c.is_alphabetic());
-        let own = bare.get(prefix..).filter(is_name).unwrap_or(&bare);
-        let stated = signal.unit.clone().or(in_name);
-        let is_known = |text: &String| unit::parse(text).is_some();
+    fn of(signal: &Signal, full_name: String, column: Column) -> Self {
         let held = || signal.absolute().filter(|value| value.is_finite());
         let range = held().map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let guess = names::guess(&bare, stated.as_deref(), signal);
+        let is_known = matches!(column.meaning, Meaning::Values(_));
         Self {
-            name: names::channel(own),
+            name: column.name.clone(),
             signal: full_name,
-            unit: stated.filter(is_known),
-            guess,
+            unit: column.unit.clone().filter(|_| is_known),
+            guess: names::guess(&column, signal),
             range,
             missing: signal.values.len() - held().count(),
             rows: signal.values.len(),
             rate_hz: None,
+            column,
+            is_own: false,
+        }
+    }
+
+    /// How its numbers become values of a channel, if its unit is stated and known.
+    fn conversion(&self) -> Option<Conversion> {
+        match self.column.meaning {
+            Meaning::Values(conversion) => Some(conversion),
+            _ => None,
         }
     }
 
     /// Whether it counts, so that the counts of a turn are needed.
     fn is_counts(&self) -> bool {
-        self.guess.contains("in counts")
+        self.column.meaning == Meaning::Counts
     }
 
     /// Whether all values are the same.

@@ -25,7 +25,7 @@ mod tests;
 mod wiring;
 mod wording;
 
-pub use channel::{COLUMN_UNITS, column_unit};
+pub use channel::column_unit;
 pub(crate) use clocks::change_of;
 
 const SCHEMA: &str = "socam.model/1";

@@ -26,7 +26,7 @@
 //! # Conventions
 //!
 //! * Quantities are SI: rad, rad/s, N m, kg m², s (m, m/s, N, kg for a translational model). Degrees, rpm and N mm exist only in the
-//!   model file; [`units`] converts them when it is read.
+//!   model file; [`socam_units`] converts them when it is read.
 //! * Torque through an element is positive when its `from` end is ahead of its `to` end.
 //! * The `to` node of a gear of ratio N turns N times slower than its `from` node.
 //! * In a translational model, `torque` is a force, `angle` a position and `inertia` a mass.
@@ -48,12 +48,11 @@ pub mod layout;
 mod model;
 mod network;
 mod transform;
-pub mod units;
 
 pub use builtin::BUILTIN;
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
-pub use file::{COLUMN_UNITS, column_unit};
+pub use file::column_unit;
 pub use intersample::Intersample;
 pub use model::{
     Bearing, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node, Parameter,

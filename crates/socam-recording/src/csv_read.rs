@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::Channel;
+use crate::channel::{TableColumn, table_columns};
 use crate::csv_lines::{CsvLines, number};
 use crate::error::{RecordingError, Result};
 use crate::line_problem::LineProblem;
@@ -21,7 +22,7 @@ pub(crate) struct CsvRows {
 
 /// The column of a channel, and whether it has held numbers or text so far.
 struct CsvColumn {
-    cell: usize,
+    column: TableColumn,
     numbers: bool,
     /// Line and content of its first text.
     text: Option<(u64, String)>,
@@ -32,8 +33,8 @@ struct CsvColumn {
 pub(crate) struct CsvLayout {
     /// Number of cells in every line.
     cells: usize,
-    /// Cell of each channel.
-    channels: Vec<(usize, Channel)>,
+    /// Column of each channel.
+    columns: Vec<TableColumn>,
 }
 
 impl CsvRows {
@@ -41,14 +42,7 @@ impl CsvRows {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let mut lines = CsvLines::open(path)?;
         let header = lines.header("t_s")?;
-        let mut named = Vec::new();
-        let mut warnings = Vec::new();
-        for (cell, column) in header.iter().enumerate().skip(1) {
-            match Channel::from_column_name(column) {
-                Some(channel) => named.push((cell, channel)),
-                None => warnings.push(Warning::ColumnWithoutUnit { column: column.clone() }),
-            }
-        }
+        let (named, warnings) = table_columns(&header);
         if named.is_empty() {
             return Err(RecordingError::NoChannels { path: path.into() });
         }
@@ -60,13 +54,13 @@ impl CsvRows {
         let mut lines = CsvLines::open(path)?;
         lines.cells = layout.cells;
         lines.seek(place)?;
-        let named = columns.iter().map(|column| layout.channels[*column].clone()).collect();
+        let named = columns.iter().map(|column| layout.columns[*column].clone()).collect();
         Ok(Self::new(lines, named, Vec::new(), true))
     }
 
-    fn new(lines: CsvLines, named: Vec<(usize, Channel)>, warnings: Vec<Warning>, numbers: bool) -> Self {
-        let column = |(cell, channel)| (CsvColumn { cell, numbers, text: None }, channel);
-        let (columns, channels) = named.into_iter().map(column).unzip();
+    fn new(lines: CsvLines, named: Vec<TableColumn>, warnings: Vec<Warning>, numbers: bool) -> Self {
+        let channels = named.iter().map(|column| column.channel.clone()).collect();
+        let columns = named.into_iter().map(|column| CsvColumn { column, numbers, text: None }).collect();
         Self { lines, channels, columns, warnings, previous_s: f64::NEG_INFINITY }
     }
 
@@ -106,9 +100,8 @@ impl CsvRows {
         }
         self.previous_s = time_s;
         table.time_s.push(time_s);
-        for ((column, channel), values) in self.columns.iter_mut().zip(&self.channels).zip(&mut table.columns)
-        {
-            let value = column.number(&record[column.cell], channel, self.lines.line)?;
+        for (column, values) in self.columns.iter_mut().zip(&mut table.columns) {
+            let value = column.value(&record[column.column.cell], self.lines.line)?;
             values.push(value.unwrap_or(f64::NAN));
         }
         Ok(())
@@ -118,52 +111,43 @@ impl CsvRows {
     pub(crate) fn finish(self) -> (CsvLayout, EndOfRows) {
         let mut unusable = Vec::new();
         let mut warnings = self.warnings;
-        for (index, (column, channel)) in self.columns.iter().zip(&self.channels).enumerate() {
+        for (index, column) in self.columns.iter().enumerate() {
             if column.numbers {
                 continue;
             }
             unusable.push(index);
-            let name = channel.column_name();
+            let title = column.column.title.clone();
             warnings.push(match column.text {
-                Some(_) => Warning::TextColumn { column: name },
-                None => Warning::EmptyColumn { column: name },
+                Some(_) => Warning::TextColumn { column: title },
+                None => Warning::EmptyColumn { column: title },
             });
         }
-        let cells = self.columns.iter().map(|column| column.cell);
-        let layout = CsvLayout { cells: self.lines.cells, channels: cells.zip(self.channels).collect() };
+        let columns = self.columns.into_iter().map(|column| column.column).collect();
+        let layout = CsvLayout { cells: self.lines.cells, columns };
         (layout, EndOfRows { unusable, warnings, lost_samples: 0, cut: None, contents: None })
     }
 }
 
 impl CsvColumn {
-    /// A cell's number. Text is accepted as missing while the column has held no number.
-    fn number(&mut self, cell: &[u8], channel: &Channel, line: u64) -> Result<Option<f64>, LineProblem> {
-        let value = match number(cell, "") {
+    /// The SI value in a cell. Text is accepted as missing while the column has held no number.
+    fn value(&mut self, cell: &[u8], line: u64) -> Result<Option<f64>, LineProblem> {
+        let value = match self.column.value(cell) {
             Ok(Some(value)) => value,
             Ok(None) => return Ok(None),
             Err(LineProblem::NotANumber { found, .. }) if !self.numbers => {
                 self.text.get_or_insert((line, found));
                 return Ok(None);
             }
-            Err(problem) => return Err(problem.in_column(channel)),
+            Err(problem) => return Err(problem),
         };
         self.numbers = true;
         match &self.text {
             None => Ok(Some(value)),
             Some((text_line, found)) => Err(LineProblem::MixedColumn {
-                column: channel.column_name(),
+                column: self.column.title.clone(),
                 found: found.clone(),
                 text_line: *text_line,
             }),
         }
-    }
-}
-
-impl LineProblem {
-    fn in_column(mut self, channel: &Channel) -> Self {
-        if let Self::NotANumber { column, .. } | Self::NotFinite { column, .. } = &mut self {
-            *column = channel.column_name();
-        }
-        self
     }
 }

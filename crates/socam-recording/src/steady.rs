@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::Channel;
+use crate::channel::{TableColumn, table_columns};
 use crate::csv_lines::{CsvLines, number};
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
@@ -54,27 +55,20 @@ impl Steady {
         }
         let mut lines = CsvLines::open(path)?;
         let header = lines.header("point_1")?;
-        let mut channels = Vec::new();
-        let mut warnings = Vec::new();
-        for (cell, column) in header.iter().enumerate().skip(1) {
-            match Channel::from_column_name(column) {
-                Some(channel) => channels.push((cell, channel)),
-                None => warnings.push(Warning::ColumnWithoutUnit { column: column.clone() }),
-            }
-        }
-        if channels.is_empty() {
+        let (columns, warnings) = table_columns(&header);
+        if columns.is_empty() {
             return Err(RecordingError::NoChannels { path: path.into() });
         }
         let mut rows = Vec::new();
         while lines.next()? {
-            rows.push(row(&lines, &channels).map_err(|problem| lines.error(problem))?);
+            rows.push(row(&lines, &columns).map_err(|problem| lines.error(problem))?);
         }
         if rows.is_empty() {
             return Err(RecordingError::NoSamples { path: path.into() });
         }
         Ok(Self {
             name: path.display().to_string(),
-            channels: channels.into_iter().map(|(_, channel)| channel).collect(),
+            channels: columns.into_iter().map(|column| column.channel).collect(),
             rows,
             warnings,
         })
@@ -89,12 +83,10 @@ impl Steady {
     }
 }
 
-fn row(lines: &CsvLines, channels: &[(usize, Channel)]) -> Result<SteadyRow, LineProblem> {
+fn row(lines: &CsvLines, columns: &[TableColumn]) -> Result<SteadyRow, LineProblem> {
     let point = number(&lines.record[0], "point_1")?
         .ok_or_else(|| LineProblem::MissingTime { column: "point_1".into() })?;
-    let values = channels
-        .iter()
-        .map(|(cell, channel)| number(&lines.record[*cell], &channel.column_name()))
-        .collect::<Result<_, _>>()?;
+    let values =
+        columns.iter().map(|column| column.value(&lines.record[column.cell])).collect::<Result<_, _>>()?;
     Ok(SteadyRow { point, values })
 }

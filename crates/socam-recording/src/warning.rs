@@ -1,5 +1,7 @@
 //! Warnings of a recording: what was not read, and where it is cut off.
 
+use socam_units::{Column, Meaning, Unit};
+
 /// The end of a recording that is cut off, and what is missing.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Cut {
@@ -22,10 +24,26 @@ pub enum Warning {
         column: String,
     },
     /// A column whose name has no unit.
-    #[error("column `{column}` names no unit and is left aside (end its name in one of {suffixes}; numbers in another unit end in _1, and the model's channel says unit = \"rpm\" or the like)", suffixes = crate::Unit::ALL.map(crate::Unit::suffix).join(" "))]
+    #[error("column `{column}` names no unit and is left aside (end its name in one of {suffixes}, or in another unit such as _rpm, _deg or _mNm; numbers of anything else end in _1, and the model's channel says unit = \"...\")", suffixes = Unit::ALL.map(Unit::suffix).join(" "))]
     ColumnWithoutUnit {
         /// The column's name.
         column: String,
+    },
+    /// A column of times that is not the clock.
+    #[error("column `{column}` holds times, is not the clock of this table, and is left aside")]
+    SecondTime {
+        /// The column's name.
+        column: String,
+    },
+    /// A column that is read by the suffix of its name, where a longer end may be the unit.
+    #[error("column `{column}` is read in {unit}, as its name ends in {suffix}; if it is in {also}, rename it, or import it with a mapping", unit = unit.symbol(), suffix = unit.suffix())]
+    DoubtfulUnit {
+        /// The column's name.
+        column: String,
+        /// The unit by the suffix.
+        unit: Unit,
+        /// The unit by the longer end.
+        also: String,
     },
     /// A column that has a unit but not one value.
     #[error("column `{column}` holds no value and is left aside")]
@@ -75,6 +93,28 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// A column that becomes no channel, because of what its numbers are.
+    #[must_use]
+    pub fn left_aside(column: String, meaning: Meaning) -> Self {
+        match meaning {
+            Meaning::Time(_) => Self::SecondTime { column },
+            _ => Self::ColumnWithoutUnit { column },
+        }
+    }
+
+    /// What the end of a column's name may mean beside what it is taken for.
+    #[must_use]
+    pub fn of_doubt(title: &str, column: &Column) -> Option<Self> {
+        match (&column.doubt, column.meaning) {
+            (Some(also), Meaning::Values(conversion)) => Some(Self::DoubtfulUnit {
+                column: title.to_owned(),
+                unit: conversion.unit,
+                also: also.clone(),
+            }),
+            _ => None,
+        }
+    }
+
     /// What is damaged, in a few words; `None` where the file is as it was written.
     pub(crate) fn damage(&self) -> Option<String> {
         match self {

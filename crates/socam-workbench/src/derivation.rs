@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use socam_samples::Samples;
+use socam_units::Product;
 
 use crate::signal::Signal;
-use crate::units::Units;
 
 /// How a channel is derived from one or two others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -142,11 +142,12 @@ impl Derivation {
     /// # Errors
     /// When channels of different units are to be subtracted, or a unit is unknown; one sentence.
     pub fn unit(&self, of: &str, second: Option<&str>) -> Result<String, String> {
-        let parsed = |unit: &str| Units::parse(unit).ok_or_else(|| format!("the unit {unit} is unknown"));
+        let parsed =
+            |unit: &str| Product::of_symbol(unit).ok_or_else(|| format!("the unit {unit} is unknown"));
         let own = parsed(of)?;
         Ok(match (self.operation, second) {
-            (Operation::Derivative, _) => (own / Units::SECOND).to_string(),
-            (Operation::Integral, _) => (own * Units::SECOND).to_string(),
+            (Operation::Derivative, _) => (own / Product::SECOND).to_string(),
+            (Operation::Integral, _) => (own * Product::SECOND).to_string(),
             (Operation::Ratio, Some(other)) => (own / parsed(other)?).to_string(),
             (Operation::Product, Some(other)) => (own * parsed(other)?).to_string(),
             (Operation::Difference, Some(other)) if other != of => {

@@ -25,7 +25,6 @@ pub mod run;
 pub mod save;
 pub mod setup;
 pub mod signal;
-mod units;
 pub mod view;
 pub mod workspace;
 

@@ -14,7 +14,7 @@ struct Case {
     speed: &'static [f64],
 }
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 15] = [
     Case {
         name: "German.csv",
         content: b"Zeit [ms];speed [rad/s]\r\n0,0;1,5\r\n1,0;-2,5\r\n2,0;1.003,5\r\n",
@@ -75,6 +75,30 @@ const CASES: [Case; 11] = [
         content: b"time_s|speed_rad_s|mode\n0.0|1|idle\n0.1|2|idle\n0.2|3|run\n",
         time_s: &[0.0, 0.1, 0.2],
         speed: &[1.0, 2.0, 3.0],
+    },
+    Case {
+        name: "thousands.csv",
+        content: b"t_s;speed_rad_s\n0.000;\"1,000.5\"\n0.001;2,001.5\n0.002;-2.5\n",
+        time_s: &[0.0, 0.001, 0.002],
+        speed: &[1000.5, 2001.5, -2.5],
+    },
+    Case {
+        name: "Swiss.csv",
+        content: b"t_s;speed_rad_s\n0.000;1'001.5\n0.001;2'001.25\n0.002;7\n",
+        time_s: &[0.0, 0.001, 0.002],
+        speed: &[1001.5, 2001.25, 7.0],
+    },
+    Case {
+        name: "whole thousands.csv",
+        content: b"t_s;speed_rad_s\n0,000;1.001\n0,001;2.001\n0,002;12.001\n",
+        time_s: &[0.0, 0.001, 0.002],
+        speed: &[1001.0, 2001.0, 12_001.0],
+    },
+    Case {
+        name: "per second.csv",
+        content: b"time_s,torque [Nm],speed_deg_per_s\n0,0,180\n1,0,360\n2,0,90\n",
+        time_s: &[0.0, 1.0, 2.0],
+        speed: &[std::f64::consts::PI, std::f64::consts::TAU, std::f64::consts::FRAC_PI_2],
     },
     Case {
         name: "socam without its order.csv",

@@ -66,6 +66,7 @@ fn dataset(arrays: &mut Arrays<'_>, path: &str, dataset: &Dataset) -> Result<(),
     let class = text("MATLAB_class");
     let is_matlab = class.is_some();
     if !is_number || matches!(class.as_deref(), Some("char" | "cell" | "string")) {
+        arrays.leave(path, "holds no numbers");
         return Ok(());
     }
     let shape = dataset.shape()?;

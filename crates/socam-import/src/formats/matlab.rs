@@ -95,7 +95,7 @@ fn matrix(
     let name = elements.text()?.unwrap_or_default();
     let path = if name.is_empty() { path.to_owned() } else { name };
     match class {
-        CHARACTERS => {}
+        CHARACTERS => arrays.leave(&path, "is text"),
         CELL => arrays.leave(&path, "is a list"),
         SPARSE => arrays.leave(&path, "is sparse"),
         STRUCTURE | OBJECT if dimensions.iter().any(|length| *length != 1) => {

@@ -2,8 +2,6 @@
 
 use socam_recording::{Fields, Unit};
 
-use crate::unit;
-
 /// Unit of the channel, SI value of one and of zero.
 pub(super) fn conversion(
     name: &str,
@@ -13,7 +11,7 @@ pub(super) fn conversion(
     (per_turn, per_metre): (Option<f64>, Option<f64>),
 ) -> (Unit, f64, f64) {
     let refused = (Unit::One, 1.0, 0.0);
-    if unit::is_counts(text) {
+    if socam_units::is_counts(text) {
         return match (per_turn, per_metre) {
             (Some(counts), None) => (Unit::Rad, std::f64::consts::TAU / counts, offset.unwrap_or(0.0)),
             (None, Some(counts)) => (Unit::M, 1.0 / counts, offset.unwrap_or(0.0)),
@@ -31,7 +29,7 @@ pub(super) fn conversion(
         // A unit that is left out is reported as missing.
         return refused;
     }
-    let Some(from) = unit::parse(text) else {
+    let Some(from) = socam_units::conversion(text) else {
         let message = if text.trim() == "?" {
             format!(
                 "`unit` of `{name}` is not known yet; write the unit of the numbers in the file, such as \"rpm\" or \"N m\""
@@ -47,7 +45,7 @@ pub(super) fn conversion(
     match (to, scale) {
         (None, None) => (from.unit, from.factor, from.offset + offset.unwrap_or(0.0)),
         (None, Some(scale)) => (from.unit, scale * from.factor, scale * from.offset + offset.unwrap_or(0.0)),
-        (Some(to), scale) => match unit::parse(to) {
+        (Some(to), scale) => match socam_units::conversion(to) {
             Some(to) => {
                 let factor = scale.unwrap_or(1.0) * to.factor * from.factor;
                 (to.unit, factor, offset.unwrap_or(0.0) * to.factor + to.offset)

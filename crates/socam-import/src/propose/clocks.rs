@@ -1,10 +1,11 @@
 //! Which signal holds a group's times, and in which unit.
 
+use socam_units::{Column, Meaning, column, plain_name, seconds};
+
 use super::ProposedClock;
 use crate::mapping::Stamps;
 use crate::source::{Group, Signal, Source};
 use crate::times::Times;
-use crate::unit;
 
 /// Words that name times.
 const WORDS: [&str; 10] =
@@ -30,11 +31,11 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
         offset: None,
     };
     let candidates = group.signals.iter().enumerate().filter_map(|(column, signal)| {
-        let (unit, assumed) = time_unit(signal, group.time == Some(column))?;
-        let seconds = unit::seconds(&unit)?;
-        let (times, stamps) = usable(group, column, seconds)?;
+        let (unit, assumed) = time_unit(signal)?;
+        let (times, stamps) = usable(group, column, seconds(&unit)?)?;
         // A message's own stamp is nearer to the measurement than the time of its arrival.
         let rank = match signal.name.as_str() {
+            _ if is_own(signal) => 4,
             name if name.contains("stamp") => 3,
             _ if group.time == Some(column) => 2,
             "publish_time" => 1,
@@ -52,29 +53,33 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
     }
 }
 
-/// Whether a signal is named like a time.
-pub(super) fn is_time_like(signal: &Signal) -> bool {
-    let (bare, in_name) = unit::in_name(&signal.name);
-    let stated = signal.unit.as_deref().or(in_name.as_deref());
-    let is_time_unit =
-        stated.is_some_and(|text| unit::seconds(text).is_some() && unit::parse(text).is_none());
-    is_time_unit || is_named(&bare)
+/// Whether a column seems to hold times.
+pub(super) fn is_time_like(column: &Column) -> bool {
+    match column.meaning {
+        Meaning::Time(_) => true,
+        Meaning::Values(_) => false,
+        _ => is_named(&column.name),
+    }
+}
+
+/// Whether a signal is the clock of tables that are named by the rule of this program's own.
+pub(super) fn is_own(signal: &Signal) -> bool {
+    signal.name == "t_s" || signal.name.ends_with(".t_s")
 }
 
 fn is_named(bare: &str) -> bool {
-    let small = super::names::channel(bare);
+    let small = plain_name(bare);
     let last = small.rsplit('_').next().unwrap_or(&small);
     WORDS.contains(&small.as_str()) || WORDS.contains(&last)
 }
 
 /// The unit of a time, and a sentence where the file does not state it.
-fn time_unit(signal: &Signal, is_declared: bool) -> Option<(String, Option<String>)> {
-    let (bare, in_name) = unit::in_name(&signal.name);
-    let stated = signal.unit.clone().or(in_name);
-    match stated.filter(|text| unit::seconds(text).is_some()) {
-        Some(unit) if is_declared || is_named(&bare) || unit::parse(&unit).is_none() => Some((unit, None)),
-        Some(_) => None,
-        None if is_named(&bare) => {
+fn time_unit(signal: &Signal) -> Option<(String, Option<String>)> {
+    let column = column(&signal.name, signal.unit.as_deref());
+    match (column.meaning, column.unit) {
+        (Meaning::Time(_), Some(unit)) => Some((unit, None)),
+        (Meaning::Values(_), _) => None,
+        _ if is_named(&column.name) => {
             let first = signal.absolute().find(|value| value.is_finite())?;
             // Seconds since 1970 are of this size for the next two hundred years, and so are their thousandths.
             let (unit, why) = match first {
@@ -90,7 +95,7 @@ fn time_unit(signal: &Signal, is_declared: bool) -> Option<(String, Option<Strin
             };
             Some((unit.into(), Some(why)))
         }
-        None => unnamed(signal),
+        _ => unnamed(signal),
     }
 }
 

@@ -1,26 +1,12 @@
-//! Names of channels, and what the unit of a signal may be.
+//! What the names of signals have in common, and what the unit of one may be.
 
+use std::collections::HashSet;
+
+use socam_units::{Column, Meaning, plain_name};
+
+use super::Proposed;
+use crate::mapping::is_name;
 use crate::source::{Group, Signal};
-use crate::unit;
-
-/// A name of a channel: small letters, digits and underscores.
-pub(super) fn channel(name: &str) -> String {
-    let mut plain = String::new();
-    for c in name.chars() {
-        match c {
-            'a'..='z' | '0'..='9' => plain.push(c),
-            'A'..='Z' => plain.push(c.to_ascii_lowercase()),
-            '\u{e4}' | '\u{c4}' => plain.push_str("ae"),
-            '\u{f6}' | '\u{d6}' => plain.push_str("oe"),
-            '\u{fc}' | '\u{dc}' => plain.push_str("ue"),
-            '\u{df}' => plain.push_str("ss"),
-            _ if !plain.ends_with('_') => plain.push('_'),
-            _ => {}
-        }
-    }
-    let plain = plain.trim_matches('_');
-    if plain.is_empty() { "signal".into() } else { plain.to_owned() }
-}
 
 /// Length of what the names of all signals of a group begin with, up to a dot.
 pub(super) fn common_prefix(group: &Group) -> usize {
@@ -32,15 +18,19 @@ pub(super) fn common_prefix(group: &Group) -> usize {
     first.get(..length).and_then(|prefix| prefix.rfind('.')).map_or(0, |dot| dot + 1)
 }
 
-/// A name that is not taken: with the group before it, or a number behind it.
-pub(super) fn unique(name: &str, group: &str, is_taken: impl Fn(&String) -> bool) -> String {
-    let with_group = if group.is_empty() { name.to_owned() } else { format!("{}_{name}", channel(group)) };
-    let numbered = (2..).map(|number| format!("{name}_{number}"));
-    [name.to_owned(), with_group].into_iter().chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
+/// Makes the channels' names keys of a mapping: of letters, digits, underscores and dots, and each of them once.
+pub(super) fn make_keys(channels: &mut [Proposed]) {
+    let mut taken = HashSet::new();
+    for channel in channels {
+        let name = if is_name(&channel.name) { channel.name.clone() } else { plain_name(&channel.name) };
+        let numbered = (2..).map(|number| format!("{name}_{number}"));
+        let mut free = std::iter::once(name.clone()).chain(numbered);
+        channel.name = free.find(|name| taken.insert(name.clone())).unwrap_or_default();
+    }
 }
 
 /// Words in names, and the units that such signals usually have.
-const WORDS: [(&[&str], &str); 8] = [
+const WORDS: [(&[&str], &str); 9] = [
     (&["torque", "moment", "drehmoment", "couple", "effort"], "\"N m\" or \"mN m\""),
     (
         &["speed", "velocity", "vel", "omega", "drehzahl", "rpm", "rate", "vitesse"],
@@ -50,33 +40,28 @@ const WORDS: [(&[&str], &str); 8] = [
         &["angle", "position", "pos", "winkel", "enc", "encoder", "theta", "phi"],
         "\"deg\", \"rad\", \"mm\", or \"counts\" with counts_per_turn",
     ),
-    (&["current", "strom", "amp", "iq", "id"], "\"A\""),
-    (&["voltage", "spannung", "volt", "duty", "pwm"], "\"V\""),
+    (&["current", "strom", "amp", "amps", "iq", "id"], "\"A\""),
+    (&["voltage", "spannung", "volt", "volts"], "\"V\""),
+    (&["duty", "pwm"], "\"%\" or \"1\""),
     (&["force", "kraft", "load"], "\"N\""),
     (&["temp", "temperature", "temperatur"], "\"degC\""),
     (&["acc", "accel", "acceleration"], "\"m/s2\" or \"rad/s2\""),
 ];
 
-/// What the unit may be and what speaks for it, in words that follow `unit = "?"`.
-pub(super) fn guess(name: &str, stated: Option<&str>, signal: &Signal) -> String {
-    match stated {
-        Some(text) if unit::parse(text).is_some() => return String::new(),
-        Some(text) if unit::is_counts(text) => {
+/// What the unit of a column may be and what speaks for it, in words that follow `unit = "?"`.
+pub(super) fn guess(column: &Column, signal: &Signal) -> String {
+    match (column.meaning, &column.unit) {
+        (Meaning::Values(_), _) => return String::new(),
+        (Meaning::Counts, _) => {
             return ", which is in counts: counts_per_turn or counts_per_m is needed".into();
         }
-        Some(text) => return format!(", which the file calls \"{text}\": not known here"),
-        None => {}
+        (_, Some(text)) => return format!(", which the file calls \"{text}\": not known here"),
+        (_, None) => {}
     }
     if let Some(hint) = signal.hint {
         return format!(", {hint}");
     }
-    // socam's own columns end in such letters.
-    let letter =
-        name.rsplit_once('_').map(|(_, end)| end).filter(|end| end.len() == 1 && unit::parse(end).is_some());
-    if let Some(letter) = letter {
-        return format!(", perhaps \"{letter}\", unless the end of its name is an index");
-    }
-    let small = channel(name);
+    let small = plain_name(&column.name);
     let words: Vec<&str> =
         small.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit())).collect();
     let usual = WORDS.iter().find(|(known, _)| known.iter().any(|word| words.contains(word)));
@@ -111,23 +96,12 @@ fn shape(signal: &Signal) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_become_names_of_channels() {
-        for (name, plain) in [
-            ("Motor Speed", "motor_speed"),
-            ("velocity.hip", "velocity_hip"),
-            ("Geschw\u{e4}he", "geschwaehe"),
-            ("\u{3c9}", "signal"),
-        ] {
-            assert_eq!(channel(name), plain);
-        }
-        assert_eq!(unique("speed", "Load side", |name| name == "speed"), "load_side_speed");
-    }
+    use socam_units::column;
 
     #[test]
     fn numbers_that_look_like_counts_and_turns_are_said() {
         let signal = |values: Vec<f64>| Signal::new("x", None, values);
+        let guess = |name: &str, unit: Option<&str>, signal: &Signal| guess(&column(name, unit), signal);
         let counts = signal((0..300).map(|k| f64::from(k * 300 % 65_536)).collect());
         assert!(
             guess("encoder", None, &counts).contains("counts, and they jump: wrap = 65536?"),

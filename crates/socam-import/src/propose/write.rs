@@ -3,34 +3,28 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::draft::Draft;
 use super::{MOST_CHANNELS, Proposed, ProposedClock};
 use crate::mapping::{SCHEMA, Stamps};
 use crate::source::Source;
 use crate::text::TextLayout;
 
-pub(super) fn mapping(
-    path: &Path,
-    source: &Source,
-    clocks: &[ProposedClock],
-    channels: &[Proposed],
-) -> String {
+pub(super) fn mapping(path: &Path, draft: &Draft) -> String {
+    let source = &draft.source;
     let mut text = format!("schema = {}\n", quoted(SCHEMA));
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let _ = writeln!(text, "source = {}", quoted(&name));
     if let Some(layout) = &source.text {
         lines(&mut text, layout);
     }
-    for clock in clocks {
+    for clock in &draft.clocks {
         self::clock(&mut text, source, clock);
     }
     let (mut written, mut left) = (0, Vec::new());
-    for proposed in channels {
-        if proposed.is_constant() {
-            left.push(format!(
-                "{} (constant{})",
-                proposed.signal,
-                proposed.range.map_or(String::new(), |(low, _)| format!(": {low}"))
-            ));
+    for proposed in &draft.channels {
+        if proposed.is_constant() && proposed.unit.is_none() {
+            let value = proposed.range.map_or(String::new(), |(low, _)| format!(": {low}"));
+            left.push(format!("{} (constant{value})", proposed.signal));
         } else if written == MOST_CHANNELS {
             left.push(proposed.signal.clone());
         } else {
@@ -95,11 +89,14 @@ fn clock(text: &mut String, source: &Source, clock: &ProposedClock) {
 }
 
 fn channel(text: &mut String, proposed: &Proposed) {
-    let _ = writeln!(text, "\n[channels.{}]", proposed.name);
+    let key = if proposed.name.contains('.') { quoted(&proposed.name) } else { proposed.name.clone() };
+    let _ = writeln!(text, "\n[channels.{key}]");
     let _ = writeln!(text, "signal = {}", quoted(&proposed.signal));
     match &proposed.unit {
         Some(unit) => {
-            let _ = writeln!(text, "unit = {}", quoted(unit));
+            let by_letter = proposed.column.is_letter && !proposed.is_own;
+            let doubt = if by_letter { "   # by the end of its name; is that an index?" } else { "" };
+            let _ = writeln!(text, "unit = {}{doubt}", quoted(unit));
         }
         None if proposed.is_counts() => {
             text.push_str("unit = \"counts\"\ncounts_per_turn = \"?\"   # or counts_per_m; after four-fold decoding, if there is one\n");

@@ -33,21 +33,57 @@ pub(crate) fn cell(text: &str, decimal_comma: bool, date: Option<&str>) -> Cell 
     }
 }
 
+/// How the digits of a number are parted, where that leaves a doubt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Style {
+    /// As the file's decimal sign says.
+    Plain,
+    /// `0.5` in a file with decimal commas.
+    Pointed,
+    /// Groups of three digits and no decimals: `1.001` with decimal commas, `1,001` with decimal points.
+    Grouped,
+}
+
+/// The style of a cell that holds a number.
+pub(crate) fn style(text: &str, decimal_comma: bool) -> Style {
+    let text = text.trim().trim_matches('"').trim();
+    let (decimal, other) = if decimal_comma { (',', '.') } else { ('.', ',') };
+    match text.contains(decimal) || !text.contains(other) {
+        true => Style::Plain,
+        false if grouped(text, decimal).is_some() => Style::Grouped,
+        false => Style::Pointed,
+    }
+}
+
 fn number(text: &str, decimal_comma: bool) -> Option<f64> {
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
         return None;
     }
-    let plain =
-        text.parse::<f64>().ok().filter(|_| !(decimal_comma && text.contains('.') && text.contains(',')));
-    let parsed = match (plain, decimal_comma) {
-        (Some(number), _) => Some(number),
-        // Points and blanks between thousands.
-        (None, true) => {
-            text.replace(['.', '\u{a0}', '\u{202f}', ' ', '\''], "").replace(',', ".").parse().ok()
-        }
-        (None, false) => None,
+    let parsed = if decimal_comma {
+        let decimal =
+            || text.replace(',', ".").parse().ok().filter(|_| !(text.contains(',') && text.contains('.')));
+        grouped(text, ',').or_else(decimal)
+    } else {
+        text.parse::<f64>().ok().or_else(|| grouped(text, '.'))
     };
     parsed.filter(|number| number.is_finite())
+}
+
+/// A number whose digits before the decimal sign stand in groups of three, with one sign between all of them.
+fn grouped(text: &str, decimal: char) -> Option<f64> {
+    const MARKS: [char; 7] = ['.', ',', '\'', '\u{2019}', '\u{a0}', '\u{202f}', ' '];
+    let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
+    let (whole, decimals) = digits.split_once(decimal).unwrap_or((digits, ""));
+    let mark = whole.chars().find(|c| MARKS.contains(c) && *c != decimal)?;
+    let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    let mut groups = whole.split(mark);
+    let first = groups.next().filter(|first| (1..=3).contains(&first.len()) && !first.starts_with('0'))?;
+    let is_grouped = groups.all(|group| group.len() == 3 && is_digits(group));
+    if !(is_grouped && is_digits(first) && is_digits(decimals)) {
+        return None;
+    }
+    let size: f64 = format!("{}.{decimals}", whole.replace(mark, "")).parse().ok()?;
+    Some(if text.starts_with('-') { -size } else { size })
 }
 
 /// Cells of a line of text, quotes respected.
@@ -83,13 +119,23 @@ mod tests {
             ("1.234,5", true, 1234.5),
             ("1 234,5", true, 1234.5),
             ("1.5", true, 1.5),
+            ("1.001", true, 1001.0),
+            ("-1.234.567,5", true, -1_234_567.5),
+            ("1'001,5", true, 1001.5),
+            ("1'001.5", false, 1001.5),
+            ("-1,000.00", false, -1000.0),
+            ("2,001", false, 2001.0),
             ("+2e-3", false, 2e-3),
             ("\"3.25\"", false, 3.25),
             (" .5 ", false, 0.5),
         ] {
             assert_eq!(cell(text, comma, None), Cell::Number(value), "{text}");
         }
-        assert_eq!(cell("1,5", false, None), Cell::Text);
+        for (text, comma) in
+            [("1,5", false), ("0,001", false), ("1,000.5", true), ("1.00,5", true), ("1,0000", false)]
+        {
+            assert_eq!(cell(text, comma, None), Cell::Text, "{text}");
+        }
         assert_eq!((cell("NaN", false, None), cell("", true, None)), (Cell::Missing, Cell::Missing));
         assert_eq!(cell("1e999", false, None), Cell::Text);
     }

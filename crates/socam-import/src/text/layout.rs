@@ -1,7 +1,8 @@
 //! How the lines of a text file are to be read, found from its beginning.
 
-use super::cells::{Cell, cell, split};
-use crate::unit;
+use socam_units::{conversion, is_counts, seconds};
+
+use super::cells::{Cell, Style, cell, split, style};
 
 /// How the lines of a text file are read. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub(crate) fn sniff(encoding: &str, text: &str, is_cut: bool) -> Option<TextLayo
     if is_cut && lines.len() < LINES {
         lines.pop();
     }
-    let mut best: Option<(f64, usize, u8, bool)> = None;
+    let mut best: Option<(Score, usize, u8, bool)> = None;
     for separator in SEPARATORS {
         for comma in [false, true] {
             if comma && separator == b',' {
@@ -78,26 +79,56 @@ pub(crate) fn sniff(encoding: &str, text: &str, is_cut: bool) -> Option<TextLayo
     Some(layout)
 }
 
+/// How well lines are read in a way; the first that differs decides.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+struct Score {
+    /// Share and number of the cells that hold numbers.
+    numbers: f64,
+    /// Minus the cells with the other decimal sign.
+    pointed: isize,
+    /// Minus the cells with the other sign between groups of digits.
+    grouped: isize,
+}
+
+impl Score {
+    fn of(numbers: &[&&str], cells: usize, comma: bool) -> Self {
+        let count = |of: Style| numbers.iter().filter(|text| style(text, comma) == of).count() as isize;
+        Self {
+            numbers: (numbers.len() * numbers.len()) as f64 / cells as f64,
+            pointed: -count(Style::Pointed),
+            grouped: -count(Style::Grouped),
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            numbers: self.numbers + other.numbers,
+            pointed: self.pointed + other.pointed,
+            grouped: self.grouped + other.grouped,
+        }
+    }
+}
+
 /// How well lines are read in this way, and the first line of numbers: the longest run of lines with equally many cells, most of which
 /// hold numbers.
-fn rate(lines: &[&str], separator: u8, comma: bool) -> Option<(f64, usize)> {
-    let mut best: Option<(f64, usize)> = None;
+fn rate(lines: &[&str], separator: u8, comma: bool) -> Option<(Score, usize)> {
+    let mut best: Option<(Score, usize)> = None;
     // First line, cells and score of the run.
-    let mut run: Option<(usize, usize, f64)> = None;
+    let mut run: Option<(usize, usize, Score)> = None;
     for (index, line) in lines.iter().enumerate() {
         if line.trim().is_empty() {
             continue;
         }
         let cells = split(line, separator);
         let held = |text: &&str| matches!(cell(text, comma, None), Cell::Number(_) | Cell::Date(_));
-        let numbers = cells.iter().filter(|text| held(text)).count();
-        if numbers == 0 || 2 * numbers < cells.len() {
+        let numbers: Vec<&&str> = cells.iter().filter(|text| held(text)).collect();
+        if numbers.is_empty() || 2 * numbers.len() < cells.len() {
             run = None;
             continue;
         }
-        let gain = (numbers * numbers) as f64 / cells.len() as f64;
+        let gain = Score::of(&numbers, cells.len(), comma);
         run = match run {
-            Some((first, count, score)) if count == cells.len() => Some((first, count, score + gain)),
+            Some((first, count, score)) if count == cells.len() => Some((first, count, score.plus(gain))),
             _ => Some((index, cells.len(), gain)),
         };
         if let Some((first, _, score)) = run
@@ -138,7 +169,7 @@ pub(super) fn header(line: &str) -> &str {
 
 fn is_unit(text: &str) -> bool {
     let text = text.trim().trim_matches('"');
-    text == "date" || unit::parse(text).is_some() || unit::seconds(text).is_some() || unit::is_counts(text)
+    text == "date" || conversion(text).is_some() || seconds(text).is_some() || is_counts(text)
 }
 
 #[cfg(test)]
@@ -164,6 +195,12 @@ mod tests {
         );
         assert_eq!(found("%t x y\n1 2 3\n2 3 4\n"), (' ', false, 1, 0, 2));
         assert_eq!(found("a;b;\n1,5;2,5;\n2,5;3,5;\n"), (';', true, 1, 0, 2));
+        // Signs between thousands are no decimal signs.
+        assert_eq!(found("t;x\n0,000;1.000\n0,001;1.001\n"), (';', true, 1, 0, 2));
+        assert_eq!(found("t;x;y\n0.000;1,000;2,000\n0.001;1,001;2,001\n"), (';', false, 1, 0, 2));
+        assert_eq!(found("t;x\n0.000;\"1,000.5\"\n0.001;\"1,001.5\"\n"), (';', false, 1, 0, 2));
+        assert_eq!(found("t\tx\n0.000\t-993.00\n0.001\t1,093.00\n"), ('\t', false, 1, 0, 2));
+        assert_eq!(found("t;x\n1,001;20,500\n1,002;20,501\n"), (';', true, 1, 0, 2));
         assert_eq!(sniff("utf-8", "Dear colleague,\nthe bench is broken.\n", false), None);
     }
 }

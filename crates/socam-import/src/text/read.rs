@@ -7,7 +7,7 @@ use std::path::Path;
 use encoding_rs::Encoding;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 
-use super::cells::{Cell, cell};
+use super::cells::{Cell, Style, cell, style};
 use super::layout::header;
 use super::{TextLayout, sniff};
 use socam_recording::Warning;
@@ -56,6 +56,8 @@ struct Column {
     dates: Vec<Option<i64>>,
     texts: usize,
     first_text: Option<(usize, String)>,
+    /// The first cell with a point for its decimal sign in a file with commas, and the first with a point between thousands only.
+    points: [Option<(usize, String)>; 2],
 }
 
 /// Reads the columns of a text file.
@@ -132,7 +134,17 @@ impl Column {
         let is_missing = layout.missing.iter().any(|word| word == text.trim());
         let found = if is_missing { Cell::Missing } else { cell(text, layout.decimal_comma, date) };
         let (number, date) = match found {
-            Cell::Number(number) => (number, None),
+            Cell::Number(number) => {
+                let place = match style(text, layout.decimal_comma) {
+                    Style::Plain => None,
+                    Style::Pointed => Some(0),
+                    Style::Grouped => Some(1),
+                };
+                if let Some(place) = place {
+                    self.points[place].get_or_insert_with(|| (line, text.trim().to_owned()));
+                }
+                (number, None)
+            }
             Cell::Date(date) => (f64::NAN, Some(date)),
             Cell::Missing => (f64::NAN, None),
             Cell::Text => {
@@ -168,6 +180,13 @@ fn finish(path: &Path, columns: Vec<Column>, rows: usize, layout: TextLayout) ->
                 column.name
             );
             return Err(ImportError::line(path, line, problem));
+        }
+        if let [Some((line, pointed)), Some((other, grouped))] = &column.points {
+            let problem = format!(
+                "`{grouped}` in column `{}` has a point between thousands or for its decimal sign, as `{pointed}` has one in line {line}; write all numbers of the file with one decimal sign",
+                column.name
+            );
+            return Err(ImportError::line(path, *other, problem));
         }
         let is_empty = column.dates.is_empty() && column.numbers.iter().all(|value| value.is_nan());
         if is_empty {

@@ -1,6 +1,6 @@
 //! Parameters of effects and their kinds of quantity.
 
-use crate::units::Dimension;
+use socam_units::Dimension;
 
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
@@ -118,6 +118,6 @@ impl Kind {
 
     /// Dimension that a unit in a model file must have; `None` accepts any.
     pub(crate) fn dimension(self, rotational: bool) -> Option<Dimension> {
-        crate::units::parse(self.unit(rotational)).map(|unit| unit.dimension)
+        socam_units::parse(self.unit(rotational)).map(|unit| unit.dimension)
     }
 }

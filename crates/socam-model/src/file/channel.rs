@@ -1,5 +1,6 @@
 //! `[channels.NAME]`: channels, with the units of their columns checked against their quantities.
 
+use socam_units::{Dimension, Unit};
 use toml::Spanned;
 
 use super::{
@@ -7,27 +8,7 @@ use super::{
     reader::Reader,
     wording::meant,
 };
-use crate::{
-    Channel, ChannelTransform, ModelError, Quantity, Role,
-    effects::Kind,
-    units::{self, Dimension},
-};
-
-/// Suffixes of a recording's columns and their SI units, longest first: those of `socam_recording::Unit::ALL`, in its order.
-pub const COLUMN_UNITS: [(&str, &str); 12] = [
-    ("_rad_s2", "rad/s2"),
-    ("_rad_s", "rad/s"),
-    ("_rad", "rad"),
-    ("_m_s2", "m/s2"),
-    ("_m_s", "m/s"),
-    ("_m", "m"),
-    ("_Nm", "N m"),
-    ("_N", "N"),
-    ("_V", "V"),
-    ("_A", "A"),
-    ("_K", "K"),
-    ("_1", "1"),
-];
+use crate::{Channel, ChannelTransform, ModelError, Quantity, Role, effects::Kind};
 
 /// SI unit of a recording's column by the suffix of its name; `None` where the name has no known suffix.
 ///
@@ -37,7 +18,7 @@ pub const COLUMN_UNITS: [(&str, &str); 12] = [
 /// ```
 #[must_use]
 pub fn column_unit(column: &str) -> Option<&'static str> {
-    COLUMN_UNITS.iter().find(|(suffix, _)| column.ends_with(suffix)).map(|(_, unit)| *unit)
+    Unit::of_column(column).map(|(_, unit)| unit.symbol())
 }
 
 impl Reader<'_> {
@@ -133,7 +114,7 @@ impl Reader<'_> {
             );
             return self.fail(given, message);
         }
-        match units::parse(given.get_ref()) {
+        match socam_units::parse(given.get_ref()) {
             Some(parsed)
                 if dimension_of(given.get_ref(), transform)
                     == dimension_of(unit, ChannelTransform::Value) =>
@@ -220,7 +201,7 @@ fn is_angle(column: &str) -> bool {
 
 /// Dimension of transformed values whose column is in `unit`; `None` for a temperature.
 fn dimension_of(unit: &str, take: ChannelTransform) -> Option<Dimension> {
-    let mut dimension = units::parse(unit)?.dimension;
+    let mut dimension = socam_units::parse(unit)?.dimension;
     dimension[2] -= i8::from(take == ChannelTransform::Rate);
     Some(dimension)
 }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::channel::COLUMN_UNITS;
+use socam_units::{Unit, model_file_names};
+
 use crate::{
     BUILTIN, Model,
     effects::{CATALOGUE, meanings},
-    units,
 };
 
 const REFERENCE: &str = include_str!("../../../../docs/model-file.md");
@@ -70,9 +70,9 @@ fn every_unit_and_suffix_is_documented() {
         let rows = section(heading).lines().filter(|line| line.starts_with("| "));
         rows.flat_map(|row| row.split('`').skip(1).step_by(2)).collect()
     };
-    assert_eq!(listed("### Units"), units::names().collect());
-    let suffixes: BTreeSet<&str> = COLUMN_UNITS.iter().map(|(suffix, _)| *suffix).collect();
-    assert_eq!(documented("### Columns"), suffixes.iter().map(|suffix| (*suffix).to_owned()).collect());
+    assert_eq!(listed("### Units"), model_file_names().collect());
+    let suffixes = Unit::ALL.iter().map(|unit| unit.suffix().to_owned());
+    assert_eq!(documented("### Columns"), suffixes.collect());
 }
 
 #[test]

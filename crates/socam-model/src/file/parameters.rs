@@ -7,7 +7,7 @@ use super::{
     reader::Reader,
     wording::{line_of, meant},
 };
-use crate::{LARGEST_VALUE, ModelError, Parameter, Prior, effects::Kind, units};
+use crate::{LARGEST_VALUE, ModelError, Parameter, Prior, effects::Kind};
 
 /// Smallest magnitude of a parameter beside zero, SI: quotients by much smaller ones overflow.
 const SMALLEST_VALUE: f64 = 1e-60;
@@ -15,7 +15,7 @@ const SMALLEST_VALUE: f64 = 1e-60;
 impl Reader<'_> {
     pub(super) fn read_parameter(&mut self, name: &Name, raw: RawParameter) -> Result<Parameter, ModelError> {
         let label = name.get_ref();
-        let Some(unit) = units::parse(raw.unit.get_ref()) else {
+        let Some(unit) = socam_units::parse(raw.unit.get_ref()) else {
             return self.fail(&raw.unit, format!(
                 "parameters.{label}.unit: \"{}\" is no unit; expected something like \"N m/rad\", \"kg m2\" or \"1\"",
                 raw.unit.get_ref(),
@@ -146,7 +146,7 @@ impl Reader<'_> {
             );
         };
         let Some(expected) = kind.dimension(self.rotational) else { return Ok(index) };
-        let found = units::parse(&self.parameters[index].file_unit).map(|unit| unit.dimension);
+        let found = socam_units::parse(&self.parameters[index].file_unit).map(|unit| unit.dimension);
         if found != Some(expected) {
             let unit = kind.unit(self.rotational);
             let message = format!(
@@ -199,8 +199,8 @@ fn kind_name(kind: Kind) -> &'static str {
 }
 
 /// SI unit of a parameter to which no element refers: its unit in the file where that is SI already.
-fn si_name(dimension: units::Dimension, file_unit: &str) -> String {
-    match units::parse(file_unit) {
+fn si_name(dimension: socam_units::Dimension, file_unit: &str) -> String {
+    match socam_units::parse(file_unit) {
         Some(unit) if unit.factor == 1.0 => file_unit.into(),
         _ => {
             let names = ["kg", "m", "s", "A"];

@@ -1,8 +1,9 @@
 //! The contents of a recording.
 
 use serde::Serialize;
+use socam_import::{Kind, Opened, open_either};
 use socam_recording::{
-    Cut, Dataset, Format, LogContents, Segment, Statistics, Steady, Unit, Warning, detect,
+    Cut, Dataset, Format, LogContents, Segment, Selection, Statistics, Steady, Unit, Warning, detect,
 };
 
 /// The contents of one recording. The names are part of the JSON document.
@@ -10,6 +11,9 @@ use socam_recording::{
 pub(super) struct Info {
     pub(super) recording: String,
     pub(super) format: Format,
+    /// The format of a file of another program, whose channels are in memory.
+    #[serde(skip)]
+    pub(super) foreign: Option<Kind>,
     pub(super) rows: u64,
     pub(super) start_s: Option<f64>,
     pub(super) end_s: Option<f64>,
@@ -45,11 +49,18 @@ pub(super) struct Gap {
 
 /// Reads one recording.
 pub(super) fn info(run: &str) -> anyhow::Result<Info> {
-    let path = socam_recording::Selection::parse(run)?.path;
-    if detect(&path)? == Format::SteadyStates {
-        return Ok(Info::of_steady(&Steady::open(&path)?));
+    let selection = Selection::parse(run)?;
+    let path = &selection.path;
+    // Whether a file can be read is decided where every command opens it.
+    if detect(path).is_ok_and(|format| format == Format::SteadyStates) {
+        return Ok(Info::of_steady(&Steady::open(path)?));
     }
-    Ok(Info::of(&socam_import::open(run)?))
+    Ok(match open_either(&selection)? {
+        Opened::Own(data) => Info::of(&data),
+        Opened::Foreign(imported) => {
+            Info { foreign: socam_import::detect(path).ok(), ..Info::of(&imported.data) }
+        }
+    })
 }
 
 /// Whether the report shows the content of a warning elsewhere.
@@ -68,6 +79,7 @@ impl Info {
         Self {
             recording: data.name().into(),
             format: data.format(),
+            foreign: None,
             rows: data.rows(),
             start_s: Some(data.start_s()),
             end_s: Some(data.end_s()),
@@ -103,6 +115,7 @@ impl Info {
         Self {
             recording: steady.name.clone(),
             format: Format::SteadyStates,
+            foreign: None,
             rows: steady.rows.len() as u64,
             start_s: None,
             end_s: None,

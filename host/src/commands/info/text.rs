@@ -15,7 +15,10 @@ impl Info {
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(out, "{}: {}", self.recording, self.format)?;
+        match &self.foreign {
+            Some(kind) => writeln!(out, "{}: {kind}", self.recording)?,
+            None => writeln!(out, "{}: {}", self.recording, self.format)?,
+        }
         match (self.duration_s, self.rate_hz) {
             (Some(duration_s), Some(rate_hz)) => writeln!(
                 out,

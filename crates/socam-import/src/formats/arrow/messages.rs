@@ -28,7 +28,12 @@ pub(super) struct Messages {
 impl Messages {
     /// Reads the schema, which is the first message.
     pub(super) fn open(bytes: Vec<u8>) -> Result<Self, Problem> {
-        let at = if bytes.starts_with(FILE) { FILE.len() } else { 0 };
+        let mut at = 0;
+        if bytes.starts_with(FILE) {
+            // Some writers let the first message begin at a multiple of 64 bytes instead of 8.
+            let words = bytes[FILE.len()..].chunks_exact(8);
+            at = FILE.len() + 8 * words.take_while(|word| **word == [0; 8]).count();
+        }
         let mut messages =
             Self { bytes: Buffer::from_vec(bytes), at, schema: Arc::new(arrow_schema::Schema::empty()) };
         let Some((head, _)) = messages.next()? else { return Err("it ends before its schema".into()) };

@@ -1,9 +1,8 @@
-//! Units of channels, and how a CSV column names them.
-//!
-//! A column is a channel's name followed by its unit's suffix (`motor_speed_rad_s`). These SI units are the only ones
-//! of a recording; other units are converted before.
+//! Units of channels.
 
 use serde::{Deserialize, Serialize};
+
+use crate::Product;
 
 /// The unit of a channel. All SI; no prefixes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -64,7 +63,7 @@ impl Unit {
         Self::One,
     ];
 
-    /// The suffix of a CSV column in this unit, underscore included.
+    /// The suffix of a column in this unit, underscore included.
     #[must_use]
     pub const fn suffix(self) -> &'static str {
         match self {
@@ -101,6 +100,45 @@ impl Unit {
             Self::One => "1",
         }
     }
+
+    /// A column's name without its suffix, and the unit of that suffix, longest suffix first; `None` where the name has no suffix, or
+    /// nothing before it.
+    ///
+    /// ```
+    /// use socam_units::Unit;
+    ///
+    /// assert_eq!(Unit::of_column("motor_speed_rad_s"), Some(("motor_speed", Unit::RadPerS)));
+    /// assert_eq!((Unit::of_column("motor_speed"), Unit::of_column("_V")), (None, None));
+    /// ```
+    #[must_use]
+    pub fn of_column(column: &str) -> Option<(&str, Self)> {
+        Self::ALL.into_iter().find_map(|unit| {
+            let name = column.strip_suffix(unit.suffix())?;
+            (!name.is_empty()).then_some((name, unit))
+        })
+    }
+
+    /// The unit of channels that a product is.
+    pub(crate) fn of(product: Product) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| unit.product() == product)
+    }
+
+    const fn product(self) -> Product {
+        Product(match self {
+            Self::RadPerS2 => [0, 0, 0, 0, 0, 1, -2],
+            Self::RadPerS => [0, 0, 0, 0, 0, 1, -1],
+            Self::Rad => [0, 0, 0, 0, 0, 1, 0],
+            Self::MPerS2 => [0, 0, 0, 0, 1, 0, -2],
+            Self::MPerS => [0, 0, 0, 0, 1, 0, -1],
+            Self::M => [0, 0, 0, 0, 1, 0, 0],
+            Self::Nm => [1, 0, 0, 0, 1, 0, 0],
+            Self::N => [1, 0, 0, 0, 0, 0, 0],
+            Self::V => [0, 1, 0, 0, 0, 0, 0],
+            Self::A => [0, 0, 1, 0, 0, 0, 0],
+            Self::K => [0, 0, 0, 1, 0, 0, 0],
+            Self::One => [0; 7],
+        })
+    }
 }
 
 impl std::fmt::Display for Unit {
@@ -109,46 +147,29 @@ impl std::fmt::Display for Unit {
     }
 }
 
-/// A channel of a recording: what was measured (or commanded), and its unit.
-///
-/// ```
-/// use socam_recording::{Channel, Unit};
-///
-/// let speed = Channel::from_column_name("motor_speed_rad_s").expect("a name with a unit");
-/// assert_eq!(speed, Channel::new("motor_speed", Unit::RadPerS));
-/// assert_eq!((speed.column_name().as_str(), speed.unit.suffix(), speed.unit.symbol()), ("motor_speed_rad_s", "_rad_s", "rad/s"));
-/// assert_eq!(Channel::from_column_name("motor_speed"), None);
-/// ```
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Channel {
-    /// Name without the unit's suffix, such as `motor_speed`.
-    pub name: String,
-    /// SI unit of every value.
+/// How numbers become values of a channel: `factor * number + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conversion {
+    /// Unit of the channel.
     pub unit: Unit,
+    /// SI units in one of the numbers' unit.
+    pub factor: f64,
+    /// SI value of the number 0.
+    pub offset: f64,
 }
 
-impl Channel {
-    /// A channel of this name and unit.
+impl Conversion {
+    /// No conversion: the numbers are in the channel's unit.
     #[must_use]
-    pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit }
+    pub const fn none(unit: Unit) -> Self {
+        Self { unit, factor: 1.0, offset: 0.0 }
     }
 
-    /// Splits a column's name, longest suffix first; `None` when it has no unit's suffix, or nothing before it.
+    /// The SI value of a number; NaN stays NaN.
     #[must_use]
-    pub fn from_column_name(column: &str) -> Option<Self> {
-        Unit::ALL.into_iter().find_map(|unit| {
-            column
-                .strip_suffix(unit.suffix())
-                .filter(|name| !name.is_empty())
-                .map(|name| Self::new(name, unit))
-        })
-    }
-
-    /// The column's name: `motor_speed_rad_s`.
-    #[must_use]
-    pub fn column_name(&self) -> String {
-        format!("{}{}", self.name, self.unit.suffix())
+    pub fn si(&self, number: f64) -> f64 {
+        let value = self.factor * number;
+        if self.offset == 0.0 { value } else { value + self.offset }
     }
 }
 
@@ -168,20 +189,19 @@ mod tests {
             ("force_N", "force", Unit::N),
             ("duty_1", "duty", Unit::One),
         ] {
-            assert_eq!(Channel::from_column_name(column), Some(Channel::new(name, unit)));
+            assert_eq!(Unit::of_column(column), Some((name, unit)));
         }
-        assert_eq!(Channel::from_column_name("sample_id"), None);
-        assert_eq!(Channel::from_column_name("_V"), None);
+        assert_eq!((Unit::of_column("sample_id"), Unit::of_column("_V")), (None, None));
     }
 
     #[test]
-    fn suffixes_are_tried_longest_first_and_names_come_back() {
+    fn suffixes_are_tried_longest_first_and_symbols_are_units_of_the_table() {
         for (index, unit) in Unit::ALL.into_iter().enumerate() {
             for later in &Unit::ALL[index + 1..] {
                 assert!(!later.suffix().ends_with(unit.suffix()), "{unit} hides {later}");
             }
-            let channel = Channel::new("x", unit);
-            assert_eq!(Channel::from_column_name(&channel.column_name()), Some(channel));
+            assert_eq!(Unit::of_column(&format!("x{}", unit.suffix())), Some(("x", unit)));
+            assert_eq!(Product::of_symbol(unit.symbol()), Some(unit.product()));
         }
     }
 }

@@ -1,0 +1,156 @@
+//! What the first rows of a file say of its clocks and channels.
+
+use std::path::Path;
+
+use socam_recording::Warning;
+use socam_units::{column, distinct_names, seconds};
+
+use super::{Proposed, ProposedClock, ROWS, clocks, names};
+use crate::error::{ImportError, Result};
+use crate::formats::read;
+use crate::mapping::{ChannelMap, Clock, Mapping, Time};
+use crate::source::{Source, Wanted};
+
+/// What the first rows of a file say.
+pub(super) struct Draft {
+    pub(super) source: Source,
+    pub(super) clocks: Vec<ProposedClock>,
+    pub(super) channels: Vec<Proposed>,
+    /// What was left aside, and what else is worth knowing.
+    pub(super) notes: Vec<Warning>,
+}
+
+impl Draft {
+    pub(super) fn of(path: &Path) -> Result<Self> {
+        let source = read(path, None, None, &Wanted { signals: None, most_rows: ROWS })?;
+        let clocks = clocks::find(&source);
+        let notes = source.notes.clone();
+        let mut draft = Self { source, clocks, channels: Vec::new(), notes };
+        draft.find_channels();
+        if !draft.channels.iter().any(|channel| channel.conversion().is_some() || !channel.is_constant()) {
+            let notes: Vec<String> = draft.notes.iter().map(ToString::to_string).collect();
+            let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
+            return Err(ImportError::file(path, format!("holds nothing but times and constants{notes}")));
+        }
+        Ok(draft)
+    }
+
+    /// Every signal becomes a channel, or a note says why not.
+    fn find_channels(&mut self) {
+        let mut columns = Vec::new();
+        for (index, group) in self.source.groups.iter().enumerate() {
+            let clock = self.clocks.iter().find(|clock| clock.group == index);
+            let time = clock.and_then(|clock| Some(clock.time.as_ref()?.0));
+            let prefix = names::common_prefix(group);
+            for (place, signal) in group.signals.iter().enumerate().filter(|(place, _)| Some(*place) != time)
+            {
+                let own = signal.name.get(prefix..).filter(|own| own.starts_with(char::is_alphabetic));
+                let column = column(own.unwrap_or(&signal.name), signal.unit.as_deref());
+                let full_name = self.source.name_of(index, place);
+                if group.time == Some(place) || clocks::is_time_like(&column) {
+                    // The times at which messages were logged and published belong to the log.
+                    if !group.is_by_arrival {
+                        self.notes.push(Warning::SecondTime { column: full_name });
+                    }
+                    continue;
+                }
+                self.notes.extend(Warning::of_doubt(&full_name, &column));
+                let mut proposed = Proposed::of(signal, full_name, column.clone());
+                if proposed.range.is_none() {
+                    self.notes.push(Warning::EmptyColumn { column: proposed.signal });
+                    continue;
+                }
+                proposed.rate_hz = clock.and_then(ProposedClock::rate_hz);
+                proposed.is_own = clock.is_some_and(|clock| clock.is_own(&self.source));
+                columns.push((column, group.name.as_str()));
+                self.channels.push(proposed);
+            }
+        }
+        for (channel, name) in self.channels.iter_mut().zip(distinct_names(&columns)) {
+            channel.name = name;
+        }
+    }
+
+    /// What the file does not say of its clocks, and of the units of channels that vary.
+    pub(super) fn unknown(&self) -> Vec<String> {
+        let is_open = |channel: &&Proposed| channel.conversion().is_none() && !channel.is_constant();
+        let units = self.channels.iter().filter(is_open);
+        let units = units.map(|channel| format!("the unit of `{}`{}", channel.signal, channel.guess));
+        let clocks = self.clocks.iter().filter(|clock| clock.time.is_none()).map(|clock| {
+            let group = &self.source.groups[clock.group].name;
+            let place = if group.is_empty() { String::new() } else { format!(" of group `{group}`") };
+            format!("when the samples{place} were taken")
+        });
+        units.chain(clocks).collect()
+    }
+
+    pub(super) fn assumed(&self) -> Vec<String> {
+        self.clocks.iter().filter_map(|clock| clock.assumption(&self.source)).collect()
+    }
+
+    /// Leaves aside constants without a unit, and all columns without one of tables that are named by the rule of the own CSV.
+    pub(super) fn leave_unstated_aside(&mut self) {
+        for channel in std::mem::take(&mut self.channels) {
+            let column = channel.signal.clone();
+            match channel.range {
+                _ if channel.conversion().is_some() => self.channels.push(channel),
+                _ if channel.is_own => self.notes.push(Warning::ColumnWithoutUnit { column }),
+                Some((low, high)) if low == high => self.notes.push(Warning::Note(format!(
+                    "column `{column}` is {low} throughout, states no unit, and is left aside"
+                ))),
+                _ => self.channels.push(channel),
+            }
+        }
+    }
+
+    /// Says which single letters were read as units, in tables that are not named by the rule of the own CSV.
+    pub(super) fn say_letters(&mut self) {
+        let letters = self.channels.iter().filter(|channel| channel.column.is_letter && !channel.is_own);
+        let letters: Vec<String> = letters
+            .filter_map(|channel| Some(format!("`{}` in {}", channel.signal, channel.conversion()?.unit)))
+            .collect();
+        if !letters.is_empty() {
+            let read = letters.join(", ");
+            self.notes.push(Warning::Note(format!(
+                "read by the last letter of its name: {read}; where that is an index and no unit, import it with a mapping"
+            )));
+        }
+    }
+
+    /// The mapping of what is known.
+    pub(super) fn mapping(&self) -> Mapping {
+        let clock = |clock: &ProposedClock| {
+            let group = &self.source.groups[clock.group];
+            let (column, unit) = clock.time.as_ref()?;
+            Some(Clock {
+                group: Some(group.name.clone()),
+                time: Time::Signal(group.signals[*column].name.clone(), seconds(unit)?),
+                offset_s: 0.0,
+                stamps: clock.stamps,
+                line: 0,
+            })
+        };
+        let channel = |proposed: &Proposed| {
+            let conversion = proposed.conversion()?;
+            Some(ChannelMap {
+                name: proposed.name.clone(),
+                signal: proposed.signal.clone(),
+                unit: conversion.unit,
+                unit_text: proposed.unit.clone().unwrap_or_default(),
+                factor: conversion.factor,
+                offset: conversion.offset,
+                wrap: None,
+                missing: None,
+                between: None,
+                line: 0,
+            })
+        };
+        Mapping {
+            file: None,
+            text: self.source.text.clone(),
+            date_format: None,
+            clocks: self.clocks.iter().filter_map(clock).collect(),
+            channels: self.channels.iter().filter_map(channel).collect(),
+        }
+    }
+}
