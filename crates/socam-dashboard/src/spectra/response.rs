@@ -91,12 +91,16 @@ mod tests {
         path.to_string_lossy().into_owned()
     }
 
+    fn read(run: &str) -> Result<Dataset, String> {
+        socam_import::open(run).map_err(|error| error.to_string())
+    }
+
     #[test]
     fn the_window_shows_the_response_of_the_command() {
         let folder = tempfile::tempdir().unwrap();
         let run = recording(folder.path());
         let model = Model::builtin("two-mass").unwrap();
-        let opened = Recording::open(&run, &Handle::default()).unwrap();
+        let opened = Recording::open(&run, read, &Handle::default()).unwrap();
         for output in model.outputs() {
             let columns = [model.inputs().next().unwrap().column.as_str(), output.column.as_str()];
             let window = measured(&opened, &model, columns, &Handle::default()).unwrap();
@@ -117,7 +121,7 @@ mod tests {
     #[test]
     fn a_gain_with_a_delay_has_its_response() {
         let folder = tempfile::tempdir().unwrap();
-        let opened = Recording::open(&recording(folder.path()), &Handle::default()).unwrap();
+        let opened = Recording::open(&recording(folder.path()), read, &Handle::default()).unwrap();
         let model = Model::builtin("two-mass").unwrap();
         let columns = ["motor_torque_Nm", "motor_speed_rad_s"];
         let found = measured(&opened, &model, columns, &Handle::default()).unwrap();
