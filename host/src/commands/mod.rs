@@ -62,7 +62,13 @@ impl From<Outcome> for ExitCode {
 }
 
 /// Arguments of a command that this build leaves out: any, so that it says so whatever is typed.
-#[cfg(not(all(feature = "window", feature = "fleet", feature = "exchange", feature = "challenge", feature = "thesis")))]
+#[cfg(not(all(
+    feature = "window",
+    feature = "fleet",
+    feature = "exchange",
+    feature = "challenge",
+    feature = "thesis"
+)))]
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct NotBuilt {
