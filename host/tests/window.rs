@@ -1,6 +1,6 @@
 //! The dashboard's real window on a virtual display, driven by keyboard and mouse. What happened is read from the window's title,
 //! which tells the state of the bench, and from the recordings.
-#![cfg(all(feature = "dashboard", target_os = "linux"))]
+#![cfg(all(feature = "window-tests", target_os = "linux"))]
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

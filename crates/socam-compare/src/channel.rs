@@ -6,7 +6,7 @@ use crate::delay::Matched;
 use crate::estimate::Estimate;
 use crate::laws::{Law, laws};
 use crate::pair::{Motion, Pair, Pairing, rms};
-use crate::spectrum::{Spectra, spectra};
+use crate::spectrum::spectra;
 
 /// Number of periods into which a recording is divided.
 const PERIODS: usize = 50;

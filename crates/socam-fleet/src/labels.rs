@@ -34,7 +34,7 @@ pub(crate) fn date_of_name(name: &str) -> Option<i64> {
 
 /// Milliseconds since 1970 of a date or time stamp; UTC where it names no zone.
 #[must_use]
-pub fn date(text: &str) -> Option<i64> {
+pub(crate) fn date(text: &str) -> Option<i64> {
     let text = text.trim();
     if let Ok(stamp) = text.parse::<Timestamp>() {
         return Some(stamp.as_millisecond());

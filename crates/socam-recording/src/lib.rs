@@ -71,7 +71,8 @@ pub use line_problem::LineProblem;
 pub use log::attachments::{Attachment, read_attachments};
 pub use log::contents::{AttachmentInfo, LogContents};
 pub use log::names::{
-    EVENT_TOPIC, MACHINE_KEY, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC, SUMMARY_NAME,
+    EVENT_TOPIC, MACHINE_KEY, METADATA_NAME, PROFILE, RECOVERED_NAME, SAMPLE_TOPIC, STATUS_TOPIC,
+    SUMMARY_NAME,
 };
 pub use log::parse::record as parse_log_record;
 pub use log::record::{Recorder, RecordingSummary};

@@ -62,7 +62,13 @@ impl From<Outcome> for ExitCode {
 }
 
 /// Arguments of a command that this build leaves out: any, so that it says so whatever is typed.
-#[cfg(not(all(feature = "window", feature = "fleet", feature = "exchange", feature = "challenge", feature = "thesis")))]
+#[cfg(not(all(
+    feature = "window",
+    feature = "fleet",
+    feature = "exchange",
+    feature = "challenge",
+    feature = "thesis"
+)))]
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct NotBuilt {
@@ -71,6 +77,13 @@ pub(crate) struct NotBuilt {
 }
 
 /// The error of a command, or an option of one, that this build leaves out.
+#[cfg(not(all(
+    feature = "window",
+    feature = "fleet",
+    feature = "exchange",
+    feature = "challenge",
+    feature = "thesis"
+)))]
 pub(crate) fn not_built(what: &str, feature: &str) -> anyhow::Error {
     anyhow::anyhow!(
         "{what} is not part of this build: build socam-host with its feature `{feature}`, or with all of them (`cargo install --path host`)"

@@ -35,6 +35,7 @@ pub(crate) enum Flaw {
         phase_rad: f64,
     },
     /// A gain that drifts. It has no id, because the catalogue has no such effect.
+    #[cfg(feature = "challenge")]
     GainDrift {
         rate_per_s: f64,
     },
@@ -136,6 +137,7 @@ impl FlawedChannel {
             Flaw::Ripple { amplitude, order, phase_rad } => {
                 value + amplitude * (order * angle_rad + phase_rad).sin()
             }
+            #[cfg(feature = "challenge")]
             Flaw::GainDrift { rate_per_s } => value * (1.0 + rate_per_s * time_s),
             Flaw::Lag { time_constant_s } => self.lag.pass(value, step_s / time_constant_s),
             Flaw::Delay { delay_s } => self.delay.pass(value, time_s, delay_s),

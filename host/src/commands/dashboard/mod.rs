@@ -232,11 +232,11 @@ fn size(text: &str) -> Result<[f32; 2], String> {
     numbers.filter(fits).ok_or_else(|| "expected a size from 200x200 to 8000x8000, as in 1280x800".into())
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "window-tests"))]
 mod diagnosis_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "window-tests"))]
 mod fleet_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "window-tests"))]
 mod tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "window-tests"))]
 mod watch_tests;
