@@ -8,7 +8,6 @@ pub(crate) mod contents;
 mod deaths;
 pub(crate) mod decode;
 mod file;
-#[cfg(target_arch = "wasm32")]
 mod inflate;
 mod landmark;
 pub(crate) mod names;

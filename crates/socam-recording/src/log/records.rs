@@ -206,8 +206,6 @@ impl ChunkOpener {
 
     /// Calls `take` with each record of a chunk; `None` when the chunk or a record in it is damaged.
     pub(crate) fn open(&mut self, body: &[u8], mut take: impl FnMut(u8, &[u8]) -> Option<()>) -> Option<()> {
-        // The mcap crate has no decompressor on this target, so it gets chunks decompressed here.
-        #[cfg(target_arch = "wasm32")]
         let body = &super::inflate::inflated(body)?;
         let mut taken = 0;
         let whole = self.feed(body, &mut |opcode, record| {
