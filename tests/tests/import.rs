@@ -1,5 +1,6 @@
 //! `import`: files that other programs wrote, tables as the world writes them, mappings, and what is wrong with any of them.
 
+#[cfg(feature = "full")]
 mod dialects;
 mod mistakes;
 mod tables;
