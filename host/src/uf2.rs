@@ -120,11 +120,11 @@ fn blocks(image: &[u8]) -> Vec<u8> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// An ELF file with one segment.
-    fn elf(address: u32, bytes: &[u8]) -> Vec<u8> {
+    pub(crate) fn elf(address: u32, bytes: &[u8]) -> Vec<u8> {
         let mut file = vec![0x7f, b'E', b'L', b'F', 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0];
         for half in [2u16, 40] {
             file.extend(half.to_le_bytes());
@@ -144,7 +144,7 @@ mod tests {
     }
 
     /// Bytes with a place for a checksum at their end.
-    fn sealable(length: u32) -> Vec<u8> {
+    pub(crate) fn sealable(length: u32) -> Vec<u8> {
         let mut image: Vec<u8> = (0..length).map(|i| i as u8).collect();
         image.extend(b"socam image seal");
         image.extend([ERASED; 8]);

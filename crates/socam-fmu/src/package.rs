@@ -46,7 +46,8 @@ fn platform() -> String {
 }
 
 /// The shared library of this crate: in the folder `deps` beside the running program, where Cargo builds it (what it copies out of there may
-/// be older), or beside the program, where an installed one has it. A test lies in `deps` itself, an example in a folder beside it.
+/// be older) and archives of releases have it, beside the program, or in `../lib/socam`, where a package of the system installs it. A test lies
+/// in `deps` itself, an example in a folder beside it.
 ///
 /// # Errors
 /// [`FmuError::NoLibrary`] where it is in none of these folders.
@@ -54,7 +55,7 @@ pub fn library() -> Result<PathBuf, FmuError> {
     let name = format!("{DLL_PREFIX}{}{DLL_SUFFIX}", description::MODEL_IDENTIFIER);
     let program = std::env::current_exe().map_err(|source| FmuError::File { path: ".".into(), source })?;
     let folder = program.parent().unwrap_or(Path::new("."));
-    let mut folders = vec![folder.join("deps"), folder.into()];
+    let mut folders = vec![folder.join("deps"), folder.into(), folder.join("../lib/socam")];
     if folder.ends_with("examples") {
         folders.insert(0, folder.with_file_name("deps"));
     }

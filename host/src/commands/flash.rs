@@ -16,7 +16,8 @@ use crate::{output, uf2};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host flash firmware/target/thumbv6m-none-eabi/release/socam-firmware
-  socam-host flash FIRMWARE --probe                                             with a debug probe attached")]
+  socam-host flash FIRMWARE --probe                                             with a debug probe attached
+  socam-host flash FIRMWARE -o socam.uf2                                        to copy onto boot drives later")]
 pub(crate) struct Args {
     /// Firmware image: ELF, as in firmware/target after `cargo build --release`, or UF2
     #[arg(value_name = "FIRMWARE")]
@@ -27,6 +28,9 @@ pub(crate) struct Args {
     /// Flash through a debug probe with the program `probe-rs`
     #[arg(long)]
     probe: bool,
+    /// Write the image with its checksum to a UF2 file; no board is needed
+    #[arg(short, long, value_name = "FILE", conflicts_with_all = ["drive", "probe"])]
+    output: Option<PathBuf>,
 }
 
 /// The file that identifies a boot drive, and its text for this chip.
@@ -46,6 +50,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if args.probe {
         return by_probe(&uf2);
     }
+    if let Some(file) = args.output {
+        return to_file(&uf2, &args.image, &file);
+    }
     let drive = match args.drive {
         Some(drive) if is_boot_drive(&drive) => drive,
         Some(drive) => bail!("`{}` is no boot drive: it has no {MARK} that names {CHIP}", drive.display()),
@@ -56,6 +63,15 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let file = drive.join("socam.uf2");
     std::fs::write(&file, &uf2).with_context(|| format!("cannot write `{}`", file.display()))?;
     output::print(&format!("{} bytes to {}; the board restarts by itself\n", uf2.len(), file.display()))?;
+    Ok(Outcome::Done)
+}
+
+fn to_file(uf2: &[u8], image: &Path, file: &Path) -> anyhow::Result<Outcome> {
+    output::check_target(file, image, true)?;
+    let mut written = output::create(file)?;
+    written.write_all(uf2).with_context(|| format!("cannot write `{}`", file.display()))?;
+    written.commit()?;
+    output::print(&format!("{} bytes to {}\n", uf2.len(), file.display()))?;
     Ok(Outcome::Done)
 }
 
@@ -86,4 +102,25 @@ fn find_drive() -> Option<PathBuf> {
     let drives = MOUNTS.iter().flat_map(|mount| folders(Path::new(mount)));
     let drives: Vec<PathBuf> = drives.flat_map(|drive| folders(&drive).into_iter().chain([drive])).collect();
     drives.into_iter().find(|drive| is_boot_drive(drive))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uf2::tests::{elf, sealable};
+
+    #[test]
+    fn a_file_takes_what_a_boot_drive_takes_and_the_image_stays_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let (image, file) = (folder.path().join("firmware"), folder.path().join("socam.uf2"));
+        let built = elf(0x1000_0000, &sealable(1000));
+        std::fs::write(&image, &built).unwrap();
+        let to = |file: &Path| {
+            run(Args { image: image.clone(), drive: None, probe: false, output: Some(file.into()) })
+        };
+        to(&file).unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), uf2::of(&built).unwrap());
+        assert!(to(&image).unwrap_err().to_string().contains("written over itself"));
+        assert_eq!(std::fs::read(&image).unwrap(), built);
+    }
 }
