@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use socam_identify::{Observer, Options, Progress, ProgressMonitor};
+use socam_identify::{Observer, Progress, ProgressMonitor};
 
 use crate::interrupt::Interrupt;
 use crate::output;
@@ -55,8 +55,7 @@ impl Observer for Waiting {
 pub(crate) fn fit<T>(
     interrupt: &Interrupt,
     lines: bool,
-    options: &mut Options,
-    work: impl FnOnce(&Options) -> T,
+    work: impl FnOnce(ProgressMonitor) -> T,
 ) -> T {
     let lines = lines && !std::io::stderr().is_terminal();
     let display = if lines { Display::Lines(Mutex::new(None)) } else { Display::Line(line()) };
@@ -66,11 +65,9 @@ pub(crate) fn fit<T>(
         since: Instant::now(),
         display,
     });
-    options.watch = ProgressMonitor::by(waiting.clone());
     interrupt.end_after(1);
-    let result = work(options);
+    let result = work(ProgressMonitor::by(waiting.clone()));
     interrupt.end_after(0);
-    options.watch = ProgressMonitor::default();
     if let Display::Line(bar) = &waiting.display {
         bar.finish_and_clear();
     }

@@ -1,18 +1,17 @@
 //! `diagnose`: missing physics of a model, with validation on held-out recordings.
 
-mod steady;
 mod text;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use socam_diagnose::Answer;
-use socam_recording::{Dataset, OutputFile, Selection};
+use socam_job::{Diagnose, Grid, JobError, Settings};
+use socam_recording::{OutputFile, Steady};
 
-use super::{Outcome, identify::Start};
+use super::Outcome;
 use crate::interrupt::Interrupt;
-use crate::output::{self, WrongArguments};
-use crate::{model_file, provenance, watch};
+use crate::{output, provenance, watch};
 pub(crate) use text::text;
 
 /// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
@@ -32,32 +31,8 @@ pub(crate) struct Args {
     /// Held-out recordings for validation, used in no fit and in no choice; may be repeated
     #[arg(long, value_name = "RUN")]
     holdout: Vec<String>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
-    model: String,
-    /// Fix a parameter at its value in the model or at the given value (SI); may be repeated
-    #[arg(long, value_name = "NAME[=VALUE]")]
-    fix: Vec<String>,
-    /// False alarm rate, 0 to 1: share of complete models for which something may be found
-    #[arg(long, value_name = "P", default_value_t = 0.01)]
-    false_alarm_rate: f64,
-    /// For steady states: relative standard deviation of repeated readings at one operating point [default: 0.002]
-    #[arg(long, value_name = "SHARE")]
-    repeatability: Option<f64>,
-    /// Start state of each recording
-    #[arg(long, value_enum, default_value = "free")]
-    start: Start,
-    /// Materiality, a fraction of a channel's standard deviation: findings that change every prediction by less are listed but do not count
-    /// as missing physics
-    #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
-    tolerance: f64,
-    #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
-    between: Vec<String>,
-    /// Greatest number of effects to add
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
-    most: u8,
-    /// Seed of the random start values
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    task: Diagnose,
     /// Write the corrected model to this file
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
@@ -87,49 +62,33 @@ pub(super) fn of_one(recording: &str, model: &str) -> anyhow::Result<Outcome> {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let mut model = model_file::load(&args.model)?;
-    model_file::set(&mut model, &args.fix, true)?;
-    model_file::set_between(&mut model, &args.between)?;
-    if !(args.false_alarm_rate > 0.0 && args.false_alarm_rate < 1.0) {
-        let message =
-            format!("--false-alarm-rate {}: expected a number between 0 and 1", args.false_alarm_rate);
-        return Err(WrongArguments(message).into());
-    }
-    apart(&args)?;
-    if steady::are_named(&args)? {
-        return steady::run(&args, &model);
-    }
+    args.task.validate()?;
+    let model = args.task.model.load()?;
+    let tables = args.task.are_tables(&args.runs, &args.holdout)?;
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    let open = |runs: &[String]| {
-        // Outputs that are missing at most grid points would have no spectra.
-        let each = runs.iter().map(|run| output::open_for(run, &model, 1));
-        each.collect::<anyhow::Result<Vec<Dataset>>>()
+    let (done, outcome) = if tables {
+        let tables = args.runs.iter().map(table).collect::<Result<Vec<_>, _>>()?;
+        (args.task.run_steady(model, &tables)?, Outcome::Done)
+    } else {
+        let open = |runs: &[String]| output::open_all(Grid::Diagnosis(&model), runs);
+        let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
+        let done = watch::fit(&interrupt, args.progress, |progress| {
+            args.task.run(model, &training, &holdout, progress)
+        })?;
+        (done, Outcome::on(training.iter().chain(&holdout)))
     };
-    let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
-    let mut fit = socam_identify::Options::default();
-    let answer = watch::fit(&interrupt, args.progress, &mut fit, |fit| {
-        let options = socam_diagnose::Options {
-            false_alarm_rate: args.false_alarm_rate,
-            most_effects: args.most.into(),
-            tolerance: args.tolerance,
-            seed: args.seed,
-            start_state: args.start.state(),
-            watch: fit.watch.clone(),
-            ..socam_diagnose::Options::default()
-        };
-        socam_diagnose::diagnose(&model, &training, &holdout, &options)
-    })?;
+    let Answer { diagnosis, evidence, model_toml } = &done.answer;
     if let Some(mut target) = target {
-        target.write_all(answer.model_toml.as_bytes())?;
+        target.write_all(model_toml.as_bytes())?;
         target.commit()?;
         interrupt.unfinished(None);
     }
-    let Answer { diagnosis, evidence, model_toml } = &answer;
     if let Some(dir) = &args.report {
-        let made = provenance::of(&args.model, &model, args.runs.iter().chain(&args.holdout))?;
-        socam_diagnose::report::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
+        let (name, model) = (&args.task.model.model, &done.model);
+        let made = provenance::of(name, model, args.runs.iter().chain(&args.holdout))?;
+        socam_diagnose::report::write(dir, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;
@@ -137,29 +96,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::on(training.iter().chain(&holdout)))
+    Ok(outcome)
 }
 
-/// Refuses samples that are named twice, also by different paths.
-fn apart(args: &Args) -> anyhow::Result<()> {
-    let mut known: Vec<(&String, Selection)> = Vec::new();
-    for run in args.runs.iter().chain(&args.holdout) {
-        let mut own = Selection::parse(run)?;
-        own.path = own.path.canonicalize().unwrap_or(own.path);
-        let overlaps = |other: &Selection| {
-            let (a, b) = (own.span, other.span);
-            own.path == other.path && a.from_s < b.to_s && b.from_s < a.to_s
-        };
-        if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
-            let what = if *before == run {
-                format!("`{run}` is named twice")
-            } else {
-                format!("`{before}` and `{run}` have samples in common, which are named twice")
-            };
-            let message = format!("{what}; what is held out must not be fitted, and nothing counts double");
-            return Err(WrongArguments(message).into());
-        }
-        known.push((run, own));
-    }
-    Ok(())
+fn table(run: &String) -> Result<Steady, JobError> {
+    let table = Steady::open(Path::new(run))?;
+    table.warnings.iter().for_each(|warning| output::warn(format_args!("`{run}`: {warning}")));
+    Ok(table)
 }

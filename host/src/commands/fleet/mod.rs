@@ -12,7 +12,6 @@ use socam_model::Model;
 
 use super::Outcome;
 use crate::interrupt::Interrupt;
-use crate::model_file;
 use crate::output::{self, WrongArguments};
 use progress::Progress;
 
@@ -30,7 +29,7 @@ pub(crate) struct Args {
     /// Folder of recordings, or a list (CSV with the columns file, machine, date); with --merge the tables of shards
     #[arg(value_name = "DIR|LIST", required = true)]
     places: Vec<PathBuf>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = socam_job::MODEL_HELP)]
     model: String,
     /// Table of the fleet to write (Parquet)
     #[arg(short, long, value_name = "FLEET.parquet")]
@@ -109,7 +108,7 @@ struct Document<'s> {
 
 /// Makes the table; `false` where it was stopped.
 fn diagnose(args: &Args) -> anyhow::Result<bool> {
-    let model = model_file::load(&args.model)?;
+    let model = socam_job::load_model(&args.model)?;
     let mut options = FleetOptions {
         false_alarm_rate: args.false_alarm_rate,
         tolerance: args.tolerance,

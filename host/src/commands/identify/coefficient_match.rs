@@ -13,7 +13,7 @@ use socam_frequency::{
 use socam_model::Model;
 
 use super::{
-    args::Args,
+    Args,
     page::{self, Section},
     pictures,
 };
@@ -72,7 +72,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let answer =
         Answer { source, bench, points, transfer, economised_bound, names, matched: matched.into(), direct };
     let document = answer.json(model);
-    if let Some(dir) = &args.frequency.report {
+    if let Some(dir) = &args.report {
         page::write_all(dir, &answer.files(model, &document)?)?;
     }
     if args.json {
