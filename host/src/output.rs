@@ -210,6 +210,14 @@ pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
     Ok(file.commit()?)
 }
 
+/// Writes text files into a folder, which is made where there is none; each is there whole or not at all. The last one is the page, so that
+/// whatever it links to is there.
+pub(crate) fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,10 @@
 //! What a report is made from: the command as it was typed, the date, and the hashes of the files that were read.
 
 use anyhow::Context;
-use socam_diagnose::report::{FileHash, Provenance};
 use socam_job::options::quoted;
 use socam_model::Model;
 use socam_recording::Selection;
+use socam_report::{FileHash, Provenance};
 
 /// The provenance of a report of `model`, which `--model` calls `name`, and of recordings.
 pub(crate) fn of<'a>(

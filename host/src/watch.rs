@@ -52,11 +52,7 @@ impl Observer for Waiting {
 
 /// Fits while somebody waits: shows how far it is on a terminal (in lines elsewhere, if these are wanted), and ends the
 /// search at the first Ctrl-C, the process at the second.
-pub(crate) fn fit<T>(
-    interrupt: &Interrupt,
-    lines: bool,
-    work: impl FnOnce(ProgressMonitor) -> T,
-) -> T {
+pub(crate) fn fit<T>(interrupt: &Interrupt, lines: bool, work: impl FnOnce(ProgressMonitor) -> T) -> T {
     let lines = lines && !std::io::stderr().is_terminal();
     let display = if lines { Display::Lines(Mutex::new(None)) } else { Display::Line(line()) };
     let waiting = Arc::new(Waiting {

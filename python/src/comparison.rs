@@ -21,7 +21,7 @@ impl Comparison {
 
     /// A page about it; `about` are lines about how it was made.
     fn page(&self, about: Vec<String>) -> String {
-        socam_compare::page(&self.0, &about)
+        socam_report::comparison::page(&self.0, &about)
     }
 }
 

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use socam_diagnose::{Answer, Options, report};
+use socam_answer::headline::marks;
+use socam_diagnose::{Answer, HeldOut, Options};
+use socam_recording::Dataset;
+use socam_report::{Provenance, diagnosis};
 
 use crate::errors::Raised;
 use crate::identification::start_state;
@@ -43,20 +46,20 @@ impl Diagnosis {
 
     /// The bench with the places of the findings, as SVG.
     fn drawing(&self) -> String {
-        report::bench_of(&self.answer.diagnosis, &self.model)
+        socam_report::bench::svg(&self.model, &marks(&self.answer.diagnosis))
     }
 
     /// The most improved channel, measured and predicted, as SVG.
     fn picture(&self) -> Option<String> {
-        report::picture_of(&self.answer.diagnosis)
+        diagnosis::picture(&self.answer.diagnosis)
     }
 
     /// Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
     fn report(&self, py: Python<'_>, folder: PathBuf, date: String) -> PyResult<()> {
-        let Answer { diagnosis, evidence, model_toml } = &self.answer;
-        let made = report::Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };
+        let Answer { diagnosis: document, evidence, model_toml } = &self.answer;
+        let made = Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };
         let models = (&self.model, Some(model_toml.as_str()));
-        let written = py.detach(|| report::write(&folder, diagnosis, evidence, models, &made));
+        let written = py.detach(|| diagnosis::write(&folder, document, evidence, models, &made));
         written.map_err(Raised::raised)
     }
 }
@@ -95,11 +98,13 @@ pub(crate) fn diagnose(
     let model = model.0.clone();
     // Outputs that are missing at most grid points would have no spectra.
     let training = recording::for_fit(&recordings, &model, 1)?;
-    let holdout = recording::for_fit(&holdout, &model, 1)?;
+    let holdout: Vec<Dataset> = holdout.iter().map(|recording| recording.get().data.clone()).collect();
     let own = model.clone();
     let answer = waiting::run(py, progress.as_ref(), move |shared| {
+        let prepare = |data| socam_expectation::on_regular_grid(data, &own, 1);
+        let held_out = holdout.into_iter().fold(HeldOut::none(), |all, data| all.with_dataset(data, prepare));
         let options = Options { watch: waiting::watch(shared), ..options };
-        socam_diagnose::diagnose(&own, &training, &holdout, &options)
+        socam_diagnose::diagnose(&own, &training, held_out, &options)
     })?;
     Ok(Diagnosis { answer: answer.map_err(Raised::raised)?, model })
 }

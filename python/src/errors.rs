@@ -34,7 +34,7 @@ raised! {
     socam_response::ResponseError => FitError,
     socam_watch::WatchError => FitError,
     socam_diagnose::DiagnoseError => FitError,
-    socam_diagnose::report::ReportError => SocamError,
+    socam_report::diagnosis::ReportError => SocamError,
     socam_design::DesignError => SimulationError,
     socam_fleet::FleetError => SocamError,
     socam_sim::SimError => SimulationError,

@@ -64,7 +64,7 @@ impl Model {
 
     /// The bench as SVG.
     fn drawing(&self) -> String {
-        socam_diagnose::report::drawing_of(&self.0)
+        socam_report::bench::svg(&self.0, &[])
     }
 
     /// The model with other values of parameters (SI), of which some may be held fixed.

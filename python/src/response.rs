@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use socam_identify::Band;
 use socam_recording::Dataset;
-use socam_response::{ResponseError, Settings, document, estimate, pictures};
+use socam_response::{ResponseError, Settings, document, estimate};
 
 use crate::errors::Raised;
 use crate::model::Model;
@@ -47,7 +47,7 @@ pub(crate) fn frf(
         let names: Vec<String> = datasets.iter().map(|data| data.name().to_owned()).collect();
         let text = format!("{:#}", document(&model.name, &names, &answers));
         let seen = answers.iter().map(|answer| {
-            let drawn = pictures::response(answer);
+            let drawn = socam_report::response::pictures(answer);
             let drawn = drawn.iter().map(|picture| (picture.name.to_owned(), picture.svg()));
             (answer.distortion_sentences(), drawn.collect())
         });

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Serialize;
-use socam_fleet::{Summary, Table, page};
+use socam_fleet::{Summary, Table};
 
 use crate::errors::Raised;
 
@@ -43,6 +43,6 @@ impl FleetSummary {
 
     /// The fleet's page; `about` are lines about how it was made.
     fn page(&self, py: Python<'_>, about: Vec<String>) -> PyResult<String> {
-        py.detach(|| page::page(&self.summary, &self.table, &about)).map_err(Raised::raised)
+        py.detach(|| socam_report::fleet::page(&self.summary, &self.table, &about)).map_err(Raised::raised)
     }
 }

@@ -31,7 +31,8 @@ pub struct Diagnosis {
     /// Cross-validation among the training recordings: leave one recording out, or blocks.
     #[serde(default)]
     pub selection: Option<Validation>,
-    /// Validation on held-out recordings, which are opened after the last choice; `None` if none was held out or nothing was found.
+    /// Validation on held-out recordings, which are read only after the last choice; until then only their checksums are compared. `None` if
+    /// none was held out or there is no corrected model.
     #[serde(default)]
     pub held_out: Option<HeldOut>,
     /// Findings, strongest first; unique in effect and location.
@@ -104,8 +105,10 @@ pub struct HeldOut {
 pub enum ProofOutcome {
     /// The corrected model predicts them better than the base model, and no channel worse.
     Holds,
-    /// It does not.
+    /// The corrected model does not predict them better, or predicts a channel worse.
     Failed,
+    /// The held-out recordings could not be used. A warning says why.
+    Unusable,
 }
 
 /// A recording and what it was used for.
@@ -136,11 +139,11 @@ pub struct ChannelFit {
     pub noise_std: Option<f64>,
     /// Root mean square residual on training recordings, base model.
     pub rms_before: Option<f64>,
-    /// The same with all findings, including curves of unexplained effects.
+    /// Root mean square residual on training recordings, model with all findings, including curves of unexplained effects.
     pub rms_after: Option<f64>,
     /// Root mean square residual on data that were not fitted, base model.
     pub holdout_rms_before: Option<f64>,
-    /// The same, with all findings.
+    /// Root mean square residual on data that were not fitted, model with all findings.
     pub holdout_rms_after: Option<f64>,
     /// SI unit of all of them.
     #[serde(default)]
@@ -165,7 +168,7 @@ pub struct ParameterChange {
     pub ci95_before: [Option<f64>; 2],
     /// Whether the data determine `after`.
     pub identifiable: bool,
-    /// Whether it is known and not fitted.
+    /// Whether its value is known, so that it was not fitted.
     #[serde(default)]
     pub fixed: bool,
     /// Parameters that are strongly correlated with it.

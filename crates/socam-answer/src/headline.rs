@@ -17,11 +17,12 @@ mod tests;
 
 pub use socam_model::drawing::PlaceMark;
 
-use crate::document::{Diagnosis, Finding, ProofOutcome, UNEXPLAINED, Verdict};
+use crate::document::{Diagnosis, Finding, UNEXPLAINED, Verdict};
+use crate::proof::Proof;
 use crate::words;
 
-/// Weight of a competing explanation, as a share of the finding's own, from which on both stand in the headline. Odds below 3 to 1 are "not
-/// worth more than a bare mention" (Kass and Raftery, Bayes factors, 1995).
+/// Least weight of a competing explanation that ties with the finding, as a share of the finding's own weight; the headline names both. Odds
+/// below 3 to 1 are "not worth more than a bare mention" (Kass and Raftery, Bayes factors, 1995).
 const TIE: f64 = 1.0 / 3.0;
 /// Least weight of a competing explanation whose place is marked in a drawing.
 const MARKED: f64 = 0.05;
@@ -42,7 +43,7 @@ pub enum Tone {
 /// The headline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Headline {
-    /// Its kind.
+    /// Kind, for colour and sign.
     pub tone: Tone,
     /// One line without a full stop: what is missing and where, with all explanations that tie.
     pub title: String,
@@ -59,7 +60,7 @@ pub struct Claim {
     pub what: String,
     /// Its size with unit and interval; `None` where it has none.
     pub size: Option<String>,
-    /// Whether explanations tie.
+    /// Whether competing explanations tie with it.
     pub tied: bool,
 }
 
@@ -67,7 +68,7 @@ pub struct Claim {
 #[must_use]
 pub fn headline(diagnosis: &Diagnosis) -> Headline {
     let claims: Vec<Claim> = diagnosis.findings.iter().map(claim::claim).collect();
-    let failed = diagnosis.held_out.as_ref().is_some_and(|proof| proof.outcome == ProofOutcome::Failed);
+    let failed = matches!(Proof::of(diagnosis), Proof::Failed(_));
     let tone = match diagnosis.verdict {
         Verdict::Adequate => Tone::Adequate,
         _ if failed => Tone::Contradicted,

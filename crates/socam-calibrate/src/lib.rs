@@ -9,7 +9,6 @@
 mod error;
 mod line;
 mod pairs;
-pub mod plot;
 pub mod regression;
 pub mod sensors;
 pub mod steady;

@@ -5,11 +5,11 @@ use serde::Serialize;
 use crate::delay::Matched;
 use crate::laws::laws;
 use crate::pair::{Motion, Pair, Pairing};
-use crate::spectrum::{Spectra, spectra};
+use crate::spectrum::spectra;
 
-/// Periods of a recording that are looked at one by one.
+/// Number of periods into which a recording is divided.
 const PERIODS: usize = 50;
-/// A period stands out where its error is so many times the median.
+/// Least error of a period that stands out, in medians of all periods.
 const OUTSTANDING: f64 = 2.0;
 /// Bins of speed.
 const BINS: usize = 40;
@@ -38,18 +38,18 @@ impl Estimate {
     }
 }
 
-/// What an error follows.
+/// A law that the error follows: a factor times a function of the simulated motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Law {
-    /// What it is a function of, in words.
+    /// The function, in words.
     pub of: String,
-    /// Factor, in the channel's unit per unit of what it follows.
+    /// Factor, in the channel's unit per unit of the function.
     pub factor: Estimate,
     /// Unit of the factor.
     pub unit: String,
-    /// Share of the error's power that nothing else here explains.
+    /// Share of the error's power that this law explains and no other of the list does.
     pub share: f64,
-    /// Probability of this by chance, corrected for the number of tests.
+    /// p-value, corrected for the number of tests.
     pub p_value: f64,
 }
 
@@ -73,13 +73,13 @@ pub struct ChannelComparison {
     pub measured_std: f64,
     /// Root mean square of measured minus simulated.
     pub error_rms: f64,
-    /// The same, divided by the standard deviation.
+    /// `error_rms` divided by `measured_std`.
     pub error_share: f64,
-    /// Whether the error depends on the simulated motion, so that it is no noise.
+    /// Whether the error depends on the simulated motion. Sensor noise does not.
     pub differs: bool,
-    /// Smallest probability among the tests, corrected for their number.
+    /// Smallest p-value of the tests, corrected for their number.
     pub p_value: f64,
-    /// Seconds by which the simulation is early: the recording follows it by so much.
+    /// Time by which the recording is behind the simulation, s.
     pub delay_s: Option<Estimate>,
     /// Measured divided by simulated.
     pub gain: Option<Estimate>,
@@ -97,8 +97,9 @@ pub struct ChannelComparison {
     pub periods: Vec<Period>,
     /// Error over the simulated speed, bin by bin.
     pub over_speed: Option<OverSpeed>,
+    /// Signals and spectra for pictures; they are not part of the JSON document.
     #[serde(skip)]
-    pub(crate) drawn: Drawn,
+    pub drawn: Drawn,
 }
 
 /// Error over speed.
@@ -116,13 +117,21 @@ pub struct OverSpeed {
     pub std: Vec<f64>,
 }
 
-/// What pictures show.
+/// Signals and power densities of a channel, in its unit and in its squared unit per Hz, for pictures.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Drawn {
-    pub(crate) time_s: Vec<f64>,
-    pub(crate) measured: Vec<f64>,
-    pub(crate) simulated: Vec<f64>,
-    pub(crate) spectra: Spectra,
+pub struct Drawn {
+    /// Common times, s.
+    pub time_s: Vec<f64>,
+    /// Measured values.
+    pub measured: Vec<f64>,
+    /// Simulated values at the same times.
+    pub simulated: Vec<f64>,
+    /// Frequencies of the power densities, Hz, from zero.
+    pub frequency_hz: Vec<f64>,
+    /// Power density of the measurement.
+    pub measured_density: Vec<f64>,
+    /// Power density of measured minus simulated.
+    pub error_density: Vec<f64>,
 }
 
 pub(crate) fn compare(
@@ -164,7 +173,9 @@ pub(crate) fn compare(
             time_s: time_s.clone(),
             measured: pair.measured.clone(),
             simulated: pair.simulated.clone(),
-            spectra,
+            frequency_hz: spectra.frequency_hz,
+            measured_density: spectra.measured,
+            error_density: spectra.error,
         },
     }
 }
@@ -181,7 +192,7 @@ fn std(values: &[f64]) -> f64 {
     rms(&values.iter().map(|value| value - mean).collect::<Vec<_>>())
 }
 
-/// Neighbouring spans of time whose error is far above the median.
+/// Spans of neighbouring periods whose error is far above the median.
 fn periods(time_s: &[f64], error: &[f64]) -> Vec<Period> {
     let n = time_s.len();
     let span = |k: usize| (k * n / PERIODS, (k + 1) * n / PERIODS);

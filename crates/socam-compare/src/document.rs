@@ -10,14 +10,14 @@ pub struct Document<'c> {
     /// The comparison.
     #[serde(flatten)]
     pub comparison: &'c Comparison,
-    /// What it says.
+    /// The sentences of [`sentences`].
     pub sentences: Vec<String>,
     /// The simulator beside a model file on the same inputs.
     pub model: Option<ModelCheck>,
 }
 
 impl<'c> Document<'c> {
-    /// Of a comparison, and of one with a model where there is that.
+    /// The document of a comparison, and of one with a model if that was made.
     #[must_use]
     pub fn new(comparison: &'c Comparison, model: Option<ModelCheck>) -> Self {
         Self { comparison, sentences: sentences(comparison), model }

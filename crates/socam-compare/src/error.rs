@@ -21,7 +21,7 @@ pub enum CompareError {
         /// Columns of the simulation.
         simulated: String,
     },
-    /// A channel that was named is not there.
+    /// A channel that was named does not exist.
     #[error("--map {map}: `{file}` has no channel `{channel}`; it has {available}")]
     NoSuchChannel {
         /// The argument.

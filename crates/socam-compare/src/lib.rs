@@ -1,4 +1,4 @@
-//! A recording beside the output of a simulator, without a model: where, when, at which speed and frequency they part.
+//! Comparison of a recording with the output of a simulator, without a model: where, when, at which speed and frequency they differ.
 //!
 //! The error of a channel is its measurement minus its simulation. Whether there is one is tested without any knowledge of the sensor's
 //! noise: noise is independent of the simulated motion, whatever its spectrum, and an error of a simulator is not. Tests are the coherence
@@ -10,25 +10,23 @@ mod delay;
 mod document;
 mod error;
 mod laws;
-mod page;
 mod pair;
 mod regression;
 mod spectrum;
 mod words;
 
-pub use channel::{ChannelComparison, Estimate, Law, Period};
+pub use channel::{ChannelComparison, Drawn, Estimate, Law, OverSpeed, Period};
 pub use document::{Document, ModelCheck};
 pub use error::{CompareError, Result};
-pub use page::page;
 pub use pair::{Pairing, pair, shifted};
-pub use words::sentences;
+pub use words::{number, sentences};
 
 use serde::Serialize;
 
 /// How a comparison is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Probability that a difference is reported of a simulation that is right.
+    /// Probability that a difference is reported for a correct simulation.
     pub false_alarm_rate: f64,
 }
 
@@ -49,7 +47,7 @@ pub struct Comparison {
     pub simulation: String,
     /// `agree` where no channel differs, else `differ`.
     pub verdict: Verdict,
-    /// Probability that `differ` is said of a simulation that is right.
+    /// Probability that a correct simulation gets the verdict `differ`.
     pub false_alarm_rate: f64,
     /// Common span of time, s.
     pub time_s: [f64; 2],
@@ -57,7 +55,7 @@ pub struct Comparison {
     pub rows: usize,
     /// Channels, the largest error beside its signal first.
     pub channels: Vec<ChannelComparison>,
-    /// What was left aside or is worth knowing.
+    /// What was left out, and other warnings.
     pub warnings: Vec<String>,
 }
 

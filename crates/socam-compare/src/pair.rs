@@ -22,16 +22,16 @@ pub struct Pairing {
     pub channels: Vec<Pair>,
     /// Channels that are the same in both: inputs of the simulator.
     pub inputs: Vec<Pair>,
-    /// What was left aside or is worth knowing.
+    /// What was left out, and other warnings.
     pub warnings: Vec<String>,
 }
 
-/// A channel in both.
+/// A channel that both recordings have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
     /// The measured channel.
     pub channel: Channel,
-    /// Measured values; NaN where there is none.
+    /// Measured values; NaN where one is missing.
     pub measured: Vec<f64>,
     /// Simulated values at the same times.
     pub simulated: Vec<f64>,
@@ -64,7 +64,7 @@ pub fn shifted(simulation: Dataset, offset_s: f64) -> Result<Dataset> {
 /// recording's times, and not beyond its own.
 ///
 /// # Errors
-/// When no channel or too little time is common, or a pair is not there.
+/// When no channel or too little time is common, or a channel that `maps` names does not exist.
 pub fn pair(recording: &Dataset, simulation: &Dataset, maps: &[String]) -> Result<Pairing> {
     let names = names(recording, simulation, maps)?;
     let (measured, simulated) = (recording.load_all()?, simulation.load_all()?);
@@ -209,7 +209,7 @@ pub(crate) fn interpolated(at_s: &[f64], times_s: &[f64], values: &[f64]) -> Vec
 }
 
 impl Pairing {
-    /// The simulated motion: a simulated speed, or the derivative of a simulated angle. It has no noise of a sensor.
+    /// The simulated motion: a simulated speed, or the derivative of a simulated angle. It is free of sensor noise.
     pub(crate) fn motion(&self) -> Option<Motion> {
         let of = |units: [Unit; 2]| {
             self.channels.iter().chain(&self.inputs).find(|pair| units.contains(&pair.channel.unit))

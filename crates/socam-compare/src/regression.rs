@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Blocks of a recording.
+/// Number of blocks into which a recording is divided.
 const BLOCKS: usize = 40;
 
 /// Largest share of a function's own power that one block may hold: a function that acts in one block alone has no variance between blocks.
@@ -17,7 +17,7 @@ pub(crate) struct Fit {
     pub(crate) std: Vec<f64>,
     /// Share of the target's power that each regressor explains beside the others.
     pub(crate) shares: Vec<f64>,
-    /// Share that all explain.
+    /// Share of the target's power that all regressors together explain.
     pub(crate) explained: f64,
 }
 
@@ -77,7 +77,7 @@ fn is_distinct(gram: &DMatrix<f64>) -> bool {
 }
 
 impl Fit {
-    /// Probability of a coefficient as large as this one where there is none.
+    /// p-value of a coefficient.
     pub(crate) fn p_value(&self, index: usize) -> f64 {
         if self.std[index] == 0.0 {
             return if self.coefficients[index] == 0.0 { 1.0 } else { 0.0 };

@@ -2,7 +2,7 @@
 
 use socam_recording::Welch;
 
-/// Most segments; more of them would see less of low frequencies.
+/// Largest number of segments; with more, the lowest frequencies would not be resolved.
 const MOST_SEGMENTS: usize = 48;
 const FEWEST_SEGMENTS: usize = 8;
 /// A simulation moves at frequencies where its power density is above this share of its largest.
@@ -17,7 +17,7 @@ pub(crate) struct Spectra {
     /// Squared coherence of the error with the simulation.
     pub(crate) coherence: Vec<f64>,
     pub(crate) segments: usize,
-    /// Of the simulation.
+    /// Power density of the simulation.
     simulated: Vec<f64>,
 }
 

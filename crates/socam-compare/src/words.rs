@@ -3,11 +3,12 @@
 use crate::channel::{CONSTANT, ChannelComparison, Estimate};
 use crate::{Comparison, Verdict};
 
-/// A delay that is this share of a step of the recording is not worth a sentence.
+/// Least delay that gets a sentence, s.
 const LEAST_DELAY_S: f64 = 1e-6;
 
 /// A number to four significant digits.
-pub(crate) fn number(value: f64) -> String {
+#[must_use]
+pub fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         return "0".into();

@@ -1,4 +1,4 @@
-//! The answer of a diagnosis: the document that other people's scripts read, made from the results of all stages.
+//! The document of a diagnosis, made from the results of all stages.
 
 mod findings;
 pub(crate) mod inputs;
@@ -14,6 +14,7 @@ use crate::{
     document::{
         Finding, FindingEvidence, HeldOut, ProofOutcome, Region, SCHEMA, UNEXPLAINED, Validation, Verdict,
     },
+    proof::Outcome,
     selection::{EXCESS, Path},
     words,
 };
@@ -48,7 +49,11 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         schema: SCHEMA.into(),
         verdict,
         false_alarm_rate: context.options.false_alarm_rate,
-        validation: if inputs.proof.is_some() { Validation::Holdout } else { context.validation() },
+        validation: if inputs.held_out.proof().is_some() {
+            Validation::Holdout
+        } else {
+            context.validation()
+        },
         selection: Some(context.validation()),
         held_out,
         suggested_experiment: rivals::suggestion(&findings),
@@ -68,16 +73,18 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
 
 /// Warnings about what the answer does not show.
 fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
-    let Inputs { context, path, proof, .. } = *inputs;
+    let Inputs { context, path, .. } = *inputs;
     let mut all = Vec::new();
-    if proof.is_none() && !findings.is_empty() {
-        let how = match context.validation() {
-            Validation::Blocks => {
-                "blocks of the recordings were left out in turn; whole recordings, three or more, would say more"
-            }
-            _ => "each recording was left out in turn",
-        };
-        all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); name one with --holdout"));
+    let how = match context.validation() {
+        Validation::Blocks => {
+            "blocks of the recordings were left out in turn; whole recordings, three or more, would say more"
+        }
+        _ => "each recording was left out in turn",
+    };
+    match inputs.held_out {
+        Outcome::NothingHeldOut if !findings.is_empty() => all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); name one with --holdout")),
+        Outcome::Unusable(why) => all.push(format!("the held-out recordings prove nothing: {why}; findings rest on cross-validation ({how})")),
+        _ => {}
     }
     let left = path.noise.excess();
     if !path.terms.is_empty() && path.unexplained.is_none() && left > INADEQUATE {
@@ -92,9 +99,16 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
     all
 }
 
-/// Whether the corrected model predicts the held-out recordings better; `None` where nothing was held out or nothing was found.
+/// Whether the corrected model predicts the held-out recordings better; `None` where nothing was held out or there is no corrected model.
 fn held_out(inputs: &Inputs<'_>) -> Option<HeldOut> {
-    let proof = inputs.proof?;
+    let proof = match inputs.held_out {
+        Outcome::NothingHeldOut => return None,
+        Outcome::Unusable(_) => {
+            let sentence = "Not proven: the held-out recordings could not be used.";
+            return Some(HeldOut { outcome: ProofOutcome::Unusable, sentence: sentence.into() });
+        }
+        Outcome::Predicted(proof) => proof,
+    };
     inputs.path.corrected()?;
     let worse = proof.contradictions(&inputs.path.base.model);
     if worse.is_empty() && proof.is_better() {

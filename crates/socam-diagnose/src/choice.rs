@@ -39,7 +39,7 @@ pub(crate) fn best(
     let (mut large, mut tried): (Vec<_>, Vec<_>) =
         tried.iter().cloned().partition(|(candidate, _)| candidate.begins_large);
     let mut finalists = halving::run(context, &path.last, &starts(&tried), &path.noise)?;
-    // Large starts cost the most iterations: they are tried only where no small start comes near the noise.
+    // Large starts cost the most iterations: they are tried only where the residuals of every small start stay far above the noise.
     let leader = finalists.iter().map(|one| &one.at).min_by(|a, b| a.total().total_cmp(&b.total()));
     let leader = leader.filter(|leader| leader.total() < path.last.deviance()).unwrap_or(&path.last.at);
     let share = leader.total() / path.last.deviance();

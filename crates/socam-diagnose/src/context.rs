@@ -18,7 +18,7 @@ use crate::{
     candidate::Candidate, document::Validation, extension::extended, options::Options, preprocessing::masked,
 };
 
-/// Number of recordings from which on whole recordings are left out.
+/// Least number of recordings for cross-validation by whole recordings; fewer are cut into blocks.
 const FEW: usize = 3;
 /// Number of blocks into which fewer recordings are cut, all together.
 const BLOCKS: usize = 4;
@@ -45,7 +45,7 @@ impl FittedModel {
         self.at.total()
     }
 
-    /// Its model with effects added, at their candidates' values; `None` where one of them cannot act.
+    /// The model with the effects of candidates added at their values; `None` where one of them cannot act.
     pub(crate) fn extended_by<'c>(&self, mut added: impl Iterator<Item = &'c Candidate>) -> Option<Model> {
         added.try_fold(self.model.clone(), |model, candidate| extended(&model, candidate))
     }

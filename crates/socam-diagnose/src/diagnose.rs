@@ -11,12 +11,14 @@ use crate::{
     Diagnosis, Evidence,
     answer::{self, inputs::Inputs},
     context::Context,
-    forward, intervals, noise_floor,
+    final_choice::FinalChoice,
+    forward,
+    held_out::HeldOut,
+    noise_floor,
     options::Options,
     pictures::{self, Pair},
     preprocessing::{self, connected, preprocessed},
     proof::Proof,
-    selection::Path,
 };
 
 /// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing
@@ -81,19 +83,30 @@ pub enum DiagnoseError {
     },
 }
 
+impl DiagnoseError {
+    /// A recording is both held out and fitted; by their names.
+    pub(crate) fn same_samples(held_out: &str, training: &str) -> Self {
+        Self::SameSamples { holdout: held_out.to_owned(), training: training.to_owned() }
+    }
+}
+
 /// Finds out whether `model` lacks physics that the `training` recordings show, which physics, and whether the corrected model predicts the
-/// `holdout` recordings better. `holdout` may be empty; the answer then rests on cross-validation among the training recordings.
+/// `held_out` recordings better. With [`HeldOut::none`], the answer rests on cross-validation among the training recordings.
+///
+/// Held-out recordings are opened after the last choice. One that cannot be used then costs the proof and not the answer: a warning says why.
 ///
 /// # Errors
-/// [`DiagnoseError`] where a recording or the model cannot be used. It is no error that no candidate fits.
+/// [`DiagnoseError`] where a training recording or the model cannot be used, or a held-out recording in memory has the samples of a training
+/// recording. It is no error that no candidate fits.
 ///
 /// ```
-/// use socam_diagnose::{Options, diagnose};
+/// use socam_diagnose::{HeldOut, Options, diagnose};
 /// use socam_model::Model;
 ///
 /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/axis.rs"));
-/// let (training, holdout) = recordings.split_at(3);
-/// let answer = diagnose(&model, training, holdout, &Options { most_effects: 1, ..Options::default() })?;
+/// let (training, held_out) = recordings.split_at(3);
+/// let options = Options { most_effects: 1, ..Options::default() };
+/// let answer = diagnose(&model, training, HeldOut::in_memory(held_out), &options)?;
 /// let friction = &answer.diagnosis.findings[0];
 /// assert_eq!((friction.effect.as_str(), friction.location.as_str()), ("coulomb_friction", "guide"));
 /// assert!((friction.parameters[0].value.unwrap() - 5.0).abs() < 0.2);
@@ -103,18 +116,16 @@ pub enum DiagnoseError {
 pub fn diagnose(
     model: &Model,
     training: &[Dataset],
-    holdout: &[Dataset],
+    held_out: HeldOut<'_>,
     options: &Options,
 ) -> Result<Answer, DiagnoseError> {
     let clock = cpu_time::ProcessTime::now();
-    refuse_shared_samples(training, holdout)?;
+    let held_out = held_out.sealed(training)?;
     if let Some(channel) = preprocessing::disconnected(model, training)? {
         return Err(DiagnoseError::Disconnected { channel });
     }
     let mut notes = preprocessing::held_inputs(model, training)?;
     let (training, more) = connected(model, training)?;
-    notes.extend(more);
-    let (holdout, more) = connected(model, holdout)?;
     notes.extend(more);
     let fit = FitOptions {
         starts: options.starts,
@@ -129,93 +140,36 @@ pub fn diagnose(
     let before = output_error(&Problem::new(model, &training, near)?)?;
     options.watch.part("outliers, noise and its discrepancy", PART_NOISE);
     let levels = levels(model, &before);
-    let clean = |all: &[Dataset]| preprocessed(model, all, &before.point, &levels, &fit);
-    let ((training, mut outliers), (holdout, more)) = (clean(&training)?, clean(&holdout)?);
-    outliers.extend(more);
+    let (training, mut outliers) = preprocessed(model, &training, &before.point, &levels, &fit)?;
     let context = Context::new(model, &training, fit, options)?;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
-    let mut path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    let path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
     options.watch.part("intervals", PART_INTERVALS);
-    let after = determined(&context, &mut path, &before)?;
-    path.test_last(&context)?;
-    // Held-out recordings are predicted only after the last choice.
+    let choice = FinalChoice::make(&context, path, &before)?;
     options.watch.part("held-out recordings and pictures", PART_PROOF);
-    let proof = Proof::open(&context, &path, &holdout)?;
+    let outcome = Proof::open(&context, &choice, held_out)?;
+    let proof = outcome.proof();
+    if let Some(proof) = proof {
+        notes.extend(proof.notes.iter().cloned());
+        outliers.extend(proof.outliers.iter().cloned());
+    }
+    let (path, after) = (choice.path(), choice.estimates());
     let corrected = &path.last.model;
-    let model_toml = corrected.text_with(&updates(corrected, &after))?;
+    let model_toml = corrected.text_with(&updates(corrected, after))?;
     let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
-    let pairs = Pair::all(&context, &path, proof.as_ref())?;
+    let pairs = Pair::all(&context, path, proof)?;
     let (levels, whole) = (path.levels(&context)?, path.whole());
     let floor = noise_floor::floor(&whole.model, &whole.at.values, &levels, &Pair::shown(&pairs), step_s);
     let evidence = pictures::evidence(model, &pairs, &floor);
     let cpu_s = clock.elapsed().as_secs_f64();
-    let inputs = Inputs {
-        context: &context,
-        path: &path,
-        proof: proof.as_ref(),
-        before: &before,
-        after: &after,
-        floor: &floor,
-    };
+    let inputs =
+        Inputs { context: &context, path, held_out: &outcome, before: &before, after, floor: &floor };
     let mut diagnosis = answer::document(&inputs, cpu_s)?;
     diagnosis.overlay = pictures::overlay(model, &pairs, &floor);
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);
     Ok(Answer { diagnosis, evidence, model_toml })
-}
-
-/// Removes terms whose amplitude the recordings do not determine, the latest first, until every term is determined. Sets each remaining
-/// term's gain over the model without it. Returns the estimates of the remaining model.
-fn determined(
-    context: &Context<'_>,
-    path: &mut Path,
-    before: &Identification,
-) -> Result<Identification, IdentifyError> {
-    let found = 'determined: loop {
-        if path.terms.is_empty() {
-            break before.clone();
-        }
-        let found = intervals::estimates(context, path)?;
-        for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
-        {
-            let near = path.fitted_without(context, term)?;
-            if let Some(without) =
-                near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?
-            {
-                path.remove(context, term, without)?;
-                continue 'determined;
-            }
-        }
-        break found;
-    };
-    for term in 0..path.terms.len() {
-        let near = path.fitted_without(context, term)?;
-        if let Some(without) = &near {
-            path.terms[term].gain = path.gain(&path.last, without);
-        }
-        // Where no fit without the term comes near, the gain at which it was added stays.
-        let without = near.map_or_else(|| path.validated_without(context, term), |near| Ok(Some(near)))?;
-        path.terms[term].without = without;
-    }
-    Ok(found)
-}
-
-/// Refuses held-out recordings that equal a training recording, whatever their names.
-fn refuse_shared_samples(training: &[Dataset], holdout: &[Dataset]) -> Result<(), DiagnoseError> {
-    let are_same = |a: &Dataset, b: &Dataset| {
-        a.rows() == b.rows()
-            && a.channels() == b.channels()
-            && a.statistics() == b.statistics()
-            && (a.end_s() - a.start_s()).to_bits() == (b.end_s() - b.start_s()).to_bits()
-    };
-    for held in holdout {
-        if let Some(fitted) = training.iter().find(|fitted| are_same(fitted, held)) {
-            let [holdout, training] = [held, fitted].map(|data| data.name().to_owned());
-            return Err(DiagnoseError::SameSamples { holdout, training });
-        }
-    }
-    Ok(())
 }
 
 /// Noise levels of outputs and inputs that a fit estimated, SI.

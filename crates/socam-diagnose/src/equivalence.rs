@@ -31,7 +31,7 @@ pub(crate) fn equivalents(
     each.collect()
 }
 
-/// The same effect in the other of two springs in series. Both springs carry one torque, and only the sum of their twists is measured.
+/// The candidate's effect in the other of two springs in series. Both springs carry one torque, and only the sum of their twists is measured.
 fn in_series(model: &Model, own: &Candidate, may: impl Fn(&Spring, &Spring) -> bool) -> Vec<Candidate> {
     // Effects in a spring do not separate it from its neighbour.
     let mut plain = model.clone();

@@ -4,17 +4,8 @@ use socam_model::effects::{
     self, ActsAt,
     experiment::{Experiment, LARGE_TORQUE},
 };
-use socam_recording::ProfileFile;
 
 use crate::document::{Finding, Over, SuggestedExperiment};
-
-/// Text of a suggestion's profile file for `record --profile`. Its purpose is the suggestion's sentence.
-pub(crate) fn profile_text(suggestion: &SuggestedExperiment) -> Option<String> {
-    let text = ProfileFile::built_in_text(&suggestion.profile).unwrap_or(&suggestion.profile);
-    let profile = ProfileFile::parse(text).ok()?;
-    let purpose = suggestion.sentence.replace('`', "");
-    Some(ProfileFile { purpose: Some(purpose), ..profile }.to_toml())
-}
 
 /// An experiment that shows a finding's curve more precisely; `None` for a finding without a curve.
 pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {

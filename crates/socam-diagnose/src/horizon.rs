@@ -1,4 +1,4 @@
-//! Short horizons: a way in where the base model misses by far more than noise.
+//! Multiple shooting: the start of the selection where the base model's residuals are far above the noise.
 //!
 //! A free run from one start state integrates what the model lacks over the whole recording. Its deviance then has minima in which base
 //! parameters imitate the missing physics. Cut into short parts with start states of their own, the same recording follows the measured
@@ -56,7 +56,7 @@ impl Path {
         Ok(Some(path).filter(|path| !path.terms.is_empty()))
     }
 
-    /// The effects of another path, fitted to whole recordings from its values; `None` where they do not come near the data.
+    /// The effects of another path, fitted to whole recordings from its values; `None` where their residuals stay far above the noise.
     fn carried_over(&self, context: &Context<'_>, found: Self) -> Result<Option<Self>, IdentifyError> {
         let candidates = found.terms.iter().map(|term| &term.candidate);
         let Some(model) = self.base.extended_by(candidates) else { return Ok(None) };

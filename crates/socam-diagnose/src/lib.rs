@@ -8,27 +8,25 @@
 //! * [`diagnose_steady`] compares it with tables of steady operating points ([`steady`]).
 //! * [`Options`] and [`SteadyOptions`] hold the false-alarm rate and the limits of the search.
 //! * [`Answer`] holds the [`Diagnosis`], which scripts read ([`document`]), the [`Evidence`] for pictures ([`evidence`]) and the corrected
-//!   model; [`report::write`] makes a page of these.
+//!   model. `socam_report::diagnosis` makes a page of these.
 //!
 //! All quantities are in SI, with the unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 //!
 //! ```no_run
-//! use socam_diagnose::{Options, diagnose, report};
+//! use socam_diagnose::{HeldOut, Options, diagnose};
 //! use socam_model::Model;
 //! use socam_recording::Dataset;
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
 //!     let model = Model::parse(&std::fs::read_to_string("bench.toml")?)?;
 //!     let training = [Dataset::open("steps.mcap")?, Dataset::open("multisine.mcap")?];
-//!     let holdout = [Dataset::open("reversals.mcap")?];
+//!     let held_out = HeldOut::none().with("reversals.mcap", || Dataset::open("reversals.mcap"));
 //!     let options = Options { most_effects: 2, ..Options::default() };
-//!     let answer = diagnose(&model, &training, &holdout, &options)?;
+//!     let answer = diagnose(&model, &training, held_out, &options)?;
 //!     for finding in &answer.diagnosis.findings {
 //!         println!("{} at {}: {}", finding.effect, finding.location, finding.sentence);
 //!     }
-//!     let directory = std::path::Path::new("report");
-//!     let made = report::Provenance { command: "my program".into(), ..report::Provenance::default() };
-//!     report::write(directory, &answer.diagnosis, &answer.evidence, (&model, Some(&answer.model_toml)), &made)?;
+//!     std::fs::write("corrected.toml", &answer.model_toml)?;
 //!     Ok(())
 //! }
 //! ```
@@ -44,8 +42,10 @@ mod elimination;
 mod equivalence;
 mod experiment;
 mod extension;
+mod final_choice;
 mod forward;
 mod halving;
+mod held_out;
 mod horizon;
 mod intervals;
 mod materiality;
@@ -61,7 +61,6 @@ mod prescribed;
 mod proof;
 pub mod ranking;
 mod region;
-pub mod report;
 mod scales;
 mod score_test;
 mod screening;
@@ -74,6 +73,7 @@ mod words;
 
 pub use answer::INADEQUATE;
 pub use diagnose::{Answer, DiagnoseError, diagnose};
+pub use held_out::{HeldOut, refuse_copies};
 pub use options::Options;
 pub use screening::{Frozen, Screening, Suspect, screen};
 pub use socam_answer::{Diagnosis, Evidence, document, evidence};

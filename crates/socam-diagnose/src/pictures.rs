@@ -36,7 +36,7 @@ impl Pair {
     pub(crate) fn all(
         context: &Context<'_>,
         path: &Path,
-        proof: Option<&Proof<'_>>,
+        proof: Option<&Proof>,
     ) -> Result<Vec<Self>, IdentifyError> {
         let mut pairs = Vec::new();
         let training: Vec<String> = context.training.iter().map(|data| data.name().to_owned()).collect();
@@ -48,9 +48,9 @@ impl Pair {
         };
         pairs.extend(paired(&training, false, before, after));
         if let Some(proof) = proof {
-            let names: Vec<String> = proof.holdout.iter().map(|data| data.name().to_owned()).collect();
+            let names: Vec<String> = proof.recordings.iter().map(|data| data.name().to_owned()).collect();
             let of = |model: &Model, at: &Evaluation| {
-                comparison::traces(&Problem::new(model, proof.holdout, context.fit.clone())?, at, None)
+                comparison::traces(&Problem::new(model, &proof.recordings, context.fit.clone())?, at, None)
             };
             let before = of(&base.model, &proof.base)?;
             let after = match corrected {

@@ -1,4 +1,5 @@
-//! Motion prescribed, torque predicted: a way in where the base model misses by far more than noise, and has one coordinate.
+//! Inverse dynamics: the torque is predicted from the measured motion. It starts the selection where the base model has one coordinate and
+//! its residuals are far above the noise.
 //!
 //! In a free run the deviance has minima far from the truth. The torque that the measured motion needs is nearly linear in all parameters,
 //! base parameters included, so that each candidate's regression leads to one set of values. The candidates that leave the least torque are

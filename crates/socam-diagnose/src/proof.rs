@@ -1,7 +1,7 @@
-//! Proof: how the corrected model predicts held-out recordings. They are opened after the last choice, and no stage uses the result.
+//! Proof: how the corrected model predicts held-out recordings. They are opened here, after the last choice, and no stage uses the result.
 
 use socam_identify::{
-    IdentifyError, Problem,
+    IdentifyError, LeftOut, Problem,
     comparison::{self, Evaluation, NoiseModel},
 };
 use socam_model::Model;
@@ -9,47 +9,103 @@ use socam_recording::Dataset;
 
 use crate::{
     context::{Context, FittedModel},
+    final_choice::FinalChoice,
+    held_out::Sealed,
+    preprocessing::{connected, preprocessed},
     selection::Path,
 };
 
 /// Rise of a channel's root mean square residual on held-out recordings, as a share of the base model's, above which the proof fails, 1.
 const CONTRADICTION: f64 = 0.05;
 
+/// What came of the held-out recordings.
+pub(crate) enum Outcome {
+    /// No recording is held out.
+    NothingHeldOut,
+    /// The held-out recordings cannot be used. The text says why; it continues a sentence.
+    Unusable(String),
+    /// The base model and the corrected model predicted them.
+    Predicted(Box<Proof>),
+}
+
+impl Outcome {
+    /// The proof, if the recordings were predicted.
+    pub(crate) fn proof(&self) -> Option<&Proof> {
+        match self {
+            Self::Predicted(proof) => Some(proof),
+            Self::NothingHeldOut | Self::Unusable(_) => None,
+        }
+    }
+}
+
 /// Evaluations of models on held-out recordings, with start states fitted to each recording.
-pub(crate) struct Proof<'a> {
-    pub(crate) holdout: &'a [Dataset],
+pub(crate) struct Proof {
+    /// The recordings as both models predict them: with outputs of disconnected sensors and outliers masked.
+    pub(crate) recordings: Vec<Dataset>,
+    /// A sentence about each channel that never changes.
+    pub(crate) notes: Vec<String>,
+    /// The outliers that were masked.
+    pub(crate) outliers: Vec<LeftOut>,
     pub(crate) base: Evaluation,
-    /// The corrected model's, with the nonparametric term if there is one.
+    /// Evaluation of the corrected model, with the nonparametric term if there is one.
     pub(crate) corrected: Evaluation,
-    /// The last model's.
+    /// Evaluation of the last model.
     last: Evaluation,
-    /// The last model's without each of its terms, in their order.
+    /// Evaluation of the last model without each of its terms, in their order.
     without: Vec<Option<Evaluation>>,
     /// Sensor noise level of each output, SI.
     noise_std: Vec<f64>,
 }
 
-impl<'a> Proof<'a> {
-    /// `None` where no recording is held out, or a model's prediction overflows on one.
+impl Proof {
+    /// Opens the held-out recordings and predicts them by the models of the final choice. Whatever is wrong with these recordings costs the
+    /// proof alone.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Cancelled`].
     pub(crate) fn open(
         context: &Context<'_>,
-        path: &Path,
-        holdout: &'a [Dataset],
-    ) -> Result<Option<Self>, IdentifyError> {
-        if holdout.is_empty() {
-            return Ok(None);
+        choice: &FinalChoice,
+        held_out: Sealed<'_>,
+    ) -> Result<Outcome, IdentifyError> {
+        if held_out.is_empty() {
+            return Ok(Outcome::NothingHeldOut);
         }
-        let noise = noise(context, path, holdout)?;
+        let recordings = match held_out.open(choice) {
+            Ok(recordings) => recordings,
+            Err(why) => return Ok(Outcome::Unusable(why)),
+        };
+        match Self::predicted(context, choice.path(), &recordings) {
+            Ok(Some(proof)) => Ok(Outcome::Predicted(Box::new(proof))),
+            Ok(None) => Ok(Outcome::Unusable("the prediction of a model overflows on them".into())),
+            Err(IdentifyError::Cancelled) => Err(IdentifyError::Cancelled),
+            Err(error) => Ok(Outcome::Unusable(error.to_string())),
+        }
+    }
+
+    /// `None` where a model's prediction overflows.
+    fn predicted(
+        context: &Context<'_>,
+        path: &Path,
+        recordings: &[Dataset],
+    ) -> Result<Option<Self>, IdentifyError> {
+        let (recordings, notes) = connected(&path.base.model, recordings)?;
+        // One mask serves both models: outliers are those beside the prediction of the corrected model.
+        let whole = path.whole();
+        let levels = path.levels(context)?;
+        let (recordings, outliers) =
+            preprocessed(&whole.model, &recordings, &whole.at.values, &levels, &context.fit)?;
+        let noise = noise(context, path, &recordings)?;
         let of = |fitted: &FittedModel| {
-            let problem = Problem::new(&fitted.model, holdout, context.fit.clone())?;
+            let problem = Problem::new(&fitted.model, &recordings, context.fit.clone())?;
             comparison::measure(&problem, &noise, &fitted.at.values)
         };
-        let all = of(&path.base)?.zip(of(path.whole())?).zip(of(&path.last)?);
+        let all = of(&path.base)?.zip(of(whole)?).zip(of(&path.last)?);
         let Some(((base, corrected), last)) = all else { return Ok(None) };
         let without = path.terms.iter().map(|term| term.without.as_ref().map_or(Ok(None), of));
-        let without: Result<Vec<Option<Evaluation>>, IdentifyError> = without.collect();
+        let without = without.collect::<Result<Vec<Option<Evaluation>>, IdentifyError>>()?;
         let noise_std = path.noise.levels().outputs.clone();
-        Ok(Some(Self { holdout, base, corrected, last, without: without?, noise_std }))
+        Ok(Some(Self { recordings, notes, outliers, base, corrected, last, without, noise_std }))
     }
 
     /// Share of the excess residual power of the model without a term that the term removes, per cent.

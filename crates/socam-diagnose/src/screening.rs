@@ -48,7 +48,7 @@ impl Frozen {
     /// Of one recording.
     ///
     /// # Errors
-    /// As [`diagnose`](fn@crate::diagnose).
+    /// [`DiagnoseError`], as of [`diagnose`](fn@crate::diagnose).
     pub fn of(model: &Model, recording: &Dataset, options: &Options) -> Result<Self, DiagnoseError> {
         let (recordings, _) = connected(model, std::slice::from_ref(recording))?;
         let fit = fit_options(options);
@@ -70,7 +70,7 @@ impl Frozen {
         })
     }
 
-    /// The median of several, number by number: one recording that is not healthy moves it little. `None` of none.
+    /// The median of several, number by number, which one unhealthy recording moves little. `None` if there are none.
     #[must_use]
     pub fn median(all: &[Self]) -> Option<Self> {
         let first = all.first()?;
@@ -143,7 +143,7 @@ pub struct Screening {
 /// Screens a recording.
 ///
 /// # Errors
-/// As [`diagnose`](fn@crate::diagnose); [`DiagnoseError::Diverged`] where the model cannot follow the recording from the frozen values.
+/// [`DiagnoseError`], as of [`diagnose`](fn@crate::diagnose); [`DiagnoseError::Diverged`] where the model cannot follow the recording from the frozen values.
 pub fn screen(
     model: &Model,
     recording: &Dataset,

@@ -1,7 +1,7 @@
 //! A pendulum whose model knows nothing of gravity: a free run misses by turns, where gravity holds the arm near the bottom.
 //! Its inertia is known, or starts at three times the truth.
 
-use socam_diagnose::{Options, diagnose};
+use socam_diagnose::{HeldOut, Options, diagnose};
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
 
@@ -85,9 +85,9 @@ fn record(name: &str, seed: f64) -> Dataset {
 /// The diagnosis of a base model finds gravity at the arm, and the inertia within a twentieth.
 fn assert_gravity_is_found(model: &Model) {
     let training = [record("a", 0.3), record("b", 1.1), record("c", 1.9)];
-    let holdout = [record("d", 1.5)];
+    let held_out = HeldOut::in_memory(&[record("d", 1.5)]);
     let options = Options { most_effects: 2, ..Options::default() };
-    let answer = diagnose(model, &training, &holdout, &options).unwrap().diagnosis;
+    let answer = diagnose(model, &training, held_out, &options).unwrap().diagnosis;
     let first = &answer.findings[0];
     assert_eq!((first.effect.as_str(), first.location.as_str()), ("gravity_unbalance", "arm"));
     let torque = first.parameters.iter().find(|own| own.name == "torque").unwrap();

@@ -6,8 +6,10 @@
 pub enum EfficiencyError {
     #[error("the model {model} has no section whose losses could be measured: {why}")]
     Model { model: String, why: String },
-    #[error("{moments} usable moments do not determine losses; record at least a few seconds in motion")]
-    TooFew { moments: usize },
+    #[error(
+        "{windows} usable averaging windows do not determine losses; record at least a few seconds in motion"
+    )]
+    TooFew { windows: usize },
     #[error(transparent)]
     Recording(#[from] socam_recording::RecordingError),
 }

@@ -1,17 +1,16 @@
 //! Efficiency of the section between two torque sensors from recordings: losses by their laws, with uncertainty.
 //!
-//! [`measure`] turns recordings into [`Moment`]s, fits [`Losses`] to them, and compares both tachometers. In a positive drive (gears,
+//! [`measure`] averages recordings over [`Window`]s of a fraction of a second, fits [`Losses`] to them, and compares both tachometers. In a positive drive (gears,
 //! shafts and couplings that cannot slip) the speed ratio is fixed, efficiency is a ratio of torques, and a difference between speeds is
-//! a gain error of a tachometer. [`map`] draws efficiency over speed and torque.
+//! a gain error of a tachometer.
 //!
 //! SI inside, unit in the name. Nothing here prints.
 
 mod error;
 mod losses;
-pub mod map;
-mod moments;
 mod section;
 mod tachometers;
+mod windows;
 
 use serde::Serialize;
 use socam_calibrate::Estimate;
@@ -20,9 +19,9 @@ use socam_recording::Dataset;
 
 pub use error::EfficiencyError;
 pub use losses::{Losses, SensorStd, Sensors};
-pub use moments::Moment;
 pub use section::Section;
 pub use tachometers::Tachometers;
+pub use windows::Window;
 
 /// Version of [`Efficiency`]'s JSON form.
 pub const SCHEMA: &str = "socam.efficiency/1";
@@ -53,7 +52,7 @@ pub struct Efficiency {
     pub points: Vec<Point>,
     /// Warnings.
     pub warnings: Vec<String>,
-    /// Speed and torque of all driven moments.
+    /// Speed, rad/s, and torque, N m, of all averaging windows in which the input drives the load.
     #[serde(skip)]
     pub visited: Vec<[f64; 2]>,
 }
@@ -85,16 +84,16 @@ pub fn measure(
     let section = Section::of(model)?;
     let mut all = Vec::new();
     for data in data {
-        all.extend(moments::of(data, &section)?);
+        all.extend(windows::of(data, &section)?);
     }
     let is_positive = section.is_positive && !slips;
-    let used = moments::substantial(&all);
+    let used = windows::substantial(&all);
     let losses = Losses::of(&used, &section, sensors)?;
     let tachometers = Tachometers::of(&all);
     let visited: Vec<[f64; 2]> = used
         .iter()
-        .filter(|moment| moment.is_driven && moment.torque_in * moment.direction > 0.0)
-        .map(|moment| [moment.speed.abs(), moment.torque_in.abs()])
+        .filter(|window| window.is_driven && window.torque_in * window.direction > 0.0)
+        .map(|window| [window.speed.abs(), window.torque_in.abs()])
         .collect();
     let speeds = tachometers.as_ref().map(|tachometers| tachometers.ratio);
     let speeds_std = sensors.speed_in.gain.zip(sensors.speed_out.gain).map(|(a, b)| a.hypot(b));

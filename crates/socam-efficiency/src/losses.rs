@@ -1,4 +1,4 @@
-//! Losses of a section from its moments: viscous, proportional to torque, and constant.
+//! Losses of a section from averaging windows: viscous, proportional to torque, and constant.
 
 mod terms;
 
@@ -7,10 +7,10 @@ use serde::Serialize;
 use socam_calibrate::Estimate;
 use socam_calibrate::regression::{self, Regression};
 
-use crate::{EfficiencyError, Section, moments::Moment};
+use crate::{EfficiencyError, Section, windows::Window};
 use terms::{Scaling, Term};
 
-/// Number of neighbouring moments with correlated errors: moments overlap by half, and model errors last longer than one.
+/// Number of neighbouring averaging windows with correlated errors: windows overlap by half, and model errors last longer than one.
 const LAG: usize = 3;
 /// Number of Gauss-Newton steps; only the torque share is nonlinear, and weakly.
 const STEPS: usize = 6;
@@ -54,10 +54,11 @@ pub struct Losses {
     pub entangled: Vec<[&'static str; 2]>,
     /// Estimated inertia, kg m2 at the input, in addition to the model's prior.
     pub inertia: Option<Estimate>,
-    /// Standard deviation of the residuals of moments, N m.
+    /// Standard deviation of the residuals of averaging windows, N m.
     pub residual_std: f64,
-    /// Number of moments.
-    pub moments: usize,
+    /// Number of averaging windows.
+    #[serde(rename = "moments")]
+    pub windows: usize,
     #[serde(skip)]
     fitted: Fitted,
 }
@@ -71,27 +72,27 @@ struct Fitted {
 }
 
 impl Losses {
-    /// Fits the losses to moments. A sensor's gain without known uncertainty counts as exact. A zero without known uncertainty is estimated
+    /// Fits the losses to averaging windows. A sensor's gain without known uncertainty counts as exact. A zero without known uncertainty is estimated
     /// if there is motion in both directions, which distinguishes it from a constant loss; otherwise it counts as exact.
     ///
-    /// Moments are those of [`crate::moments::substantial`].
+    /// Windows are those of [`crate::windows::substantial`].
     ///
     /// # Assumes
     /// The three laws, and torque sensors of equal bandwidth. Other losses increase `residual_std` and widen the intervals, whose covariance
     /// allows for correlated residuals.
     ///
     /// # Errors
-    /// When there are too few moments.
-    pub fn of(moments: &[Moment], section: &Section, sensors: &Sensors) -> Result<Self, EfficiencyError> {
-        let too_few = || EfficiencyError::TooFew { moments: moments.len() };
-        if moments.len() < 12 {
+    /// When there are too few windows.
+    pub fn of(windows: &[Window], section: &Section, sensors: &Sensors) -> Result<Self, EfficiencyError> {
+        let too_few = || EfficiencyError::TooFew { windows: windows.len() };
+        if windows.len() < 12 {
             return Err(too_few());
         }
-        let wanted = candidates(moments, section, sensors);
-        let kept = independent(moments, &wanted);
+        let wanted = candidates(windows, section, sensors);
+        let kept = independent(windows, &wanted);
         let terms: Vec<Term> = kept.iter().map(|(term, _)| *term).collect();
         let known: Vec<_> = kept.iter().map(|(_, known)| *known).collect();
-        let regression = regress(moments, &terms, &known, section.share_before).ok_or_else(too_few)?;
+        let regression = regress(windows, &terms, &known, section.share_before).ok_or_else(too_few)?;
         let fitted = Fitted { regression, terms };
         let estimate = |term| fitted.estimate(term);
         Ok(Self {
@@ -101,7 +102,7 @@ impl Losses {
             inertia: estimate(Term::Inertia),
             entangled: fitted.entangled(),
             residual_std: fitted.regression.residual_std,
-            moments: moments.len(),
+            windows: windows.len(),
             fitted,
         })
     }
@@ -151,10 +152,10 @@ impl Fitted {
 type Candidate = (Term, Option<(f64, f64)>);
 
 /// The terms that the losses of a section may consist of.
-fn candidates(moments: &[Moment], section: &Section, sensors: &Sensors) -> Vec<Candidate> {
+fn candidates(windows: &[Window], section: &Section, sensors: &Sensors) -> Vec<Candidate> {
     let zero_std = sensors.torque_in.offset.zip(sensors.torque_out.offset);
     let zero_std = zero_std.map(|(a, b)| a.hypot(b / section.ratio));
-    let both_ways = moments.iter().any(|m| m.direction > 0.0) && moments.iter().any(|m| m.direction < 0.0);
+    let both_ways = windows.iter().any(|m| m.direction > 0.0) && windows.iter().any(|m| m.direction < 0.0);
     let inertia = section.inertia.max(1e-9);
     let mut wanted: Vec<Candidate> = vec![
         (Term::Inertia, Some((inertia, 0.3 * inertia))),
@@ -176,25 +177,25 @@ fn candidates(moments: &[Moment], section: &Section, sensors: &Sensors) -> Vec<C
 
 /// Fits the terms by Gauss-Newton steps.
 fn regress(
-    moments: &[Moment],
+    windows: &[Window],
     terms: &[Term],
     known: &[Option<(f64, f64)>],
     share_before: f64,
 ) -> Option<Regression> {
-    let measured = DVector::from_iterator(moments.len(), moments.iter().map(|m| m.torque_in - m.torque_out));
+    let measured = DVector::from_iterator(windows.len(), windows.iter().map(|m| m.torque_in - m.torque_out));
     let at = terms.iter().position(|term| *term == Term::Share);
     let mut regression: Option<Regression> = None;
     for _ in 0..STEPS {
         let values = regression.as_ref().map_or(vec![0.0; terms.len()], |r| r.coefficients.clone());
         let share = at.map_or(0.0, |at| values[at].clamp(0.0, 0.9));
-        let mut design = DMatrix::zeros(moments.len(), terms.len());
+        let mut design = DMatrix::zeros(windows.len(), terms.len());
         let mut wanted = measured.clone();
-        for (row, moment) in moments.iter().enumerate() {
-            let scaling = Scaling::of(moment, share, share_before);
+        for (row, window) in windows.iter().enumerate() {
+            let scaling = Scaling::of(window, share, share_before);
             let mut slope = 0.0;
             for (column, (term, value)) in terms.iter().zip(&values).enumerate() {
-                design[(row, column)] = term.column(moment, scaling);
-                slope += value * term.slope(moment, scaling);
+                design[(row, column)] = term.column(window, scaling);
+                slope += value * term.slope(window, scaling);
             }
             // The share also scales the other losses: this derivative carries its uncertainty over to theirs.
             if let Some(at) = at {
@@ -208,13 +209,13 @@ fn regress(
 }
 
 /// Linearly independent terms; terms with prior knowledge are always kept.
-fn independent(moments: &[Moment], wanted: &[Candidate]) -> Vec<Candidate> {
+fn independent(windows: &[Window], wanted: &[Candidate]) -> Vec<Candidate> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     let mut kept = Vec::new();
     for (term, known) in wanted {
         let column = DVector::from_iterator(
-            moments.len(),
-            moments.iter().map(|moment| term.column(moment, Scaling::of(moment, 0.0, 0.0))),
+            windows.len(),
+            windows.iter().map(|window| term.column(window, Scaling::of(window, 0.0, 0.0))),
         );
         let size = column.norm();
         let mut own = column;

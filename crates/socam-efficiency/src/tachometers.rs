@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use socam_calibrate::{Estimate, regression};
 
-use crate::moments::Moment;
+use crate::windows::Window;
 
 /// Gain of the output tachometer relative to the input one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,15 +17,15 @@ pub struct Tachometers {
 
 impl Tachometers {
     /// `None` without an output tachometer or with too little motion. The twist between the tachometers does not change mean speeds; its effect
-    /// within a moment is proportional to the derivatives of both torques, which are fitted.
-    pub(crate) fn of(moments: &[Moment]) -> Option<Self> {
-        let used: Vec<(&Moment, f64)> = moments.iter().filter_map(|m| Some((m, m.speed_out?))).collect();
+    /// within an averaging window is proportional to the derivatives of both torques, which are fitted.
+    pub(crate) fn of(windows: &[Window]) -> Option<Self> {
+        let used: Vec<(&Window, f64)> = windows.iter().filter_map(|m| Some((m, m.speed_out?))).collect();
         if used.len() < 12 {
             return None;
         }
         let design = DMatrix::from_fn(used.len(), 4, |i, j| {
-            let moment = used[i].0;
-            [moment.speed, 1.0, moment.torque_slopes[0], moment.torque_slopes[1]][j]
+            let window = used[i].0;
+            [window.speed, 1.0, window.torque_slopes[0], window.torque_slopes[1]][j]
         });
         let measured = DVector::from_iterator(used.len(), used.iter().map(|(_, out)| *out));
         // Zeros of tachometers are neglected: they are small compared with speeds, and at one speed cannot be distinguished from gains.

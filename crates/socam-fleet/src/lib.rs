@@ -13,7 +13,6 @@ pub mod labels;
 mod listing;
 mod one;
 mod options;
-pub mod page;
 mod part;
 pub mod row;
 mod run;

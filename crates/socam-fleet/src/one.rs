@@ -4,7 +4,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use socam_diagnose::{DiagnoseError, Frozen, screen};
+use socam_diagnose::{DiagnoseError, Frozen, HeldOut, screen};
 use socam_model::Model;
 use socam_recording::{
     Dataset, Selection,
@@ -141,7 +141,7 @@ fn run(
         }
     }
     row.stage = Stage::Diagnosis;
-    let answer = socam_diagnose::diagnose(model, std::slice::from_ref(&data), &[], &settings);
+    let answer = socam_diagnose::diagnose(model, std::slice::from_ref(&data), HeldOut::none(), &settings);
     fill::diagnosis(&answer.map_err(unfit)?.diagnosis, row);
     Ok(())
 }

@@ -20,7 +20,7 @@ pub use error::{ImportError, Result};
 pub use formats::{Kind, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};
-pub use open::{Opened, open, open_either, open_selection};
+pub use open::{Opened, open, open_either, open_selection, probe};
 pub use propose::{Proposal, Proposed, import_stated, propose};
 pub use source::{Found, Group, Signal, Source, Wanted};
 pub use text::TextLayout;

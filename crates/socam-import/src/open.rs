@@ -1,6 +1,6 @@
 //! Recordings of any format, as every command opens them.
 
-use socam_recording::{Dataset, Selection};
+use socam_recording::{Dataset, Format, RecordingError, Selection};
 
 use crate::error::Result;
 use crate::formats::detect;
@@ -25,6 +25,20 @@ pub fn open_selection(selection: &Selection) -> Result<Dataset> {
         Opened::Own(data) => data,
         Opened::Foreign(imported) => imported.data,
     })
+}
+
+/// Whether a recording can be opened, as far as the first bytes of its file tell: the file is there, can be read, and is in a format that
+/// [`open`] reads. No sample is decoded.
+///
+/// # Errors
+/// When [`open`] would refuse the file by its first bytes; the same sentence.
+pub fn probe(selection: &Selection) -> Result<()> {
+    let path = &selection.path;
+    match socam_recording::detect(path) {
+        Ok(Format::SteadyStates) => Err(RecordingError::SteadyStates { path: path.clone() }.into()),
+        Err(error) if error.is_foreign() && detect(path).is_ok() => Ok(()),
+        own => Ok(own.map(drop)?),
+    }
 }
 
 /// A recording, and where it comes from.

@@ -104,7 +104,9 @@ fn sentences(name: &str, largest: f64) -> Vec<String> {
     let meaning = if largest < 0.01 {
         format!("They hold the same physics: what {name} lacks is what the simulator lacks.")
     } else {
-        format!("They are different models, or start differently (--json lists the channels): what {name} lacks may not be what the simulator lacks.")
+        format!(
+            "They are different models, or start differently (--json lists the channels): what {name} lacks may not be what the simulator lacks."
+        )
     };
     vec![apart, meaning]
 }

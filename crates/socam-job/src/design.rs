@@ -135,7 +135,8 @@ impl Design {
             let names: Vec<&str> = calibration.channels.iter().map(|c| c.channel.name.as_str()).collect();
             let wrong = || {
                 let names = names.join(", ");
-                let problem = format!(" {text}: expected CHANNEL=VALUE with one of {names} and a positive number");
+                let problem =
+                    format!(" {text}: expected CHANNEL=VALUE with one of {names} and a positive number");
                 JobError::value("limits", "--limit", problem)
             };
             let (name, value) = text.split_once('=').ok_or_else(wrong)?;

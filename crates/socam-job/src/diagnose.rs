@@ -1,15 +1,17 @@
 //! Missing physics of a model, from recordings over time or from tables of steady states.
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
-use socam_diagnose::{Answer, Diagnosis, Evidence, SteadyOptions};
+use socam_diagnose::{Answer, Diagnosis, Evidence, HeldOut, SteadyOptions};
 use socam_identify::ProgressMonitor;
 use socam_model::Model;
 use socam_recording::{Dataset, Format, Steady, detect};
 
 use crate::error::{JobError, Result};
-use crate::inputs::refuse_shared;
+use crate::grid::Grid;
+use crate::inputs::{refuse_shared, selections};
 use crate::model::ModelSettings;
 use crate::notation;
 use crate::options::Settings;
@@ -66,6 +68,17 @@ pub struct Diagnosed {
     pub answer: Answer,
     /// The model that was diagnosed.
     pub model: Model,
+    /// Held-out recordings, which were opened after the last choice.
+    pub held_out: Vec<Dataset>,
+}
+
+/// A recording that is held out: it is put on a grid, and a file is read, after the last choice.
+#[derive(Debug, Clone)]
+pub enum HeldOutRecording {
+    /// A file, or a part of one: `RUN@FROM..TO` in seconds.
+    File(String),
+    /// A recording that its caller has opened already.
+    Open(Dataset),
 }
 
 impl Diagnosed {
@@ -77,15 +90,15 @@ impl Diagnosed {
 }
 
 impl Diagnose {
-    /// Whether the files are tables of steady states.
+    /// Whether the files are tables of steady states. Of held-out recordings no sample is read.
     ///
     /// # Errors
-    /// When samples are named twice, tables and recordings are mixed, or an option is of the other kind.
+    /// When samples are named twice, tables and recordings are mixed, an option is of the other kind, or a held-out recording cannot be opened,
+    /// as far as its first bytes tell, or is a copy of a fitted one.
     pub fn are_tables(&self, runs: &[String], holdout: &[String]) -> Result<bool> {
         let all = || runs.iter().chain(holdout);
         refuse_shared(all(), "what is held out must not be fitted, and nothing counts double")?;
-        let tables =
-            all().filter(|run| matches!(detect(Path::new(run)), Ok(Format::SteadyStates))).count();
+        let tables = all().filter(|run| matches!(detect(Path::new(run)), Ok(Format::SteadyStates))).count();
         let refused = |message: &str| Err(JobError::Inputs(message.into()));
         if tables == 0 && self.repeatability.is_some() {
             return refused(
@@ -102,10 +115,16 @@ impl Diagnose {
                 "--holdout is for recordings over time; of steady states each point is left out in turn",
             );
         }
+        if tables == 0 {
+            let held_out = selections(holdout)?;
+            held_out.iter().try_for_each(socam_import::probe)?;
+            socam_diagnose::refuse_copies(&selections(runs)?, &held_out)?;
+        }
         Ok(tables > 0)
     }
 
-    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis).
+    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Those that are held out are put on it when they are
+    /// opened.
     ///
     /// # Errors
     /// When recordings and model do not go together, or the caller cancels.
@@ -113,12 +132,22 @@ impl Diagnose {
         &self,
         model: Model,
         training: &[Dataset],
-        holdout: &[Dataset],
+        held_out: Vec<HeldOutRecording>,
         progress: ProgressMonitor,
     ) -> Result<Diagnosed> {
-        let options = self.options(progress);
-        let answer = socam_diagnose::diagnose(&model, training, holdout, &options)?;
-        Ok(Diagnosed { answer, model })
+        let opened = Mutex::new(Vec::new());
+        let keep = |data: Dataset| {
+            opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
+            data
+        };
+        let grid = Grid::Diagnosis(&model);
+        let held_out = held_out.into_iter().fold(HeldOut::none(), |all, recording| match recording {
+            HeldOutRecording::File(run) => all.with(run.clone(), move || grid.open(&run).map(keep)),
+            HeldOutRecording::Open(data) => all.with_dataset(data, move |data| grid.apply(data).map(keep)),
+        });
+        let answer = socam_diagnose::diagnose(&model, training, held_out, &self.options(progress))?;
+        let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(Diagnosed { answer, model, held_out })
     }
 
     /// Diagnoses a model by tables of steady states.
@@ -133,7 +162,8 @@ impl Diagnose {
             ..usual
         };
         let (diagnosis, model_toml) = socam_diagnose::diagnose_steady(&model, tables, options)?;
-        Ok(Diagnosed { answer: Answer { diagnosis, evidence: Evidence::default(), model_toml }, model })
+        let answer = Answer { diagnosis, evidence: Evidence::default(), model_toml };
+        Ok(Diagnosed { answer, model, held_out: Vec::new() })
     }
 
     /// The settings as the library takes them.

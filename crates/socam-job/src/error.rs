@@ -76,7 +76,7 @@ pub enum JobError {
     Identify(#[from] socam_identify::IdentifyError),
     /// Tables of steady states that cannot be diagnosed.
     #[error("{0}")]
-    Steady(#[from] socam_recording::SteadyError),
+    Steady(#[from] socam_diagnose::steady::SteadyError),
     /// A diagnosis that cannot be done.
     #[error("{0}")]
     Diagnose(#[from] socam_diagnose::DiagnoseError),

@@ -225,7 +225,8 @@ impl Identify {
         }
         let wrong = |problem: String| JobError::value("noise", "--noise", problem);
         let level = |text: &String| {
-            let level = text.split_once('=').and_then(|(name, std)| Some((name.to_owned(), std.parse().ok()?)));
+            let level =
+                text.split_once('=').and_then(|(name, std)| Some((name.to_owned(), std.parse().ok()?)));
             level.ok_or_else(|| wrong(format!(" {text}: expected CHANNEL=STD")))
         };
         let levels = self.noise.iter().map(level).collect::<Result<Vec<_>>>()?;
@@ -238,7 +239,10 @@ impl Identify {
 fn in_words(model: &Model, error: IdentifyError) -> JobError {
     match error {
         IdentifyError::Recording(error @ RecordingError::NoSuchChannel { .. }) => JobError::OtherModel {
-            problem: format!("{error}; the model {} needs it (another model is chosen with --model)", model.name),
+            problem: format!(
+                "{error}; the model {} needs it (another model is chosen with --model)",
+                model.name
+            ),
         },
         error => error.into(),
     }

@@ -15,10 +15,7 @@ pub fn refuse_shared<'r>(runs: impl IntoIterator<Item = &'r String>, why: &str) 
     for run in runs {
         let mut own = Selection::parse(run)?;
         own.path = own.path.canonicalize().unwrap_or(own.path);
-        let overlaps = |other: &Selection| {
-            let (a, b) = (own.span, other.span);
-            own.path == other.path && a.from_s < b.to_s && b.from_s < a.to_s
-        };
+        let overlaps = |other: &Selection| own.path == other.path && own.span.overlaps(&other.span);
         if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
             let what = if *before == run {
                 format!("`{run}` is named twice")
@@ -46,10 +43,18 @@ pub fn calibration<'p>(
     }
 }
 
+/// Recordings `RUN@FROM..TO` as files and spans.
+///
+/// # Errors
+/// When a selection cannot be read.
+pub fn selections(runs: &[String]) -> Result<Vec<Selection>> {
+    runs.iter().map(|run| Ok(Selection::parse(run)?)).collect()
+}
+
 /// The files of recordings `RUN@FROM..TO`.
 ///
 /// # Errors
 /// When a selection cannot be read.
 pub fn paths(runs: &[String]) -> Result<Vec<PathBuf>> {
-    runs.iter().map(|run| Ok(Selection::parse(run)?.path)).collect()
+    Ok(selections(runs)?.into_iter().map(|own| own.path).collect())
 }

@@ -169,7 +169,11 @@ pub(crate) fn texts<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<String>, D
         }
         Value::String(one) => vec![Value::String(one)],
         Value::Array(all) => all,
-        other => return Err(D::Error::custom(format!("invalid type: {other}, expected text, a list or a mapping"))),
+        other => {
+            return Err(D::Error::custom(format!(
+                "invalid type: {other}, expected text, a list or a mapping"
+            )));
+        }
     };
     value.into_iter().map(String::deserialize).collect::<Result<_, _>>().map_err(D::Error::custom)
 }

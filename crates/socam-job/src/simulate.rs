@@ -68,7 +68,11 @@ impl VirtualBench {
         setup.noisy = self.noise;
         if let Some(begin_s) = self.begin_at_s {
             if !self.describes_a_change() {
-                return Err(JobError::value("begin_at_s", "--begin-at", " needs a --set or --hide that begins then"));
+                return Err(JobError::value(
+                    "begin_at_s",
+                    "--begin-at",
+                    " needs a --set or --hide that begins then",
+                ));
             }
             setup.before = Some((Truth::new(model, &[], &[])?, begin_s));
         }
@@ -150,7 +154,11 @@ impl Simulate {
     ///
     /// # Errors
     /// When the recording lacks an input, or the bench cannot be simulated.
-    pub fn replay(&self, model: &Model, open: impl FnOnce(Grid<'_>) -> Result<Dataset>) -> Result<(Dataset, Replayed)> {
+    pub fn replay(
+        &self,
+        model: &Model,
+        open: impl FnOnce(Grid<'_>) -> Result<Dataset>,
+    ) -> Result<(Dataset, Replayed)> {
         let mut truth = self.bench.truth(model)?;
         set_between(&mut truth.model, &self.between)?;
         let data = open(Grid::Fit(&truth.model))?;

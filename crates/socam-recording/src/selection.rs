@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::checksum::is_same_content;
 use crate::{RecordingError, Result};
 
 /// A file and a span of its time.
@@ -43,6 +44,12 @@ impl Span {
     pub fn contains(&self, time_s: f64) -> bool {
         self.from_s <= time_s && time_s < self.to_s
     }
+
+    /// Whether two spans have a time in common.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.from_s < other.to_s && other.from_s < self.to_s
+    }
 }
 
 impl Selection {
@@ -77,6 +84,31 @@ impl Selection {
             return Err(bad("FROM must be before TO"));
         }
         Ok(Self { path: path.into(), span: Span { from_s, to_s } })
+    }
+
+    /// Whether two selections hold samples in common: their spans overlap, and their files have the same content, by length and SHA-256. No
+    /// sample is decoded.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
+    ///
+    /// ```
+    /// use socam_recording::Selection;
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let [run, copy] = ["run.csv", "copy.csv"].map(|name| folder.path().join(name).display().to_string());
+    /// std::fs::write(&run, "t_s,speed_rad_s\n0,1.5\n0.1,1.6\n").unwrap();
+    /// std::fs::copy(&run, &copy).unwrap();
+    /// let [whole, first, last] = ["", "@0..0.1", "@0.1.."].map(|span| Selection::parse(&format!("{copy}{span}")).unwrap());
+    /// assert!(Selection::whole(&run).shares_samples_with(&whole)?);
+    /// assert!(!first.shares_samples_with(&last)?);
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    pub fn shares_samples_with(&self, other: &Self) -> Result<bool> {
+        if !self.span.overlaps(&other.span) {
+            return Ok(false);
+        }
+        Ok(self.path == other.path || is_same_content(&self.path, &other.path)?)
     }
 
     /// The recording's name in results: the text of the selection.

@@ -1,21 +1,19 @@
 //! Verification of X. Song, *The Parameter Identification of a Novel Speed Reducer*, McGill University, 2002: every number is computed
 //! again from its own data.
 //!
-//! The printed numbers are in `thesis.toml`. [`examine`] computes them again, [`page()`] writes the results.
+//! The printed numbers are in `thesis.toml`. [`examine`] computes them again.
 
 mod data;
 mod efficiency;
 mod hardware;
 mod matching;
-mod page;
 mod printed;
 mod report;
 mod transfer;
 
 pub use data::{Thesis, thesis};
-pub use page::page;
 pub use printed::Printed;
-pub use report::{Point, Report, Row, SCHEMA, Table, Verdict};
+pub use report::{Point, Report, Row, SCHEMA, Table, Verdict, short};
 
 /// Computes everything again.
 ///

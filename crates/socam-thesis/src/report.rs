@@ -127,7 +127,8 @@ pub(crate) fn row(
 }
 
 /// A number to about six digits.
-pub(crate) fn short(value: f64) -> String {
+#[must_use]
+pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_calibrate::plot::{self, Titled};
 use socam_calibrate::tasks::{self, Assumed, Found, Task};
 use socam_calibrate::{Estimate, Pairs, steady};
 use socam_recording::{Calibration, Dataset, Selection, edit_calibration};
+use socam_report::calibration::{self, Titled};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
-use crate::{table};
+use crate::table;
 
 /// p-value below which a nonlinearity is reported.
 const BENT: f64 = 0.01;
@@ -104,7 +104,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     if let Some(mut target) = plot_target {
         let titled: Vec<Titled<'_>> = found.tasks.iter().map(titled).collect();
-        target.write_all(plot::svg(&titled).as_bytes())?;
+        target.write_all(calibration::svg(&titled).as_bytes())?;
         target.commit()?;
     }
     if args.json {

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use socam_compare::{ChannelComparison, Comparison, Document, ModelCheck, Verdict};
 use socam_job::{Grid, JobError, Settings};
 
@@ -42,7 +41,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = args.task.model.as_deref().map(socam_job::load_model).transpose()?;
     let recording = output::open_on(Grid::View, &args.run)?;
     let simulation = output::open(&args.simulation)?;
-    let driven = model.as_ref().map(|model| Ok::<_, JobError>((model, output::open_on(Grid::Fit(model), &args.run)?)));
+    let driven =
+        model.as_ref().map(|model| Ok::<_, JobError>((model, output::open_on(Grid::Fit(model), &args.run)?)));
     let driven = driven.transpose()?;
     let driven = driven.as_ref().map(|(model, inputs)| (*model, inputs));
     let done = args.task.run(&recording, simulation.clone(), driven)?;
@@ -56,11 +56,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
             ),
             format!("false alarm rate {}", args.task.false_alarm_rate),
         ];
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-        output::write_whole(&folder.join("index.html"), &socam_compare::page(&done.comparison, &about))?;
-        let document = Document::new(&done.comparison, None);
-        output::write_whole(&folder.join("comparison.json"), &serde_json::to_string_pretty(&document)?)?;
+        let document = serde_json::to_string_pretty(&Document::new(&done.comparison, None))?;
+        let page = socam_report::comparison::page(&done.comparison, &about);
+        output::write_folder(folder, &[("comparison.json".into(), document), ("index.html".into(), page)])?;
     }
     if args.json {
         output::print_json(&done.document())?;

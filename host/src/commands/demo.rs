@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use socam_identify::{Fit, Identification, Options, Problem};
+use socam_job::{Record, VirtualBench, options};
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_job::{Record, VirtualBench, options};
 
 use super::{Outcome, simulate};
 use crate::interrupt::Interrupt;
@@ -85,11 +85,8 @@ fn record(
     seed: u64,
     hide: Vec<String>,
 ) -> anyhow::Result<Outcome> {
-    let record = Record {
-        profile: Some(profile.into()),
-        duration_s: Some(duration_s),
-        ..options::defaults()?
-    };
+    let record =
+        Record { profile: Some(profile.into()), duration_s: Some(duration_s), ..options::defaults()? };
     let values = TRUTH.map(|(name, value)| format!("{name}={value}"));
     let bench =
         VirtualBench { model: MODEL.into(), values: values.to_vec(), hide, seed, ..options::defaults()? };

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use socam_diagnose::Answer;
-use socam_job::{Diagnose, Grid, JobError, Settings};
+use socam_job::{Diagnose, Grid, HeldOutRecording, JobError, Settings};
 use socam_recording::{OutputFile, Steady};
 
 use super::Outcome;
@@ -17,8 +17,8 @@ pub(crate) use text::text;
 /// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
 ///
 /// Fits the model to the recordings, tests whether anything is missing, tries every effect of the catalogue at every place, and keeps those
-/// that predict better in cross-validation (leave one recording out). Recordings of --holdout are opened after the last choice, for
-/// validation; without them the result is not validated.
+/// that predict better in cross-validation (leave one recording out). Recordings of --holdout are read only after the last choice, for
+/// validation; until then only their checksums are compared. Without them the result is not validated.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -68,16 +68,17 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    let (done, outcome) = if tables {
+    let (done, training) = if tables {
         let tables = args.runs.iter().map(table).collect::<Result<Vec<_>, _>>()?;
-        (args.task.run_steady(model, &tables)?, Outcome::Done)
+        (args.task.run_steady(model, &tables)?, Vec::new())
     } else {
-        let open = |runs: &[String]| output::open_all(Grid::Diagnosis(&model), runs);
-        let (training, holdout) = (open(&args.runs)?, open(&args.holdout)?);
+        let training = output::open_all(Grid::Diagnosis(&model), &args.runs)?;
+        let held_out = args.holdout.iter().cloned().map(HeldOutRecording::File).collect();
         let done = watch::fit(&interrupt, args.progress, |progress| {
-            args.task.run(model, &training, &holdout, progress)
+            args.task.run(model, &training, held_out, progress)
         })?;
-        (done, Outcome::on(training.iter().chain(&holdout)))
+        done.held_out.iter().for_each(|data| output::say_warnings(data.name(), data));
+        (done, training)
     };
     let Answer { diagnosis, evidence, model_toml } = &done.answer;
     if let Some(mut target) = target {
@@ -88,7 +89,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(dir) = &args.report {
         let (name, model) = (&args.task.model.model, &done.model);
         let made = provenance::of(name, model, args.runs.iter().chain(&args.holdout))?;
-        socam_diagnose::report::write(dir, diagnosis, evidence, (model, Some(model_toml)), &made)?;
+        socam_report::diagnosis::write(dir, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;
@@ -96,7 +97,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(outcome)
+    Ok(Outcome::on(training.iter().chain(&done.held_out)))
 }
 
 fn table(run: &String) -> Result<Steady, JobError> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 use socam_calibrate::Estimate;
-use socam_efficiency::{Efficiency, Section, map};
+use socam_efficiency::{Efficiency, Section};
 use socam_model::Model;
 use socam_recording::Dataset;
 
@@ -84,7 +84,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let sections: Vec<(&str, &Efficiency)> =
         names.into_iter().zip(std::iter::once(&first).chain(second.as_ref())).collect();
     if let Some(mut target) = target {
-        target.write_all(map::svg(&sections).as_bytes())?;
+        target.write_all(socam_report::efficiency::svg(&sections).as_bytes())?;
         target.commit()?;
     }
     match (&second, args.json) {
@@ -165,10 +165,10 @@ fn text(efficiency: &Efficiency) -> String {
         "both tachometers believed"
     };
     let mut text = format!(
-        "{} from {from} to {to}, ratio {}; {} moments, {tied}\n",
+        "{} from {from} to {to}, ratio {}; {} averaging windows, {tied}\n",
         efficiency.model,
         table::number(efficiency.ratio),
-        efficiency.losses.moments
+        efficiency.losses.windows
     );
     let head = ["input speed", "torque in", "efficiency", "95 % interval", "by tachometers"]
         .map(String::from)

@@ -4,8 +4,6 @@ mod coefficient_match;
 mod etf;
 mod files;
 mod frf;
-mod page;
-mod pictures;
 mod result;
 
 use std::io::Write;
@@ -111,8 +109,7 @@ fn refuse_unused(args: &Args) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    let unused =
-        [("--validate", !args.validate.is_empty()), ("--write-model", args.write_model.is_some())];
+    let unused = [("--validate", !args.validate.is_empty()), ("--write-model", args.write_model.is_some())];
     match unused.iter().find(|(_, given)| *given) {
         Some((option, _)) => Err(WrongArguments(format!("{option}{NOT_OVER_FREQUENCY}")).into()),
         None => Ok(()),

@@ -54,7 +54,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     if let (Some(mut target), Some(path)) = (target, &show.output) {
         target
-            .write_all(socam_diagnose::report::drawing_of(&model).as_bytes())
+            .write_all(socam_report::bench::svg(&model, &[]).as_bytes())
             .with_context(|| format!("cannot write `{}`", path.display()))?;
         target.commit()?;
         output::say(format_args!("drawing written to {}", path.display()));

@@ -96,7 +96,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut plan = plan(&args.record, path.clone())?;
     plan.replace = args.force;
     plan.start_unix_ns = now_unix_ns();
-    let setup = (*device == Device::Sim).then(|| args.bench.setup(&args.bench.load()?, calibration.clone())).transpose()?;
+    let setup = (*device == Device::Sim)
+        .then(|| args.bench.setup(&args.bench.load()?, calibration.clone()))
+        .transpose()?;
     plan.metadata.insert("device".into(), device.to_string());
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     plan.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));

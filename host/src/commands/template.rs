@@ -4,8 +4,8 @@ use clap::ValueEnum;
 use socam_recording::{Calibration, ProfileFile};
 
 use super::Outcome;
-use crate::output::WrongArguments;
 use crate::output;
+use crate::output::WrongArguments;
 
 /// Print a model, a calibration or a profile as a template for your own file
 #[derive(Debug, clap::Args)]

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context;
 use socam_thesis::{Report, Verdict};
 
 use super::Outcome;
@@ -29,12 +28,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let report = socam_thesis::examine().map_err(anyhow::Error::msg)?;
     if let Some(dir) = &args.report {
-        std::fs::create_dir_all(dir)
-            .with_context(|| format!("cannot make the folder `{}`", dir.display()))?;
         let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
-        for (name, text) in [("thesis.json", json), ("index.html", socam_thesis::page(&report))] {
-            output::write_whole(&dir.join(name), &text)?;
-        }
+        let page = socam_report::thesis::page(&report);
+        output::write_folder(dir, &[("thesis.json".into(), json), ("index.html".into(), page)])?;
     }
     if args.json {
         output::print_json(&report)?;

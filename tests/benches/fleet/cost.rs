@@ -34,8 +34,13 @@ pub(crate) fn run(args: &Args, recordings: usize) -> Result<String, String> {
     let clock = ProcessTime::now();
     for path in &paths {
         let data = Dataset::open(&path.display().to_string()).map_err(|e| e.to_string())?;
-        socam_diagnose::diagnose(&model, &[data], &[], &socam_diagnose::Options::default())
-            .map_err(|e| e.to_string())?;
+        socam_diagnose::diagnose(
+            &model,
+            &[data],
+            socam_diagnose::HeldOut::none(),
+            &socam_diagnose::Options::default(),
+        )
+        .map_err(|e| e.to_string())?;
     }
     let full = clock.elapsed().as_secs_f64() / recordings as f64;
     let million = 1e6 / 3600.0;

@@ -1,10 +1,11 @@
 //! How sure a diagnosis is, in sentences.
 
 use super::{Claim, MARKED, claim};
-use crate::document::{Diagnosis, Finding, ProofOutcome, UNEXPLAINED, Validation};
+use crate::document::{Diagnosis, Finding, UNEXPLAINED};
+use crate::proof::Proof;
 use crate::words;
 
-/// Residual on data that were not fitted, in noise floors, from which on it is said that something is left.
+/// Residual on data that were not fitted, in noise floors, above which a sentence says that something is left.
 const LEFT: f64 = 2.0;
 
 /// The sentences, the most important first.
@@ -23,7 +24,7 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
         );
         return fit.into_iter().chain([alarms]).collect();
     }
-    let mut all = vec![proof(diagnosis)];
+    let mut all = vec![Proof::of(diagnosis).sentence().to_owned()];
     let several = diagnosis.findings.len() > 1;
     for (index, (finding, claim)) in diagnosis.findings.iter().zip(claims).enumerate() {
         let number = several.then_some(index + 1);
@@ -35,21 +36,6 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
     }
     all.extend(worst.and_then(left));
     all
-}
-
-/// Whether the correction was proven.
-fn proof(diagnosis: &Diagnosis) -> String {
-    match (&diagnosis.held_out, diagnosis.validation) {
-        (Some(proof), _) if proof.outcome == ProofOutcome::Failed => proof.sentence.clone(),
-        (Some(_), _) => "Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.".into(),
-        (None, Validation::Holdout) => "Not proven: there is no corrected model to try on the held-out recordings.".into(),
-        (None, Validation::LeaveOneOut) => {
-            "Not proven: nothing was held out. Models were compared with each recording left out in turn.".into()
-        }
-        (None, Validation::Blocks) => {
-            "Not proven: nothing was held out. Models were compared with parts of the data left out in turn.".into()
-        }
-    }
 }
 
 /// The weights of a finding and of its competing explanations; `number` is the finding's, where there are several.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::document::{HeldOut, Rival, Validation};
+use crate::document::{HeldOut, ProofOutcome, Rival, Validation};
 
 fn example() -> Diagnosis {
     serde_json::from_str(include_str!("example.json")).unwrap()

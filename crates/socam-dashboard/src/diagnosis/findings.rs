@@ -1,9 +1,9 @@
 //! The list of findings.
 
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
-use socam_answer::Diagnosis;
 use socam_answer::document::{EffectParameter, Finding, ParameterChange};
 use socam_answer::words;
+use socam_answer::{Diagnosis, Proof};
 use socam_recording::ProfileFile;
 
 use crate::numbers;
@@ -14,7 +14,7 @@ use crate::theme;
 pub(super) fn list(ui: &mut Ui, diagnosis: &Diagnosis, selected: &mut Option<String>) -> Option<ProfileFile> {
     let mut wanted = None;
     for (index, finding) in diagnosis.findings.iter().enumerate() {
-        one(ui, index + 1, finding, selected);
+        one(ui, index + 1, finding, Proof::of(diagnosis), selected);
     }
     if let Some(next) = &diagnosis.suggested_experiment {
         card(ui, false, |ui| {
@@ -71,7 +71,7 @@ fn card(ui: &mut Ui, lit: bool, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(5.0);
 }
 
-fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Option<String>) {
+fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, selected: &mut Option<String>) {
     let lit = selected.as_ref() == Some(&finding.location);
     card(ui, lit, |ui| {
         let title = format!(
@@ -95,14 +95,12 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, selected: &mut Optio
         if !finding.region.text.is_empty() {
             ui.label(RichText::new(format!("acts {}", finding.region.text)).color(theme::weak(ui)));
         }
-        let proof = &finding.evidence;
-        if let Some(gain) = proof.holdout_gain_percent {
-            ui.label(format!(
-                "On data that were never fitted it removes {gain:.1} % of what exceeded the noise"
-            ));
+        if let (Some(data), Some(gain)) = (proof.tried_on(), proof.gain_percent(finding)) {
+            ui.label(format!("On {data} it removes {gain:.1} % of what exceeded the noise"));
         }
-        let chance = proof.p_value.map(|p| format!("p-value {}", numbers::chance(Some(p))));
-        let gain = proof.chi2_gain.map(|gain| format!("chi-square falls by {}", number(gain)));
+        let evidence = &finding.evidence;
+        let chance = evidence.p_value.map(|p| format!("p-value {}", numbers::chance(Some(p))));
+        let gain = evidence.chi2_gain.map(|gain| format!("chi-square falls by {}", number(gain)));
         let text: Vec<String> = [chance, gain].into_iter().flatten().collect();
         if !text.is_empty() {
             ui.label(RichText::new(text.join(", ")).small().color(theme::weak(ui)));

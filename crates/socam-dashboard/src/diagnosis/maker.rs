@@ -2,13 +2,15 @@
 
 use egui::{Button, CollapsingHeader, RichText, Slider, Ui};
 use socam_answer::{Diagnosis, Evidence};
-use socam_diagnose::{DiagnoseError, Options, diagnose};
+use socam_diagnose::{DiagnoseError, HeldOut, Options, diagnose, refuse_copies};
 use socam_identify::IdentifyError;
 use socam_model::Model;
+use socam_recording::Selection;
 
 use super::report::{Made, provenance};
-use crate::fitting::{Chosen, datasets, watch};
+use crate::fitting::{Chosen, dataset, datasets, watch};
 use crate::job::{Attempt, CANCELLED, Handle};
+use crate::recording::Recording;
 use crate::theme;
 use crate::workspace::{Request, Workspace};
 
@@ -126,15 +128,19 @@ impl Maker {
 fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Result<Answer, String> {
     // Outputs that are missing at most points of a finer grid would have no spectra.
     let training = datasets(&chosen.training, &chosen.model, 1, handle)?;
-    let held_out = datasets(&chosen.held_out, &chosen.model, 1, handle)?;
     handle.doing("hashing the recordings".into());
+    refuse_copies(&selections(&chosen.training)?, &selections(&chosen.held_out)?)
+        .map_err(|e| e.to_string())?;
     let used = chosen.training.iter().chain(&chosen.held_out);
     let provenance = provenance(
         &chosen.model,
         used.filter_map(|own| Some((own.about.name.as_str(), own.path.as_deref()?))),
     )?;
+    let open = |own: &Recording| dataset(own, &chosen.model, 1);
+    let held_out =
+        chosen.held_out.iter().fold(HeldOut::none(), |all, own| all.with(&own.about.name, move || open(own)));
     let options = Options { watch: watch(handle), ..options };
-    let answer = diagnose(&chosen.model, &training, &held_out, &options).map_err(|error| match error {
+    let answer = diagnose(&chosen.model, &training, held_out, &options).map_err(|error| match error {
         DiagnoseError::Identify(IdentifyError::Cancelled) => CANCELLED.into(),
         error => error.to_string(),
     })?;
@@ -147,4 +153,11 @@ fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Result<Answer, 
         model: chosen.model.clone(),
         made: Made { model_toml: answer.model_toml, provenance },
     })
+}
+
+/// The files of those recordings that are read from one.
+fn selections(recordings: &[Recording]) -> Result<Vec<Selection>, String> {
+    let from_files = recordings.iter().filter(|own| own.path.is_some());
+    let each = from_files.map(|own| Selection::parse(&own.about.name).map_err(|error| error.to_string()));
+    each.collect()
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use egui::Ui;
 use socam_answer::{Diagnosis, Evidence};
-use socam_diagnose::report::{FileHash, Provenance};
 use socam_model::Model;
+use socam_report::{FileHash, Provenance};
 
 use super::Shown;
 use crate::files::Purpose;
@@ -57,7 +57,7 @@ impl Report {
         }
         let Self { diagnosis, evidence, model, made } = self;
         let models = (model, Some(made.model_toml.as_str()));
-        socam_diagnose::report::write(folder, diagnosis, evidence, models, &made.provenance)
+        socam_report::diagnosis::write(folder, diagnosis, evidence, models, &made.provenance)
             .map_err(|error| error.to_string())
     }
 }

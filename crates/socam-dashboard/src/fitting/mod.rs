@@ -7,7 +7,7 @@ mod roles;
 mod setup;
 
 pub(crate) use follow::watch;
-pub(crate) use opened::datasets;
+pub(crate) use opened::{dataset, datasets};
 pub use roles::Role;
 pub(crate) use setup::Chosen;
 pub use setup::Setup;

@@ -19,8 +19,16 @@ pub(crate) fn datasets(
     let one = |recording: &Recording| {
         handle.doing(format!("reading {}", short(&recording.about.name)));
         handle.reached(0.0)?;
-        let data = recording.dataset()?;
-        socam_expectation::on_regular_grid(data, model, parts).map_err(|error| error.to_string())
+        dataset(recording, model, parts)
     };
     recordings.iter().map(one).collect()
+}
+
+/// Reads one recording again, as [`datasets`] does.
+///
+/// # Errors
+/// When it cannot be read; one sentence.
+pub(crate) fn dataset(recording: &Recording, model: &Model, parts: u32) -> Result<Dataset, String> {
+    let data = recording.dataset()?;
+    socam_expectation::on_regular_grid(data, model, parts).map_err(|error| error.to_string())
 }

@@ -13,7 +13,7 @@ use socam_dashboard::document::{Document, parse};
 use socam_dashboard::fitting::Role;
 use socam_dashboard::recording::Recording;
 use socam_dashboard::{Dashboard, View};
-use socam_diagnose::{DiagnoseError, Options, diagnose};
+use socam_diagnose::{DiagnoseError, HeldOut, Options, diagnose};
 use socam_identify::{IdentifyError, Intersample, Observer, Predictor, Progress, ProgressMonitor, Start};
 use socam_model::Model;
 use socam_recording::{Channel, Unit};
@@ -160,7 +160,7 @@ fn a_cancelled_diagnosis_ends_at_the_next_evaluation() {
     let cancels = Arc::new(Cancels::default());
     let data: Vec<_> = (1..=2).map(|number| two_mass(number, 0.4).dataset().unwrap()).collect();
     let options = Options { watch: ProgressMonitor::by(cancels.clone()), ..Options::default() };
-    let answer = diagnose(&Model::builtin("two-mass").unwrap(), &data, &[], &options);
+    let answer = diagnose(&Model::builtin("two-mass").unwrap(), &data, HeldOut::none(), &options);
     assert!(matches!(answer, Err(DiagnoseError::Identify(IdentifyError::Cancelled))));
     assert_eq!(cancels.later.load(Ordering::Relaxed), 0);
     let parts = cancels.parts.lock().unwrap();

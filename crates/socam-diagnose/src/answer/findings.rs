@@ -15,7 +15,8 @@ use crate::{
 
 /// All findings, the largest gain in log score first. Empty where nothing was found.
 pub(super) fn findings(inputs: &Inputs<'_>) -> Result<Vec<Finding>, IdentifyError> {
-    let Inputs { context, path, proof, floor, .. } = *inputs;
+    let Inputs { context, path, floor, .. } = *inputs;
+    let proof = inputs.held_out.proof();
     let mut findings: Vec<Finding> = Vec::new();
     for (index, term) in path.terms.iter().enumerate() {
         let mut finding = finding(inputs, index);
@@ -70,7 +71,7 @@ fn finding(inputs: &Inputs<'_>, index: usize) -> Finding {
 }
 
 /// The finding of the nonparametric term.
-fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof<'_>>) -> Finding {
+fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof>) -> Finding {
     let is_channel = path.last.model.channels.iter().any(|channel| channel.name == found.place);
     Finding {
         effect: UNEXPLAINED.into(),

@@ -7,7 +7,8 @@ use crate::document::{ChannelFit, Fit, RecordingUse};
 
 /// Training recordings, then held-out ones.
 pub(super) fn recordings(inputs: &Inputs<'_>) -> Vec<RecordingUse> {
-    let held_out = inputs.proof.iter().flat_map(|proof| proof.holdout).map(|data| (data, true));
+    let held_out =
+        inputs.held_out.proof().into_iter().flat_map(|proof| &proof.recordings).map(|data| (data, true));
     let all = inputs.context.training.iter().map(|data| (data, false)).chain(held_out);
     all.map(|(data, held_out)| RecordingUse {
         name: data.name().to_owned(),
@@ -20,7 +21,8 @@ pub(super) fn recordings(inputs: &Inputs<'_>) -> Vec<RecordingUse> {
 
 /// Root mean square residuals of each channel, of the base model and of the corrected one.
 pub(super) fn fit(inputs: &Inputs<'_>) -> Fit {
-    let Inputs { path, proof, floor, .. } = *inputs;
+    let Inputs { path, floor, .. } = *inputs;
+    let proof = inputs.held_out.proof();
     let last = path.corrected().unwrap_or(&path.base);
     let rms = |at: &Evaluation, output: usize| (at.read[output] > 0.0).then(|| at.rms[output]);
     let channels = path.base.model.outputs().enumerate().map(|(output, channel)| {

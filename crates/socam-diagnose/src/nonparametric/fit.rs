@@ -118,7 +118,7 @@ impl Unexplained {
         Ok(fitted.map(|(fitted, _)| fitted))
     }
 
-    /// The same term fitted to a path that has changed; `None` where it no longer gains more than a standard error.
+    /// This term fitted again to a path that has changed; `None` where it no longer gains more than a standard error.
     pub(crate) fn fitted_again(
         &self,
         context: &Context<'_>,

@@ -1,6 +1,6 @@
-//! The terms of the losses: what one unit of each adds to the lost torque of a moment.
+//! The terms of the losses: what one unit of each adds to the lost torque of an averaging window.
 
-use crate::moments::Moment;
+use crate::windows::Window;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Term {
@@ -15,7 +15,7 @@ pub(super) enum Term {
 }
 
 /// Factors by which a loss proportional to torque, of share `f`, scales the other losses, with their derivatives. The torque at the loss
-/// is interpolated between both sensors ([`Moment::size`]); with the fraction `w` of the inertia before the loss, this is (1 - w f) of the
+/// is interpolated between both sensors ([`Window::size`]); with the fraction `w` of the inertia before the loss, this is (1 - w f) of the
 /// torque when the input drives and (1 + w f) when the load drives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scaling {
@@ -26,8 +26,8 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    pub(super) fn of(moment: &Moment, f: f64, w: f64) -> Self {
-        if moment.is_driven {
+    pub(super) fn of(window: &Window, f: f64, w: f64) -> Self {
+        if window.is_driven {
             let rest = 1.0 / (1.0 - w * f);
             Self { along: [rest, w * rest * rest], beside: [rest, w * rest * rest] }
         } else {
@@ -41,25 +41,25 @@ impl Scaling {
 
 impl Term {
     /// Lost torque per unit of the coefficient.
-    pub(super) fn column(self, moment: &Moment, scaling: Scaling) -> f64 {
+    pub(super) fn column(self, window: &Window, scaling: Scaling) -> f64 {
         match self {
-            Self::Share => moment.size * moment.direction * scaling.along[0],
-            Self::Viscous => moment.speed * scaling.beside[0],
-            Self::Constant => moment.direction * scaling.beside[0],
-            Self::Inertia => moment.acceleration,
-            Self::Twist => -moment.torque_in_curvature,
-            Self::GainIn => moment.torque_in,
-            Self::GainOut => -moment.torque_out,
+            Self::Share => window.size * window.direction * scaling.along[0],
+            Self::Viscous => window.speed * scaling.beside[0],
+            Self::Constant => window.direction * scaling.beside[0],
+            Self::Inertia => window.acceleration,
+            Self::Twist => -window.torque_in_curvature,
+            Self::GainIn => window.torque_in,
+            Self::GainOut => -window.torque_out,
             Self::Zero => 1.0,
         }
     }
 
     /// Derivative of its column with respect to the share.
-    pub(super) fn slope(self, moment: &Moment, scaling: Scaling) -> f64 {
+    pub(super) fn slope(self, window: &Window, scaling: Scaling) -> f64 {
         match self {
-            Self::Share => moment.size * moment.direction * scaling.along[1],
-            Self::Viscous => moment.speed * scaling.beside[1],
-            Self::Constant => moment.direction * scaling.beside[1],
+            Self::Share => window.size * window.direction * scaling.along[1],
+            Self::Viscous => window.speed * scaling.beside[1],
+            Self::Constant => window.direction * scaling.beside[1],
             _ => 0.0,
         }
     }

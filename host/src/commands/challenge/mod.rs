@@ -96,7 +96,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 
 /// The engine.
 fn diagnose(model: &Model, training: &[Dataset], holdout: &[Dataset]) -> Result<Diagnosis, String> {
-    let answer = socam_diagnose::diagnose(model, training, holdout, &socam_diagnose::Options::default());
+    let held_out = socam_diagnose::HeldOut::in_memory(holdout);
+    let answer = socam_diagnose::diagnose(model, training, held_out, &socam_diagnose::Options::default());
     answer.map(|answer| answer.diagnosis).map_err(|error| error.to_string())
 }
 

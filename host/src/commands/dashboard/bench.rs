@@ -54,7 +54,8 @@ fn attend(
     let device: Device =
         device.parse().map_err(|expected| anyhow::anyhow!("`{device}` is no device: {expected}"))?;
     let device = device.with_token(token);
-    let setup = (device == Device::Sim).then(|| bench.setup(&bench.load()?, calibration.clone())).transpose()?;
+    let setup =
+        (device == Device::Sim).then(|| bench.setup(&bench.load()?, calibration.clone())).transpose()?;
     let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
     let mut session = device::open(&device, setup.map(|setup| (setup, Pace::RealTime)))?;
     let (text, default) = front_end::default_calibration(&session.identity().front_end)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use socam_diagnose::Answer;
-use socam_job::{Diagnose, options};
+use socam_job::{Diagnose, HeldOutRecording, options};
 use socam_model::Model;
 
 use super::{MODEL, Outcome, record, worse};
@@ -28,18 +28,18 @@ pub(super) fn run(dir: &Path, model: &Model, seed: u64) -> anyhow::Result<Outcom
         outcome = worse(outcome, record(&path, profile, DURATION_S, seed, vec![HIDDEN.to_owned()])?);
         paths.push(path);
     }
-    let data =
-        paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
-    let (training, holdout) = data.split_at(FITTED.len());
+    let names: Vec<String> = paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+    let (fitted, held_out) = names.split_at(FITTED.len());
+    let training = fitted.iter().map(|run| output::open(run)).collect::<Result<Vec<_>, _>>()?;
+    let held_out = held_out.iter().cloned().map(HeldOutRecording::File).collect();
     let task: Diagnose = options::defaults()?;
     let done = watch::fit(&Interrupt::listen(), false, |progress| {
-        task.run(model.clone(), training, holdout, progress)
+        task.run(model.clone(), &training, held_out, progress)
     })?;
     let report = dir.join("report");
-    let names: Vec<String> = paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
     let made = provenance::of(MODEL, model, &names)?;
     let Answer { diagnosis, evidence, model_toml } = &done.answer;
-    socam_diagnose::report::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
+    socam_report::diagnosis::write(&report, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     output::print(&format!("\nDiagnosis: {}", diagnose::text(diagnosis)))?;
     output::print(&format!("\nConcealed was {HIDDEN}.\n"))?;
     Ok(outcome)

@@ -1,7 +1,7 @@
 //! A diagnosis as text: the headline, each finding, the fit, and the parameters.
 
 use socam_answer::document::{Finding, UNEXPLAINED};
-use socam_answer::{headline, words};
+use socam_answer::{Proof, headline, words};
 use socam_diagnose::Diagnosis;
 
 use crate::table;
@@ -18,7 +18,7 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         text.push_str(&format!("  {sentence}\n"));
     }
     for (index, finding) in diagnosis.findings.iter().enumerate() {
-        text.push_str(&one(index + 1, finding));
+        text.push_str(&one(index + 1, finding, Proof::of(diagnosis)));
     }
     text.push_str(&fit(diagnosis));
     text.push_str(&changed(diagnosis));
@@ -36,7 +36,7 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     text
 }
 
-fn one(number: usize, finding: &Finding) -> String {
+fn one(number: usize, finding: &Finding, proof: Proof<'_>) -> String {
     let law = if finding.equation.is_empty() { String::new() } else { format!(": {}", finding.equation) };
     let effect = words::capital(&words::effect(&finding.effect));
     let mut text = format!("\n{number}. {effect} at {}{law}\n", finding.location);
@@ -53,8 +53,8 @@ fn one(number: usize, finding: &Finding) -> String {
         let (gain, std) = (words::rough(gain), words::rough(std));
         line(format!("cross-validation: log score {gain} higher, standard error {std}"));
     }
-    if let Some(gain) = evidence.holdout_gain_percent {
-        line(format!("held-out recordings: {} % of the misfit is removed", words::rough(gain)));
+    if let (Some(data), Some(gain)) = (proof.tried_on(), proof.gain_percent(finding)) {
+        line(format!("{data}: {} % of the misfit is removed", words::rough(gain)));
     }
     if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
         let note =

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_fleet::{FleetOptions, Part, Source, Summary, Table, page, table};
+use socam_fleet::{FleetOptions, Part, Source, Summary, Table, table};
 use socam_model::Model;
 
 use super::Outcome;
@@ -89,7 +89,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if let Some(path) = &args.report {
         let command = std::env::args().skip(1).fold("socam-host".to_owned(), |text, word| text + " " + &word);
         let about = vec![command];
-        output::write_whole(path, &page::page(&summary, &args.output, &about)?)?;
+        output::write_whole(path, &socam_report::fleet::page(&summary, &args.output, &about)?)?;
     }
     if args.json {
         output::print_json(&Document { table: args.output.display().to_string(), summary: &summary })?;

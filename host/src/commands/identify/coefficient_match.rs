@@ -11,12 +11,9 @@ use socam_frequency::{
     rational::{Point, TransferFunction},
 };
 use socam_model::Model;
+use socam_report::response::{self, Section};
 
-use super::{
-    Args,
-    page::{self, Section},
-    pictures,
-};
+use super::Args;
 use crate::{commands::Outcome, output, table};
 use source::{Data, ORDERS, data, thesis_bench};
 
@@ -73,7 +70,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
         Answer { source, bench, points, transfer, economised_bound, names, matched: matched.into(), direct };
     let document = answer.json(model);
     if let Some(dir) = &args.report {
-        page::write_all(dir, &answer.files(model, &document)?)?;
+        output::write_folder(dir, &answer.files(model, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -238,7 +235,7 @@ impl Answer {
             .map(|(weights, found, _)| ((*weights).to_owned(), self.bench.transfer(&found.at)))
             .collect();
         fits.push(("direct fit".into(), self.bench.transfer(&self.direct.at)));
-        let drawn = pictures::matched(&fits, &self.points);
+        let drawn = response::matched(&fits, &self.points);
         let mut files =
             vec![("match.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
         files.extend(drawn.iter().map(|p| (format!("{}.svg", p.name), p.svg())));
@@ -255,7 +252,7 @@ impl Answer {
         let title = format!("Coefficients of {} matched", model.name);
         files.push((
             "index.html".to_owned(),
-            page::page(&title, &format!("From {}.", self.source), &sections),
+            response::page(&title, &format!("From {}.", self.source), &sections),
         ));
         Ok(files)
     }

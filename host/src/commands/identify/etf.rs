@@ -12,14 +12,13 @@ use socam_frequency::{
 };
 use socam_job::Grid;
 use socam_model::{Model, Quantity};
+use socam_report::response::{self as report, Section};
 use socam_response::Beside;
 
 use super::{
     Args,
     files::{SCHEMA, response_file},
     frf,
-    page::{self, Section},
-    pictures,
 };
 use crate::{
     commands::Outcome,
@@ -94,7 +93,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let fit = fits.first().context("no transfer function of order 1 to 6 fits these data")?;
     let document = json(args, model, &measured, fit, &fits);
     if let Some(dir) = &args.report {
-        page::write_all(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
+        output::write_folder(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -252,7 +251,7 @@ fn files(
     tried: &[Fit],
     document: &Value,
 ) -> anyhow::Result<Vec<(String, String)>> {
-    let drawn = pictures::transfer(&measured.name, tried, &measured.points);
+    let drawn = report::transfer(&measured.name, tried, &measured.points);
     let mut files =
         vec![("transfer.json".to_owned(), format!("{}\n", serde_json::to_string_pretty(document)?))];
     files.extend(drawn.iter().map(|p| (format!("{}-{}.svg", measured.name, p.name), p.svg())));
@@ -274,7 +273,7 @@ fn files(
     let title = format!("Transfer function of {}", model.name);
     files.push((
         "index.html".to_owned(),
-        page::page(&title, &format!("From {}.", args.runs.join(", ")), &[section]),
+        report::page(&title, &format!("From {}.", args.runs.join(", ")), &[section]),
     ));
     Ok(files)
 }

@@ -7,12 +7,10 @@ use socam_frequency::response::{Method, Response};
 use socam_job::Grid;
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_response::{Answer, answer::decibel, document, pictures};
+use socam_report::response::{self, Section};
+use socam_response::{Answer, answer::decibel, document};
 
-use super::{
-    Args,
-    page::{self, Section},
-};
+use super::Args;
 use crate::{commands::Outcome, output, table};
 
 /// Number of lines in the table.
@@ -23,7 +21,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let answers = estimate(args, model, &datasets, &args.task.signals.outputs)?;
     let document = document(&model.name, &args.runs, &answers);
     if let Some(dir) = &args.report {
-        page::write_all(dir, &files(args, model, &answers, &document)?)?;
+        output::write_folder(dir, &files(args, model, &answers, &document)?)?;
     }
     if args.json {
         output::print_json(&document)?;
@@ -137,7 +135,7 @@ fn files(
     ];
     let mut sections = Vec::new();
     for answer in answers {
-        let drawn = pictures::response(answer);
+        let drawn = response::pictures(answer);
         let mut sentences = vec![format!("Estimated from {}.", method(&answer.response))];
         sentences.extend(answer.distortion_sentences().iter().map(|sentence| format!("{sentence}.")));
         for picture in &drawn {
@@ -148,6 +146,6 @@ fn files(
     }
     let title = format!("Frequency response of {}", model.name);
     let about = format!("From {}.", args.runs.join(", "));
-    files.push(("index.html".to_owned(), page::page(&title, &about, &sections)));
+    files.push(("index.html".to_owned(), response::page(&title, &about, &sections)));
     Ok(files)
 }

@@ -1,0 +1,70 @@
+//! The last choice: terms that the recordings do not determine are removed. Afterwards the corrected model can be read, but not changed.
+
+use socam_identify::{Identification, IdentifyError};
+
+use crate::{context::Context, intervals, selection::Path};
+
+/// The selection after its last choice. It is what opens held-out recordings.
+pub(crate) struct FinalChoice {
+    path: Path,
+    estimates: Identification,
+}
+
+impl FinalChoice {
+    /// Makes the last choice on a path. `before` holds the base model's estimates.
+    pub(crate) fn make(
+        context: &Context<'_>,
+        mut path: Path,
+        before: &Identification,
+    ) -> Result<Self, IdentifyError> {
+        let estimates = determined(context, &mut path, before)?;
+        path.test_last(context)?;
+        Ok(Self { path, estimates })
+    }
+
+    /// The path from the base model to the corrected one.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Estimates of the last model's parameters.
+    pub(crate) fn estimates(&self) -> &Identification {
+        &self.estimates
+    }
+}
+
+/// Removes terms whose amplitude the recordings do not determine, the latest first, until every term is determined. Sets each remaining
+/// term's gain over the model without it. Returns the estimates of the remaining model.
+fn determined(
+    context: &Context<'_>,
+    path: &mut Path,
+    before: &Identification,
+) -> Result<Identification, IdentifyError> {
+    let found = 'determined: loop {
+        if path.terms.is_empty() {
+            break before.clone();
+        }
+        let found = intervals::estimates(context, path)?;
+        for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
+        {
+            let near = path.fitted_without(context, term)?;
+            if let Some(without) =
+                near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?
+            {
+                path.remove(context, term, without)?;
+                continue 'determined;
+            }
+        }
+        break found;
+    };
+    for term in 0..path.terms.len() {
+        let near = path.fitted_without(context, term)?;
+        if let Some(without) = &near {
+            path.terms[term].gain = path.gain(&path.last, without);
+        }
+        // Without a fit that converges near the last one, the term keeps the gain with which it was added.
+        let without = near.map_or_else(|| path.validated_without(context, term), |near| Ok(Some(near)))?;
+        path.terms[term].without = without;
+    }
+    Ok(found)
+}
