@@ -91,7 +91,14 @@ impl Design {
     /// # Errors
     /// When there is no such model, or the diagnosis has no finding with a rival.
     pub fn load(&self) -> Result<(Model, Option<Rival>)> {
-        let base = self.model.load()?;
+        self.with_rival(self.model.load()?)
+    }
+
+    /// A model and its rival, if one is named: for a diagnosis, the model with its finding.
+    ///
+    /// # Errors
+    /// As [`Design::load`].
+    pub fn with_rival(&self, base: Model) -> Result<(Model, Option<Rival>)> {
         if let Some(name) = &self.rival {
             let names = [self.model.model.clone(), name.clone()];
             return Ok((base, Some(Rival { model: load_model(name)?, names })));

@@ -155,12 +155,8 @@ impl Diagnose {
     /// # Errors
     /// When tables and model do not go together.
     pub fn run_steady(&self, model: Model, tables: &[Steady]) -> Result<Diagnosed> {
-        let usual = SteadyOptions::default();
-        let options = SteadyOptions {
-            false_alarm_rate: self.false_alarm_rate,
-            repeatability: self.repeatability.unwrap_or(usual.repeatability),
-            ..usual
-        };
+        let repeatability = self.repeatability.unwrap_or(SteadyOptions::default().repeatability);
+        let options = SteadyOptions { false_alarm_rate: self.false_alarm_rate, repeatability };
         let (diagnosis, model_toml) = socam_diagnose::diagnose_steady(&model, tables, options)?;
         let answer = Answer { diagnosis, evidence: Evidence::default(), model_toml };
         Ok(Diagnosed { answer, model, held_out: Vec::new() })

@@ -2,7 +2,7 @@
 //!
 //! A task is a struct of settings: [`Check`], [`Identify`], [`Response`], [`Diagnose`], [`Compare`], [`Watch`], [`Simulate`], [`Design`],
 //! [`FleetRow`] and [`Record`]. The struct is the only description of the task's options: the command line flattens it, keywords become one
-//! by [`options::from_keywords`], and [`options::command_line`] writes the command that does
+//! by [`options::from_keywords`], a window draws a form of [`options::describe`], and [`options::command_line`] writes the command that does
 //! the same. A task runs on a model and on recordings in memory; [`Grid`] opens them and puts irregular samples on a regular grid. Results
 //! have `document()`, the JSON contract.
 //!
@@ -24,6 +24,7 @@ mod record;
 mod response;
 pub mod rules;
 mod simulate;
+mod tasks;
 mod watch;
 
 pub use check::Check;
@@ -40,4 +41,5 @@ pub use record::Record;
 pub use response::{Response, Responses, Signals};
 pub use rules::Start;
 pub use simulate::{ReplayDocument, Replayed, Simulate, VirtualBench};
+pub use tasks::described;
 pub use watch::{Watch, Watching};

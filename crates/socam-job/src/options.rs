@@ -29,6 +29,16 @@ pub trait Settings: clap::Args + Serialize + DeserializeOwned {
 /// # Errors
 /// [`JobError::Keyword`] for a name that is unknown and a value of another type, [`JobError::Value`] for one that cannot be meant.
 pub fn from_keywords<T: Settings>(given: Map<String, Value>) -> Result<T> {
+    let settings: T = read(given)?;
+    settings.validate()?;
+    Ok(settings)
+}
+
+/// As [`from_keywords`], of a part of a task's settings.
+///
+/// # Errors
+/// As [`from_keywords`].
+pub fn read<T: clap::Args + Serialize + DeserializeOwned>(given: Map<String, Value>) -> Result<T> {
     let mut all = object(&defaults::<T>()?)?;
     for (name, value) in given.into_iter().filter(|(_, value)| !value.is_null()) {
         if !all.contains_key(&name) {
@@ -48,9 +58,7 @@ pub fn from_keywords<T: Settings>(given: Map<String, Value>) -> Result<T> {
     }
     let settings = serde_json::from_value::<T>(Value::Object(all)).map_err(broken)?;
     // Ranges, and what excludes each other, as on the command line.
-    let settings: T = parsed(&words(&settings)?)?;
-    settings.validate()?;
-    Ok(settings)
+    parsed(&words(&settings)?)
 }
 
 /// The settings of a command line without options.
@@ -65,7 +73,7 @@ pub fn defaults<T: clap::Args>() -> Result<T> {
 ///
 /// # Errors
 /// When the description holds together no longer.
-pub fn words<T: Settings>(settings: &T) -> Result<Vec<String>> {
+pub fn words<T: clap::Args + Serialize>(settings: &T) -> Result<Vec<String>> {
     let (own, usual) = (object(settings)?, object(&defaults::<T>()?)?);
     let mut words = Vec::new();
     for arg in command::<T>().get_arguments() {
@@ -108,6 +116,92 @@ pub fn command_line<T: Settings>(settings: &T, inputs: &[(&str, &[String])]) -> 
     all.extend(words(settings)?);
     let quoted: Vec<String> = all.iter().map(|word| quoted(word)).collect();
     Ok(format!("socam-host {}", quoted.join(" ")))
+}
+
+/// What an option is, for forms and for programs that call by keyword.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Described {
+    /// Its keyword.
+    pub name: String,
+    /// Its flag on the command line.
+    pub flag: String,
+    /// What it does, in one sentence.
+    pub help: String,
+    /// What its value is called, as in `NAME=VALUE`.
+    pub value_name: String,
+    /// What its value is.
+    pub kind: Kind,
+    /// Heading in the command's help, if it has one.
+    pub heading: Option<String>,
+    /// Whether it may be given several times.
+    pub is_list: bool,
+    /// The words that it takes, if it is a choice.
+    pub choices: Vec<String>,
+    /// Its default as a keyword; null where there is none.
+    pub default: Value,
+}
+
+/// What the value of an option is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// On or off.
+    Switch,
+    /// A whole number.
+    Whole,
+    /// A number.
+    Number,
+    /// One of several words.
+    Choice,
+    /// A path of a file.
+    Path,
+    /// Text.
+    Text,
+}
+
+/// The options of a task, in the order of its command's help.
+///
+/// # Errors
+/// When the description holds together no longer.
+pub fn describe<T: Settings>() -> Result<Vec<Described>> {
+    let usual = object(&defaults::<T>()?)?;
+    let one = |arg: &clap::Arg| {
+        let name = arg.get_id().as_str();
+        let names = arg.get_value_names().into_iter().flatten();
+        let choices = arg.get_possible_values().into_iter().map(|word| word.get_name().to_owned());
+        Described {
+            name: name.to_owned(),
+            flag: format!("--{}", arg.get_long().unwrap_or(name)),
+            help: arg.get_help().map(ToString::to_string).unwrap_or_default(),
+            value_name: names.map(|name| name.as_str()).collect::<Vec<_>>().join(" "),
+            kind: Kind::of(arg),
+            heading: arg.get_help_heading().map(str::to_owned),
+            is_list: matches!(arg.get_action(), ArgAction::Append),
+            choices: if Kind::of(arg) == Kind::Choice { choices.collect() } else { Vec::new() },
+            default: usual.get(name).cloned().unwrap_or_default(),
+        }
+    };
+    Ok(command::<T>().get_arguments().map(one).collect())
+}
+
+impl Kind {
+    fn of(arg: &clap::Arg) -> Self {
+        use std::any::TypeId;
+        let parsed = arg.get_value_parser().type_id();
+        let is = |own: TypeId| parsed == own;
+        if matches!(arg.get_action(), ArgAction::SetTrue | ArgAction::SetFalse) {
+            return Self::Switch;
+        }
+        if !arg.get_possible_values().is_empty() {
+            return Self::Choice;
+        }
+        match () {
+            () if is(TypeId::of::<f64>()) => Self::Number,
+            () if is(TypeId::of::<u8>()) || is(TypeId::of::<u16>()) || is(TypeId::of::<u64>()) => Self::Whole,
+            () if is(TypeId::of::<std::path::PathBuf>()) => Self::Path,
+            () => Self::Text,
+        }
+    }
 }
 
 /// A word of a command as a shell reads it back.

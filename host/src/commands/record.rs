@@ -221,6 +221,3 @@ fn profiles() -> anyhow::Result<String> {
     }
     Ok(text)
 }
-
-#[cfg(test)]
-mod tests;

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use socam_core::{Refusal, Request};
 use socam_dashboard::live::{self, Bench, Connector, Happening, News, Order};
+use socam_job::VirtualBench;
 use socam_recording::{Attachment, Calibration};
 
 use super::show::{IDLE_PERIOD_US, Show};

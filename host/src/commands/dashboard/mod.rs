@@ -14,6 +14,7 @@ use std::time::Duration;
 use anyhow::anyhow;
 use socam_dashboard::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
+use socam_job::VirtualBench;
 use socam_recording::Calibration;
 
 use self::rehearsal::Rehearsal;

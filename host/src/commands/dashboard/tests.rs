@@ -11,6 +11,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use socam_core::State;
 use socam_dashboard::live::signal::Settings;
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_job::VirtualBench;
 use socam_recording::Dataset;
 
 use super::{bench, simulated};
