@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use socam_job::{Grid, Watching};
 use socam_model::Model;
-use socam_watch::{Alarm, Baseline, Cause, Event, Naming, Settings, Summary, Verdict};
+use socam_watch::{Alarm, Baseline, Cause, Event, Naming, Summary, Verdict};
 
-use crate::duration::seconds;
 use crate::output;
 
 /// How a bench is watched
@@ -14,46 +14,22 @@ pub(crate) struct WatchArgs {
     /// Recording of the healthy bench, or a part of it: RUN@FROM..TO in seconds; may be repeated [default: the beginning of what is watched]
     #[arg(long, value_name = "HEALTHY", num_args = 1..)]
     pub(crate) baseline: Vec<String>,
-    /// Mean number of alarms per hour of a healthy bench, over all channels
-    #[arg(long, value_name = "RATE", default_value_t = 0.5, allow_hyphen_values = true)]
-    pub(crate) false_alarms_per_hour: f64,
-    /// Longest stretch after a change from which its cause is named, as in 10s [default: 10s]
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
-    pub(crate) window: Option<f64>,
-    /// Length of the blocks that are compared with the model, as in 500ms [default: 500ms]
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
-    pub(crate) block: Option<f64>,
-    /// Length of the beginning that is the baseline where none is given, as in 30s [default: 30s]
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
-    pub(crate) learn: Option<f64>,
+    #[command(flatten)]
+    pub(crate) watching: Watching,
 }
 
 impl WatchArgs {
     /// Whether any option but the rate was given.
     pub(crate) fn is_set(&self) -> bool {
-        !self.baseline.is_empty() || self.window.is_some() || self.block.is_some() || self.learn.is_some()
-    }
-
-    pub(crate) fn settings(&self) -> Settings {
-        let usual = Settings::default();
-        Settings {
-            false_alarms_per_hour: self.false_alarms_per_hour,
-            window_s: self.window.unwrap_or(usual.window_s),
-            block_s: self.block.unwrap_or(usual.block_s),
-            learn_s: self.learn.unwrap_or(usual.learn_s),
-        }
+        !self.baseline.is_empty() || self.watching.is_set()
     }
 
     /// The baseline of the healthy recordings, if any are given; says what it supports.
     pub(crate) fn baseline(&self, model: &Model) -> anyhow::Result<Option<Baseline>> {
-        if self.baseline.is_empty() {
-            return Ok(None);
-        }
-        let open = |run: &String| output::open_for(run, model, socam_expectation::GRID_PARTS);
-        let healthy = self.baseline.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
-        let baseline = Baseline::of(model, &healthy, &self.settings())?;
-        say_baseline(baseline.summary());
-        Ok(Some(baseline))
+        let healthy = output::open_all(Grid::Fit(model), &self.baseline)?;
+        let baseline = self.watching.baseline(model, &healthy)?;
+        baseline.iter().for_each(|baseline| say_baseline(baseline.summary()));
+        Ok(baseline)
     }
 }
 

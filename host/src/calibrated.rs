@@ -3,18 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use socam_efficiency::{SensorStd, Sensors};
-use socam_recording::{Calibration, Selection};
+use socam_job::inputs;
+use socam_recording::Calibration;
 
 use crate::output;
 
 /// The calibration that `--calibration` names, else the one that the first recording carries; `None` where there is neither.
 pub(crate) fn of(runs: &[String], given: Option<&Path>) -> anyhow::Result<Option<Calibration>> {
-    if let Some(path) = given {
-        return Ok(Some(Calibration::open(path)?));
-    }
-    let paths = runs.iter().map(|run| Ok(Selection::parse(run)?.path));
-    let paths = paths.collect::<anyhow::Result<Vec<_>>>()?;
-    let (found, warnings) = socam_calibrate::sensors::of_recordings(paths.iter().map(PathBuf::as_path));
+    let paths = inputs::paths(runs)?;
+    let (found, warnings) = inputs::calibration(paths.iter().map(PathBuf::as_path), given)?;
     warnings.iter().for_each(output::warn);
     Ok(found)
 }

@@ -5,15 +5,12 @@
 //! A second Ctrl-C ends a fit at once, without a result: 130, as shells tell it of any program.
 
 mod alarms;
-mod band;
 mod calibrated;
 mod cli;
 mod commands;
 mod device;
-mod duration;
 mod interrupt;
 mod live_watch;
-mod model_file;
 mod output;
 mod provenance;
 mod table;

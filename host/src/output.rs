@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use serde::Serialize;
-use socam_model::Model;
-use socam_recording::{Carry, Dataset, OutputFile, RecordingError};
+use socam_job::{Grid, JobError};
+use socam_recording::{Dataset, OutputFile, RecordingError};
 
 /// Arguments that no command can work with; ends with exit code 2.
 #[derive(Debug)]
@@ -87,25 +87,16 @@ pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     Ok(data)
 }
 
-/// The same, all channels of irregular samples interpolated: to look at.
-pub(crate) fn open_regular(run: &str) -> anyhow::Result<Dataset> {
-    let data = socam_import::open(run)?;
-    let data = if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth)? } else { data };
+/// The same, on a regular grid.
+pub(crate) fn open_on(grid: Grid<'_>, run: &str) -> Result<Dataset, JobError> {
+    let data = grid.open(run)?;
     say_warnings(run, &data);
     Ok(data)
 }
 
-/// The same for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
-/// that bend at their samples.
-pub(crate) fn open_for(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    let data = open_silently(run, model, parts)?;
-    say_warnings(run, &data);
-    Ok(data)
-}
-
-/// As [`open_for`], without a word about the recording's warnings.
-pub(crate) fn open_silently(run: &str, model: &Model, parts: u32) -> anyhow::Result<Dataset> {
-    Ok(socam_expectation::on_regular_grid(socam_import::open(run)?, model, parts)?)
+/// The same of several.
+pub(crate) fn open_all(grid: Grid<'_>, runs: &[String]) -> Result<Vec<Dataset>, JobError> {
+    runs.iter().map(|run| open_on(grid, run)).collect()
 }
 
 /// Says a recording's warnings.
@@ -153,6 +144,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     }
     say_after(&painted("error: ", "31"), sentence(error));
     let wrong_arguments = error.is::<WrongArguments>()
+        || error.downcast_ref().is_some_and(JobError::is_wrong_request)
         || matches!(error.downcast_ref(), Some(RecordingError::Selection { .. }));
     ExitCode::from(if wrong_arguments { 2 } else { 1 })
 }

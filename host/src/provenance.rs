@@ -1,6 +1,7 @@
 //! What a report is made from: the command as it was typed, the date, and the hashes of the files that were read.
 
 use anyhow::Context;
+use socam_job::options::quoted;
 use socam_model::Model;
 use socam_recording::Selection;
 use socam_report::{FileHash, Provenance};
@@ -29,24 +30,9 @@ fn now() -> String {
     jiff::Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string()
 }
 
-/// A word of a command as a shell reads it back.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_of_a_command_are_quoted_where_a_shell_needs_it() {
-        let words = ["diagnose", "a b.mcap", "it's", "run.csv@1..2", ""];
-        assert_eq!(words.map(quoted).join(" "), "diagnose 'a b.mcap' 'it'\\''s' run.csv@1..2 ''");
-    }
 
     #[test]
     fn hashes_are_those_of_the_files() {

@@ -24,18 +24,7 @@ pub(crate) fn align(rows: &[Vec<String>], right: &[bool]) -> String {
     text
 }
 
-/// A number to five significant digits.
-pub(crate) fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !(1e-4..1e6).contains(&size) {
-        return format!("{value:.4e}");
-    }
-    let decimals = (4 - size.log10().floor() as i32).max(0) as usize;
-    format!("{value:.decimals$}")
-}
+pub(crate) use socam_job::notation::number;
 
 /// A number to four significant digits, without zeros behind the last of them.
 pub(crate) fn short(value: f64) -> String {

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use socam_identify::{Observer, Options, Progress, ProgressMonitor};
+use socam_identify::{Observer, Progress, ProgressMonitor};
 
 use crate::interrupt::Interrupt;
 use crate::output;
@@ -52,12 +52,7 @@ impl Observer for Waiting {
 
 /// Fits while somebody waits: shows how far it is on a terminal (in lines elsewhere, if these are wanted), and ends the
 /// search at the first Ctrl-C, the process at the second.
-pub(crate) fn fit<T>(
-    interrupt: &Interrupt,
-    lines: bool,
-    options: &mut Options,
-    work: impl FnOnce(&Options) -> T,
-) -> T {
+pub(crate) fn fit<T>(interrupt: &Interrupt, lines: bool, work: impl FnOnce(ProgressMonitor) -> T) -> T {
     let lines = lines && !std::io::stderr().is_terminal();
     let display = if lines { Display::Lines(Mutex::new(None)) } else { Display::Line(line()) };
     let waiting = Arc::new(Waiting {
@@ -66,11 +61,9 @@ pub(crate) fn fit<T>(
         since: Instant::now(),
         display,
     });
-    options.watch = ProgressMonitor::by(waiting.clone());
     interrupt.end_after(1);
-    let result = work(options);
+    let result = work(ProgressMonitor::by(waiting.clone()));
     interrupt.end_after(0);
-    options.watch = ProgressMonitor::default();
     if let Display::Line(bar) = &waiting.display {
         bar.finish_and_clear();
     }

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Column", "Comparison", "Diagnosis", "FleetPart", "FleetRow", "FleetSummary", "FleetTask", "Identification", "Model", "Recording", "check", "compare", "design", "diagnose", "fleet_list", "fleet_sources", "frf", "identify", "is_recording", "profiles", "replay", "simulate", "watch"]
+__all__ = ["VERSION", "Column", "Comparison", "Diagnosis", "FleetPart", "FleetRow", "FleetSummary", "FleetTask", "Identification", "Model", "Recording", "check", "compare", "described", "design", "diagnose", "fleet_list", "fleet_sources", "frf", "identify", "is_recording", "profiles", "replay", "simulate", "watch"]
 
 VERSION: Final[str]
 """
@@ -193,6 +193,11 @@ class Model:
         """
         Text of an embedded model.
         """
+    def changed(self, /, **options: "object") -> Model:
+        """
+        The model with other values of parameters, parameters that are held fixed, and how its inputs move between samples: the options
+        `start_values`, `fixed` and `between` of every task.
+        """
     @property
     def channels(self, /) -> list[tuple[str, str, bool]]:
         """
@@ -221,17 +226,9 @@ class Model:
         """
         The file's text.
         """
-    def with_between(self, /, kind: str, channel: str | None = None) -> Model:
-        """
-        The model with how its inputs move between samples: hold, linear, band-limited, or auto; all inputs, or one by its name.
-        """
     def with_effect(self, /, effect: str, place: str, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]]) -> Model:
         """
         The model with an effect of the catalogue at a place, its parameters in SI.
-        """
-    def with_parameters(self, /, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex | None]], fix: bool) -> Model:
-        """
-        The model with other values of parameters (SI), of which some may be held fixed.
         """
 
 @final
@@ -321,22 +318,27 @@ class Recording:
         Writes the recording as .csv or .mcap.
         """
 
-def check(recordings: SupportsGetItem[int, Recording], model: Model | None = None, *, input: str | None = None, ratio_tolerance: SupportsFloat | SupportsIndex = 0.01) -> str:
+def check(recordings: SupportsGetItem[int, Recording], model: Model | None = None, **options: "object") -> str:
     """
     Checks recordings before any fit: the document `socam.check/1`. Without a model all channels are checked.
     """
 
-def compare(recording: Recording, simulation: Recording, *, maps: SupportsGetItem[int, str], offset_s: SupportsFloat | SupportsIndex, false_alarm_rate: SupportsFloat | SupportsIndex) -> Comparison:
+def compare(recording: Recording, simulation: Recording, **options: "object") -> Comparison:
     """
-    Compares a recording with the output of a simulator: channels of the same name and unit, and those of `maps`, `SIMULATED=MEASURED`.
+    Compares a recording with the output of a simulator: channels of the same name and unit, and those that are named.
     """
 
-def design(model: Model, recordings: SupportsGetItem[int, Recording], *, rival: Model | None, names: SupportsLenAndGetItem[str], duration_s: SupportsFloat | SupportsIndex, voltage: SupportsFloat | SupportsIndex | None, slew_v_s: SupportsFloat | SupportsIndex, limits: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], one_way: bool, progress: "object" = None) -> str:
+def described(task: str) -> str:
+    """
+    The options of a task as a JSON list: name, flag, kind, default, choices, help.
+    """
+
+def design(model: Model, recordings: SupportsGetItem[int, Recording], *, rival: Model | None, names: SupportsLenAndGetItem[str], progress: "object" = None, **options: "object") -> str:
     """
     Proposes the next experiment: the document `socam.design/1`.
     """
 
-def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], false_alarm_rate: SupportsFloat | SupportsIndex, tolerance: SupportsFloat | SupportsIndex, most: SupportsIndex, seed: SupportsIndex, start: str, progress: "object" = None) -> Diagnosis:
+def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], progress: "object" = None, **options: "object") -> Diagnosis:
     """
     Finds the physics that a model lacks, by recordings.
     """
@@ -351,12 +353,12 @@ def fleet_sources(place: str | PathLike[str]) -> list[tuple[str, Path, str | Non
     The recordings of a folder, or of a CSV list with the columns file, machine and date: name, path, machine, date in ms since 1970.
     """
 
-def frf(recordings: SupportsGetItem[int, Recording], model: Model, *, outputs: SupportsGetItem[int, str], reference: str | None, band: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, period_s: SupportsFloat | SupportsIndex | None, outliers: SupportsFloat | SupportsIndex | None, low_pass: tuple[SupportsFloat | SupportsIndex, SupportsIndex] | None, quietest: bool) -> tuple[str, list[tuple[list[str], list[tuple[str, str]]]], list[str]]:
+def frf(recordings: SupportsGetItem[int, Recording], model: Model, **options: "object") -> tuple[str, list[tuple[list[str], list[tuple[str, str]]]], list[str]]:
     """
     Frequency responses: the document `socam.frequency-response/1`, of each output what is seen in it, and warnings and notes of all.
     """
 
-def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, method: str, holdout: SupportsGetItem[int, Recording], starts: SupportsIndex, seed: SupportsIndex, start: str, noise: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], band: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, progress: "object" = None) -> Identification:
+def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], progress: "object" = None, **options: "object") -> Identification:
     """
     Fits the free parameters of a model to recordings.
     """
@@ -371,17 +373,17 @@ def profiles() -> list[str]:
     Names of the built-in profiles.
     """
 
-def replay(model: Model, inputs: Recording, *, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], hide: SupportsGetItem[int, str], from_rest: bool) -> tuple[Recording, str]:
+def replay(model: Model, inputs: Recording, **options: "object") -> tuple[Recording, str]:
     """
     Drives a model by the inputs of a recording. Returns the simulated recording, and how it differs: the document `socam.comparison/1`.
     """
 
-def simulate(model: Model, profile: str, *, name: str, duration_s: SupportsFloat | SupportsIndex | None, rate_hz: SupportsFloat | SupportsIndex, values: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], hide: SupportsGetItem[int, str], seed: SupportsIndex, noise: bool) -> Recording:
+def simulate(model: Model, profile: str, *, name: str, **options: "object") -> Recording:
     """
     Records a profile (its name, or the text of a profile file) on the virtual bench of a model.
     """
 
-def watch(recordings: SupportsGetItem[int, Recording], model: Model, *, baseline: SupportsGetItem[int, Recording], false_alarms_per_hour: SupportsFloat | SupportsIndex, window_s: SupportsFloat | SupportsIndex | None, block_s: SupportsFloat | SupportsIndex | None, learn_s: SupportsFloat | SupportsIndex | None) -> str:
+def watch(recordings: SupportsGetItem[int, Recording], model: Model, *, baseline: SupportsGetItem[int, Recording], **options: "object") -> str:
     """
-    Watches recordings against a model: the document `socam.watch/1`. Settings that are not given have their defaults.
+    Watches recordings against a model: the document `socam.watch/1`.
     """

@@ -3,10 +3,11 @@
 import json
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 from socam import _display, _socam
 from socam.model import Model
+from socam.options import CheckOptions
 from socam.recording import Source, read
 
 __all__ = ["Check", "Remark", "check"]
@@ -54,11 +55,7 @@ class Check:
 
 
 def check(
-    recording: Source,
-    model: str | os.PathLike[str] | Model | None = None,
-    *,
-    input: str | None = None,
-    ratio_tolerance: float = 0.01,
+    recording: Source, model: str | os.PathLike[str] | Model | None = None, **options: Unpack[CheckOptions]
 ) -> Check:
     """Checks a recording: excitation of the input, speed ratios, saturated, stuck, noisy or humming sensors, missing rows.
 
@@ -68,15 +65,15 @@ def check(
         A recording, or what `read` takes.
     model
         A model, or what `Model` takes: its channels are checked. Without one, all channels are.
-    input
-        Without a model: the channel that is the input.
-    ratio_tolerance
-        Relative tolerance of the mean ratio of two speeds against that of the gears.
+    options
+        Those of the command: `help(socam.options.CheckOptions)`; `ratio_tolerance` is a fraction.
 
     Raises
     ------
     RecordingError
         Where the recording cannot be read, or has no such input.
+    FitError
+        Where it has none of the model's channels.
     """
     inner = None if model is None else Model(model)._inner
-    return Check(_socam.check([read(recording)._inner], inner, input=input, ratio_tolerance=ratio_tolerance))
+    return Check(_socam.check([read(recording)._inner], inner, **options))

@@ -2,11 +2,11 @@
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from socam import _display, _socam
+from socam.options import CompareOptions
 from socam.recording import Source, read
 
 __all__ = ["Comparison", "compare"]
@@ -65,37 +65,22 @@ class Comparison:
         return _display.items([repr(self)[1:-1], *self.sentences]) + _display.table(head, rows) + _display.items(self.warnings)
 
 
-def compare(
-    recording: Source,
-    simulation: Source,
-    *,
-    names: Mapping[str, str] | None = None,
-    offset_s: float = 0.0,
-    false_alarm_rate: float = 0.01,
-) -> Comparison:
+def compare(recording: Source, simulation: Source, **options: Unpack[CompareOptions]) -> Comparison:
     """Compares a recording with the output of a simulator, without a model and without the sensors' noise.
 
     Parameters
     ----------
     recording, simulation
         What `read` takes. Channels of the same name and unit are compared.
-    names
-        Simulated channels of another name, with that of the measured one.
-    offset_s
-        Seconds to add to the simulation's times.
-    false_alarm_rate
-        Share of right simulations of which a difference is reported.
+    options
+        Those of the command: `help(socam.options.CompareOptions)`. With `model`, the name of an embedded model or the path of a file, that
+        model is simulated on the recording's inputs, too.
 
     Raises
     ------
     RecordingError
         Where a file cannot be read, or both have no channel or too little time in common.
-    ValueError
+    ValueError, TypeError
         For an option that cannot be meant.
     """
-    maps = [f"{simulated}={measured}" for simulated, measured in (names or {}).items()]
-    return Comparison(
-        _socam.compare(
-            read(recording)._inner, read(simulation)._inner, maps=maps, offset_s=offset_s, false_alarm_rate=false_alarm_rate
-        )
-    )
+    return Comparison(_socam.compare(read(recording)._inner, read(simulation)._inner, **options))

@@ -2,15 +2,15 @@
 
 import json
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any, Unpack
 
 from socam import _display, _socam
 from socam._progress import Progress, reporter
 from socam.identification import HEAD, Parameter
-from socam.model import Fixed, Model
+from socam.model import Model
+from socam.options import DiagnoseOptions
 from socam.recording import Sources, several
 
 __all__ = ["Diagnosis", "Finding", "diagnose"]
@@ -121,14 +121,8 @@ def diagnose(
     model: str | os.PathLike[str] | Model = "speed-o-cam",
     *,
     holdout: Sources = (),
-    fixed: Fixed = (),
-    between: str | Mapping[str, str] | None = None,
-    false_alarm_rate: float = 0.01,
-    tolerance: float = 0.001,
-    most: int = 3,
-    start: Literal["free", "equilibrium"] = "free",
-    seed: int = 1,
     progress: Progress = False,
+    **options: Unpack[DiagnoseOptions],
 ) -> Diagnosis:
     """Finds the physics that a model lacks, where it acts, and whether adding it improves predictions.
 
@@ -142,22 +136,10 @@ def diagnose(
         A model, or what `Model` takes.
     holdout
         Recordings for validation, used in no fit and in no choice. Without them the result is not validated.
-    fixed
-        Parameters to hold, at given values in SI or, of names, at the model's.
-    between
-        How inputs move between samples; see `Model.between`.
-    false_alarm_rate
-        Share of complete models for which something may be found, between 0 and 1.
-    tolerance
-        Fraction of a channel's standard deviation below which a finding does not count.
-    most
-        Greatest number of effects to add, 1 to 6.
-    start
-        Start state of each recording: estimated, or the equilibrium at the first input.
-    seed
-        Seed of the random start values.
     progress
         `True` for a line on stderr, or a function that takes a line of text.
+    options
+        Those of the command: `help(socam.options.DiagnoseOptions)`.
 
     Raises
     ------
@@ -165,21 +147,10 @@ def diagnose(
         Where recordings and model do not go together.
     ModelError, RecordingError
         Where a file cannot be used.
-    ValueError
+    ValueError, TypeError
         For an option that cannot be meant.
     """
-    model = Model(model).fix(fixed)
-    if between is not None:
-        model = model.between(between)
-    inner = _socam.diagnose(
-        several(recordings),
-        model._inner,
-        holdout=several(holdout),
-        false_alarm_rate=false_alarm_rate,
-        tolerance=tolerance,
-        most=most,
-        seed=seed,
-        start=start,
-        progress=reporter(progress),
+    held_out = several(holdout)
+    return Diagnosis(
+        _socam.diagnose(several(recordings), Model(model)._inner, holdout=held_out, progress=reporter(progress), **options)
     )
-    return Diagnosis(inner)

@@ -2,13 +2,13 @@
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from socam import _display, _socam
 from socam._progress import Progress, reporter
 from socam.model import Model
+from socam.options import DesignOptions
 from socam.recording import Sources, several
 
 __all__ = ["Design", "design"]
@@ -60,12 +60,8 @@ def design(
     recordings: Sources = (),
     *,
     rival: str | os.PathLike[str] | Model | None = None,
-    duration_s: float = 10.0,
-    voltage: float | None = None,
-    slew_v_s: float = 500.0,
-    limits: Mapping[str, float] | None = None,
-    one_way: bool = False,
     progress: Progress = False,
+    **options: Unpack[DesignOptions],
 ) -> Design:
     """Proposes the next experiment: the most informative profile within the rig's limits.
 
@@ -77,35 +73,20 @@ def design(
         Existing recordings, whose information is taken into account.
     rival
         A competing model: the profile then tells both apart. Without it, it makes the widest interval narrowest.
-    duration_s
-        Length of the recording, s.
-    voltage, slew_v_s
-        Largest command, V, and its fastest change, V/s.
-    limits
-        Limits of channels by name, in SI, in place of the calibration's.
-    one_way
-        Only profiles that do not change direction.
     progress
         `True` for a line on stderr, or a function that takes a line of text.
+    options
+        Those of the command: `help(socam.options.DesignOptions)`.
 
     Raises
     ------
     SimulationError
         Where no profile keeps the limits, or the bench cannot be simulated.
-    ValueError
-        For a limit that cannot be meant.
+    ValueError, TypeError
+        For an option that cannot be meant.
     """
     own, other = Model(model), None if rival is None else Model(rival)
-    text = _socam.design(
-        own._inner,
-        several(recordings),
-        rival=None if other is None else other._inner,
-        names=(own.name, "" if other is None else other.name),
-        duration_s=duration_s,
-        voltage=voltage,
-        slew_v_s=slew_v_s,
-        limits=list((limits or {}).items()),
-        one_way=one_way,
-        progress=reporter(progress),
+    inner, names = None if other is None else other._inner, (own.name, "" if other is None else other.name)
+    return Design(
+        _socam.design(own._inner, several(recordings), rival=inner, names=names, progress=reporter(progress), **options)
     )
-    return Design(text)

@@ -4,11 +4,12 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Unpack
 
 from socam import _display, _socam
 from socam._progress import Progress, reporter
-from socam.model import Fixed, Model
+from socam.model import Model
+from socam.options import IdentifyOptions
 from socam.recording import Sources, several
 
 if TYPE_CHECKING:
@@ -147,17 +148,9 @@ def identify(
     recordings: Sources,
     model: str | os.PathLike[str] | Model = "speed-o-cam",
     *,
-    method: Literal["output-error", "inverse-dynamics"] = "output-error",
-    fixed: Fixed = (),
-    start_values: Mapping[str, float] | None = None,
     holdout: Sources = (),
-    band: tuple[float, float] | None = None,
-    start: Literal["free", "equilibrium"] = "free",
-    between: str | Mapping[str, str] | None = None,
-    noise: Mapping[str, float] | None = None,
-    starts: int = 6,
-    seed: int = 1,
     progress: Progress = False,
+    **options: Unpack[IdentifyOptions],
 ) -> Identification:
     """Identifies stiffness, damping and friction: fits the free parameters of a model to all recordings together.
 
@@ -169,26 +162,13 @@ def identify(
         One recording or several, of whatever `read` takes.
     model
         A model, or what `Model` takes.
-    method
-        `output-error` simulates the model from the measured inputs; `inverse-dynamics` regresses the force of a one-coordinate axis.
-    fixed
-        Parameters to hold, at given values in SI or, of names, at the model's.
-    start_values
-        Start values of parameters, in SI.
     holdout
         Recordings that are predicted with the result and not fitted.
-    band
-        Lowest and highest frequency, Hz, of a second fit to the held-out recordings.
-    start
-        Start state of each recording: estimated, or the equilibrium at the first input.
-    between
-        How inputs move between samples; see `Model.between`.
-    noise
-        Known standard deviations of the channels' noise by name, in SI; all outputs, and noisy inputs.
-    starts, seed
-        Number of start points of the search, and their seed.
     progress
         `True` for a line on stderr, or a function that takes a line of text.
+    options
+        Those of the command: `help(socam.options.IdentifyOptions)`. `method` is `output-error` or `inverse-dynamics`; `frf` is a function of
+        its own.
 
     Raises
     ------
@@ -196,27 +176,10 @@ def identify(
         Where recordings and model do not go together. Not converged and not determined are results, not errors.
     ModelError, RecordingError
         Where a file cannot be used.
-    ValueError
+    ValueError, TypeError
         For an option that cannot be meant.
     """
-    model = Model(model)
-    if start_values:
-        model = model.set(start_values)
-    model = model.fix(fixed)
-    if between is not None:
-        model = model.between(between)
-    if starts < 1:
-        raise ValueError(f"starts: {starts}; expected 1 or more")
-    inner = _socam.identify(
-        several(recordings),
-        model._inner,
-        method=method,
-        holdout=several(holdout),
-        starts=starts,
-        seed=seed,
-        start=start,
-        noise=list((noise or {}).items()),
-        band=band,
-        progress=reporter(progress),
+    held_out = several(holdout)
+    return Identification(
+        _socam.identify(several(recordings), Model(model)._inner, holdout=held_out, progress=reporter(progress), **options)
     )
-    return Identification(inner)

@@ -89,26 +89,15 @@ class Model:
 
     def set(self, values: Mapping[str, float]) -> "Model":
         """The model with other values of parameters, in SI, from which a fit starts."""
-        return Model._of(self._inner.with_parameters(list(values.items()), False))
+        return Model._of(self._inner.changed(start_values=values))
 
     def fix(self, parameters: Fixed) -> "Model":
         """The model with parameters held: at the given values in SI, or, of a list of names, at their own."""
-        values: list[tuple[str, float | None]]
-        if isinstance(parameters, Mapping):
-            values = list(parameters.items())
-        else:
-            names = [parameters] if isinstance(parameters, str) else parameters
-            values = [(name, None) for name in names]
-        return Model._of(self._inner.with_parameters(values, True))
+        return Model._of(self._inner.changed(fixed=parameters))
 
     def between(self, kind: str | Mapping[str, str]) -> "Model":
         """The model with how its inputs move between samples: `auto`, `hold`, `linear` or `band-limited`, for all or by input."""
-        if isinstance(kind, str):
-            return Model._of(self._inner.with_between(kind))
-        inner = self._inner
-        for channel, own in kind.items():
-            inner = inner.with_between(own, channel)
-        return Model._of(inner)
+        return Model._of(self._inner.changed(between=kind))
 
     def with_effect(self, effect: str, place: str, **values: float) -> "Model":
         """The model with an effect of the catalogue at a place, as in `with_effect("coulomb_friction", "load_bearing", torque=0.3)`."""

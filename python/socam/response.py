@@ -3,13 +3,14 @@
 import json
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from socam import _display, _socam
 from socam.model import Model
+from socam.options import ResponseOptions
 from socam.recording import Sources, several
 
 if TYPE_CHECKING:
@@ -147,16 +148,7 @@ class FrequencyResponse:
 
 
 def frf(
-    recordings: Sources,
-    model: str | os.PathLike[str] | Model = "speed-o-cam",
-    *,
-    outputs: Sequence[str] = (),
-    band: tuple[float, float] | None = None,
-    reference: str | None = None,
-    period_s: float | None = None,
-    outliers: float | None = None,
-    low_pass: tuple[float, int] | None = None,
-    quietest: bool = False,
+    recordings: Sources, model: str | os.PathLike[str] | Model = "speed-o-cam", **options: Unpack[ResponseOptions]
 ) -> FrequencyResponse:
     """Estimates the frequency response of a model's outputs to its input, with coherence and 95 % intervals, beside the model's own.
 
@@ -168,20 +160,9 @@ def frf(
         One recording or several, of whatever `read` takes.
     model
         A model, or what `Model` takes: it says which columns are input and outputs, and has a response of its own.
-    outputs
-        Names of outputs. Default: all.
-    band
-        Lowest and highest frequency, Hz. Default: 0.1 to 100 Hz, or to a third of the sampling rate.
-    reference
-        Column of the reference signal, which is free of noise. Default: `command_V`, if the recordings have it.
-    period_s
-        Period of the excitation, s. Default: estimated.
-    outliers
-        Replaces samples by the median of their neighbours if they differ by more than so many standard deviations.
-    low_pass
-        Corner in Hz and order of a Butterworth filter on all signals.
-    quietest
-        Of recordings with the same mean input (within 5 %), use only the one with least noise.
+    options
+        Those of the command: `help(socam.options.ResponseOptions)`. The band is 0.1 to 100 Hz, or to a third of the sampling rate, where
+        none is given.
 
     Raises
     ------
@@ -189,18 +170,7 @@ def frf(
         Where the model has not one input, or the signals are too short or not excited.
     ModelError, RecordingError
         Where a file cannot be used.
-    ValueError
+    ValueError, TypeError
         For an option that cannot be meant.
     """
-    text, seen, warnings = _socam.frf(
-        several(recordings),
-        Model(model)._inner,
-        outputs=[outputs] if isinstance(outputs, str) else list(outputs),
-        reference=reference,
-        band=band,
-        period_s=period_s,
-        outliers=outliers,
-        low_pass=low_pass,
-        quietest=quietest,
-    )
-    return FrequencyResponse(text, seen, warnings)
+    return FrequencyResponse(*_socam.frf(several(recordings), Model(model)._inner, **options))

@@ -2,12 +2,12 @@
 
 import json
 import os
-from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Unpack, overload
 
 from socam import _display, _socam
 from socam.model import Model
+from socam.options import SimulateOptions
 from socam.recording import Recording, Source, read
 
 __all__ = ["Replay", "profiles", "simulate"]
@@ -51,24 +51,14 @@ def simulate(
     model: str | os.PathLike[str] | Model = ...,
     profile: str | os.PathLike[str] = ...,
     *,
-    duration_s: float | None = ...,
-    rate_hz: float = ...,
-    values: Mapping[str, float] | None = ...,
-    hide: Sequence[str] = ...,
-    seed: int = ...,
-    noise: bool = ...,
     name: str = ...,
+    **options: Unpack[SimulateOptions],
 ) -> Recording: ...
 
 
 @overload
 def simulate(
-    model: str | os.PathLike[str] | Model = ...,
-    *,
-    inputs: Source,
-    values: Mapping[str, float] | None = ...,
-    hide: Sequence[str] = ...,
-    from_rest: bool = ...,
+    model: str | os.PathLike[str] | Model = ..., *, inputs: Source, **options: Unpack[SimulateOptions]
 ) -> Replay: ...
 
 
@@ -77,14 +67,8 @@ def simulate(
     profile: str | os.PathLike[str] = "multisine",
     *,
     inputs: Source | None = None,
-    duration_s: float | None = None,
-    rate_hz: float = 1000.0,
-    values: Mapping[str, float] | None = None,
-    hide: Sequence[str] = (),
-    seed: int = 1,
-    noise: bool = True,
-    from_rest: bool = False,
     name: str = "simulation",
+    **options: Unpack[SimulateOptions],
 ) -> Recording | Replay:
     """Records the virtual bench of a model on a profile; or, with `inputs`, drives the model by the inputs of a recording.
 
@@ -96,20 +80,11 @@ def simulate(
         A built-in profile (`profiles()`), the path of a profile file, or its text.
     inputs
         A recording whose inputs drive the model; its outputs are compared with the predictions.
-    duration_s
-        Time until the command is back at 0, s. Default: the profile's.
-    rate_hz
-        Sampling rate, Hz.
-    values
-        Parameters of the virtual bench that differ from the model's, in SI.
-    hide
-        Physics that the bench has and the model does not name, as in `coulomb_friction@load_bearing:torque=0.3`.
-    seed, noise
-        Seed of the sensors' noise, and whether they have any. The same arguments give the same recording.
-    from_rest
-        With `inputs`: start at rest. Default: start states that fit the whole recording best.
     name
         The recording's name.
+    options
+        Those of the command: `help(socam.options.SimulateOptions)`. `duration_s`, `rate_hz`, `seed` and `noise` are for a profile, `between`,
+        `disturb` and `from_rest` for inputs. The same arguments give the same recording.
 
     Returns
     -------
@@ -120,28 +95,14 @@ def simulate(
     ------
     SimulationError
         Where the bench ends the run, as at a limit, or the solver fails.
-    ValueError
-        For a profile, a rate, a parameter or an effect that cannot be meant.
+    ValueError, TypeError
+        For a profile or an option that cannot be meant.
     """
-    model = Model(model)
-    pairs = list((values or {}).items())
+    own = Model(model)._inner
     if inputs is not None:
-        recording, document = _socam.replay(
-            model._inner, read(inputs)._inner, values=pairs, hide=list(hide), from_rest=from_rest
-        )
+        recording, document = _socam.replay(own, read(inputs)._inner, **options)
         return Replay(Recording(recording), document)
-    inner = _socam.simulate(
-        model._inner,
-        _profile(profile),
-        name=name,
-        duration_s=duration_s,
-        rate_hz=rate_hz,
-        values=pairs,
-        hide=list(hide),
-        seed=seed,
-        noise=noise,
-    )
-    return Recording(inner)
+    return Recording(_socam.simulate(own, _profile(profile), name=name, **options))
 
 
 def _profile(profile: str | os.PathLike[str]) -> str:

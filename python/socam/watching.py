@@ -2,10 +2,11 @@
 
 import json
 import os
-from typing import Any
+from typing import Any, Unpack
 
 from socam import _display, _socam
 from socam.model import Model
+from socam.options import WatchOptions
 from socam.recording import Sources, several
 
 __all__ = ["Watched", "watch"]
@@ -55,10 +56,7 @@ def watch(
     model: str | os.PathLike[str] | Model = "speed-o-cam",
     *,
     baseline: Sources = (),
-    false_alarms_per_hour: float = 0.5,
-    window_s: float | None = None,
-    block_s: float | None = None,
-    learn_s: float | None = None,
+    **options: Unpack[WatchOptions],
 ) -> Watched:
     """Watches recordings against a model, and raises an alarm where the bench departs from it.
 
@@ -70,14 +68,8 @@ def watch(
         A model, or what `Model` takes.
     baseline
         Recordings of the healthy bench. Default: the beginning of each recording.
-    false_alarms_per_hour
-        Mean number of alarms per hour of a healthy bench, over all channels.
-    window_s
-        Longest stretch after a change from which its cause is named. Default: 10 s.
-    block_s
-        Length of the blocks that are compared with the model. Default: 0.5 s.
-    learn_s
-        Length of the beginning that is the baseline where none is given. Default: 30 s.
+    options
+        Those of the command: `help(socam.options.WatchOptions)`.
 
     Raises
     ------
@@ -86,14 +78,4 @@ def watch(
     ModelError, RecordingError
         Where a file cannot be used.
     """
-    return Watched(
-        _socam.watch(
-            several(recordings),
-            Model(model)._inner,
-            baseline=several(baseline),
-            false_alarms_per_hour=false_alarms_per_hour,
-            window_s=window_s,
-            block_s=block_s,
-            learn_s=learn_s,
-        )
-    )
+    return Watched(_socam.watch(several(recordings), Model(model)._inner, baseline=several(baseline), **options))

@@ -1,6 +1,8 @@
 //! Errors of the libraries as exceptions of the package, each with its sentence.
 
 use pyo3::PyErr;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use socam_job::JobError;
 
 pyo3::import_exception!(socam.errors, SocamError);
 pyo3::import_exception!(socam.errors, RecordingError);
@@ -27,16 +29,31 @@ macro_rules! raised {
 raised! {
     socam_import::ImportError => RecordingError,
     socam_recording::RecordingError => RecordingError,
-    socam_recording::SettingsError => SocamError,
     socam_model::ModelError => ModelError,
-    socam_identify::IdentifyError => FitError,
-    socam_compare::CompareError => RecordingError,
-    socam_response::ResponseError => FitError,
-    socam_watch::WatchError => FitError,
-    socam_diagnose::DiagnoseError => FitError,
     socam_report::diagnosis::ReportError => SocamError,
-    socam_design::DesignError => SimulationError,
     socam_fleet::FleetError => SocamError,
-    socam_sim::SimError => SimulationError,
     serde_json::Error => SocamError,
+}
+
+impl Raised for JobError {
+    fn raised(self) -> PyErr {
+        let sentence = self.in_keywords();
+        match self {
+            Self::Keyword(_) => PyTypeError::new_err(sentence),
+            Self::Value { .. } | Self::Inputs(_) | Self::File(_) => PyValueError::new_err(sentence),
+            Self::Change { .. }
+            | Self::NoModel { .. }
+            | Self::Read { .. }
+            | Self::ModelFile { .. }
+            | Self::Model(_) => ModelError::new_err(sentence),
+            Self::Recording(_) | Self::Import(_) | Self::Compare(_) => RecordingError::new_err(sentence),
+            Self::Simulation(_) | Self::Design(_) => SimulationError::new_err(sentence),
+            Self::OtherModel { .. }
+            | Self::Identify(_)
+            | Self::Steady(_)
+            | Self::Diagnose(_)
+            | Self::Watch(_)
+            | Self::Response(_) => FitError::new_err(sentence),
+        }
+    }
 }

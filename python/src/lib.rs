@@ -13,6 +13,7 @@ mod errors;
 mod fleet;
 mod identification;
 mod model;
+mod options;
 mod recording;
 mod response;
 mod simulation;
@@ -34,6 +35,7 @@ mod _socam {
         fleet::{FleetPart, FleetRow, FleetTask, fleet_list, fleet_sources, is_recording},
         identification::{Identification, identify},
         model::Model,
+        options::described,
         recording::{Column, Recording},
         response::frf,
         simulation::{profiles, replay, simulate},

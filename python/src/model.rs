@@ -1,11 +1,13 @@
 //! Models of drivetrains.
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::json;
-use socam_model::{BUILTIN, Intersample, Role};
+use socam_job::ModelSettings;
+use socam_model::{BUILTIN, Role};
 
 use crate::errors::Raised;
+use crate::options::object;
 
 /// A drivetrain's model file, checked and in SI.
 #[pyclass(frozen, module = "socam._socam")]
@@ -67,39 +69,13 @@ impl Model {
         socam_report::bench::svg(&self.0, &[])
     }
 
-    /// The model with other values of parameters (SI), of which some may be held fixed.
-    fn with_parameters(&self, values: Vec<(String, Option<f64>)>, fix: bool) -> PyResult<Self> {
-        let mut model = self.0.clone();
-        for (name, value) in values {
-            model.set_parameter(&name, value, fix).map_err(Raised::raised)?;
-        }
-        model.equations(&model.values()).map_err(Raised::raised)?;
-        Ok(Self(model))
-    }
-
-    /// The model with how its inputs move between samples: hold, linear, band-limited, or auto; all inputs, or one by its name.
-    #[pyo3(signature = (kind, channel = None))]
-    fn with_between(&self, kind: &str, channel: Option<&str>) -> PyResult<Self> {
-        let mut model = self.0.clone();
-        let between: Option<Intersample> = match kind {
-            "auto" => None,
-            kind => Some(kind.parse().map_err(|_| {
-                let words = "auto, hold, linear and band-limited";
-                PyValueError::new_err(format!("between: `{kind}` is none of {words}"))
-            })?),
-        };
-        let inputs =
-            model.inputs().filter(|input| !input.quantity.is_clock()).map(|input| input.name.clone());
-        let inputs: Vec<String> = inputs.collect();
-        let named: Vec<_> = inputs.iter().filter(|input| channel.is_none_or(|name| name == *input)).collect();
-        if named.is_empty() {
-            let message = format!("between: inputs of {} are {}", model.name, inputs.join(", "));
-            return Err(PyValueError::new_err(message));
-        }
-        for input in named {
-            model.set_intersample(input, between).map_err(Raised::raised)?;
-        }
-        Ok(Self(model))
+    /// The model with other values of parameters, parameters that are held fixed, and how its inputs move between samples: the options
+    /// `start_values`, `fixed` and `between` of every task.
+    #[pyo3(signature = (**options: "object"))]
+    fn changed(&self, options: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let changes: ModelSettings =
+            socam_job::options::read(object(options.as_ref())?).map_err(Raised::raised)?;
+        changes.changed(self.0.clone()).map(Self).map_err(Raised::raised)
     }
 
     /// The model with an effect of the catalogue at a place, its parameters in SI.

@@ -10,8 +10,7 @@ use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
-use socam_model::Model;
-use socam_recording::{Carry, Channel, Dataset, Selection, Shared, Unit, export_csv, import_mcap};
+use socam_recording::{Channel, Dataset, Selection, Shared, Unit, export_csv, import_mcap};
 
 use crate::arrow;
 use crate::errors::{Raised, RecordingError};
@@ -231,18 +230,9 @@ impl Column {
     }
 }
 
-/// Recordings for a fit of `model`: irregular samples are put on a regular grid.
-pub(crate) fn for_fit(all: &[Py<Recording>], model: &Model, parts: u32) -> PyResult<Vec<Dataset>> {
-    let one = |recording: &Py<Recording>| {
-        let data = recording.get().data.clone();
-        socam_expectation::on_regular_grid(data, model, parts).map_err(Raised::raised)
-    };
-    all.iter().map(one).collect()
-}
-
-/// A recording with irregular samples interpolated, all channels alike: to look at.
-pub(crate) fn regular(data: &Dataset) -> socam_recording::Result<Dataset> {
-    if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(data.clone()) }
+/// The recordings' data.
+pub(crate) fn all(recordings: &[Py<Recording>]) -> Vec<Dataset> {
+    recordings.iter().map(|recording| recording.get().data.clone()).collect()
 }
 
 /// The files from which recordings were read.

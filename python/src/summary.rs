@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use socam_fleet::{Summary, Table};
+use socam_job::rules::check_rate;
 
 use crate::errors::Raised;
 
@@ -28,9 +28,7 @@ impl FleetSummary {
     /// Of a table, its lists at this false discovery rate.
     #[new]
     fn new(py: Python<'_>, table: PathBuf, fdr: f64) -> PyResult<Self> {
-        if !(fdr > 0.0 && fdr < 1.0) {
-            return Err(PyValueError::new_err(format!("fdr: {fdr} is not between 0 and 1")));
-        }
+        check_rate("fdr", "--fdr", fdr).map_err(Raised::raised)?;
         let made = py.detach(|| Summary::of(Table::open(&table)?, fdr));
         Ok(Self { summary: made.map_err(Raised::raised)?, table })
     }

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import typed_options
 from conftest import run
 
 import socam
+from socam import options
 
 # Times of the processor, and names of files.
 _TIMES = {"cpu_s"}
@@ -241,3 +243,21 @@ def test_other_threads_run_during_a_fit(recording: socam.Recording) -> None:
     done.set()
     thread.join()
     assert counts[0] > 20 * elapsed
+
+
+def test_options_are_those_of_the_commands() -> None:
+    """Where this fails, an option is new: `typed_options.py` writes socam/options.py."""
+    assert Path(options.__file__).read_text(encoding="utf-8") == typed_options.text()
+
+
+def test_every_option_of_a_command_is_one_of_its_function(files: list[str], host: Path) -> None:
+    command = ["diagnose", files[0], "--fix", "k3=52485", "--set", "k4=120", "--between", "motor_speed=hold", "--most", "1", "--json"]
+    theirs = json.loads(run(host, *command))
+    ours = socam.diagnose(files[0], fixed={"k3": 52485.0}, start_values={"k4": 120}, between={"motor_speed": "hold"}, most=1)
+    same(json.loads(ours.to_json()), theirs)
+    with pytest.raises(TypeError, match="there is no option `mots`; the options are .*most"):
+        socam.diagnose(files[0], mots=1)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="most: invalid type"):
+        socam.diagnose(files[0], most="many")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="most: 7 is not in 1..=6"):
+        socam.diagnose(files[0], most=7)

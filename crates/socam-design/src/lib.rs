@@ -17,4 +17,4 @@ pub use error::DesignError;
 pub use goal::{Width, widths};
 pub use proposal::{Document, SCHEMA, five_steps};
 pub use rig::{Limits, Rig};
-pub use search::{Design, Tried, foretell, sharpest, telling_apart};
+pub use search::{Design, Tried, predicted_intervals, sharpest, telling_apart};

@@ -86,7 +86,7 @@ impl<'a> Judge<'a> {
 ///
 /// # Errors
 /// When the bench cannot be simulated, or the model cannot be fitted.
-pub fn foretell(
+pub fn predicted_intervals(
     rig: &Rig,
     model: &Model,
     recorded: &[Dataset],

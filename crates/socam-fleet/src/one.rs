@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use socam_diagnose::{DiagnoseError, Frozen, HeldOut, screen};
+use socam_job::Grid;
 use socam_model::Model;
 use socam_recording::{
     Dataset, Selection,
@@ -107,7 +108,7 @@ fn run(
 ) -> Result<(), End> {
     let opened = socam_import::open_selection(&Selection::whole(path));
     let data = opened.map_err(|error| End::new(Status::Unreadable, error))?;
-    let data = socam_expectation::on_regular_grid(data, model, 1);
+    let data = Grid::Diagnosis(model).apply(data);
     let data = data.map_err(|error| End::new(Status::Unreadable, error))?;
     row.machine = source.machine.clone().or_else(|| labels::machine_of_log(&data)).or(row.machine.take());
     row.date = source.date.or_else(|| labels::date_of_log(&data)).or(row.date);

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::Frozen;
+use socam_job::FleetRow;
 
 /// Options of a fleet. They are part of each row's id.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,12 @@ pub struct FleetOptions {
 impl Default for FleetOptions {
     fn default() -> Self {
         Self { false_alarm_rate: 0.01, tolerance: 1e-3, most_effects: 3, ratio_tolerance: 0.01, frozen: None }
+    }
+}
+
+impl From<&FleetRow> for FleetOptions {
+    fn from(row: &FleetRow) -> Self {
+        Self { false_alarm_rate: row.false_alarm_rate, tolerance: row.tolerance, ..Self::default() }
     }
 }
 

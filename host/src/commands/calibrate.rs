@@ -12,7 +12,7 @@ use socam_report::calibration::{self, Titled};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
-use crate::{model_file, table};
+use crate::table;
 
 /// p-value below which a nonlinearity is reported.
 const BENT: f64 = 0.01;
@@ -38,7 +38,7 @@ pub(crate) struct Args {
     /// Write the corrected calibration to this file, for `record --calibration`
     #[arg(short = 'o', long, value_name = "FILE")]
     write_calibration: Option<PathBuf>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = socam_job::MODEL_HELP)]
     model: String,
     /// Write the model, with measured stiffnesses as priors, to this file, for `identify --model`
     #[arg(long, value_name = "FILE")]
@@ -70,7 +70,7 @@ struct Document<'a> {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let assumed = assumed(&args)?;
-    let model = model_file::load(&args.model)?;
+    let model = socam_job::load_model(&args.model)?;
     // A plot is drawn again at no cost; a calibration and a model may have been edited by hand.
     let targets =
         [(&args.write_calibration, args.force), (&args.write_model, args.force), (&args.plot, true)];

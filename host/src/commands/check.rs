@@ -2,14 +2,11 @@
 
 use std::fmt::Write;
 
-use anyhow::bail;
-use socam_model::Model;
-use socam_recording::check::{ChannelCheck, Check, CheckOptions, Document, Severity, Verdict, check};
-use socam_recording::{Channel, Dataset};
+use socam_job::{Grid, Settings};
+use socam_recording::check::{ChannelCheck, Check, Document, Severity, Verdict};
 
 use super::Outcome;
-use crate::output::{self, WrongArguments};
-use crate::{model_file, table};
+use crate::{output, table};
 
 /// Check whether recordings are fit for identification, what is wrong, and what to record instead
 ///
@@ -25,44 +22,25 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
-    model: String,
-    /// Check all channels without a model; this channel is the input
-    #[arg(long, value_name = "CHANNEL", conflicts_with = "model")]
-    input: Option<String>,
-    /// Tolerance of the mean ratio of two speeds against that of the gears, percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, allow_hyphen_values = true)]
-    ratio_tolerance: f64,
+    #[command(flatten)]
+    task: socam_job::Check,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    if !(0.0..=100.0).contains(&args.ratio_tolerance) {
-        let problem = format!("--ratio-tolerance is {} %; expected 0 to 100", args.ratio_tolerance);
-        return Err(WrongArguments(problem).into());
-    }
-    let model = match args.input {
-        Some(_) => None,
-        None => Some(model_file::load(&args.model)?),
-    };
-    let options = match &model {
-        Some(model) => socam_expectation::of_model(model, args.ratio_tolerance / 100.0),
-        None => CheckOptions { input: args.input.clone(), ..CheckOptions::default() },
-    };
+    args.task.validate()?;
+    let model = args.task.load()?;
     let mut outcome = Outcome::Done;
     let check_one = |run: &String| {
-        let data = output::open_regular(run)?;
-        if let Some(model) = &model {
-            require_common_ground(&data, model)?;
-        }
+        let data = output::open_on(Grid::View, run)?;
         if Outcome::on([&data]) == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
-        Ok(check(&data, &options)?)
+        args.task.run(model.as_ref(), &data)
     };
-    let checks = args.runs.iter().map(check_one).collect::<anyhow::Result<Vec<_>>>()?;
+    let checks = args.runs.iter().map(check_one).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         output::print_json(&Document::new(&checks))?;
     } else {
@@ -70,23 +48,6 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&texts.join("\n"))?;
     }
     Ok(outcome)
-}
-
-/// A recording with none of the model's channels is one of another bench.
-fn require_common_ground(data: &Dataset, model: &Model) -> anyhow::Result<()> {
-    if model.channels.iter().any(|channel| data.channel_index(&channel.column).is_ok()) {
-        return Ok(());
-    }
-    let read: Vec<&str> = model.channels.iter().map(|channel| channel.column.as_str()).collect();
-    let held: Vec<String> = data.channels().iter().map(Channel::column_name).collect();
-    bail!(
-        "`{}` has none of the channels that the model {} reads ({}); it has {}; name its model with --model, or its input with \
-         --input",
-        data.name(),
-        model.name,
-        read.join(", "),
-        held.join(", ")
-    )
 }
 
 fn text(check: &Check) -> String {

@@ -6,15 +6,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use socam_identify::{Fit, Identification, Options, Problem};
+use socam_job::{Record, VirtualBench, options};
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_sim::{Concealed, Override};
 
-use super::record::CourseArgs;
 use super::{Outcome, simulate};
-use crate::device::virtual_bench::BenchArgs;
 use crate::interrupt::Interrupt;
-use crate::{model_file, output, table, watch};
+use crate::{output, table, watch};
 
 /// Do the whole job on a virtual bench, no hardware needed: record and identify it, then conceal physics in it and find that
 #[derive(Debug, clap::Args)]
@@ -59,12 +57,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         outcome = worse(outcome, record(&path, profile, duration_s, seed, Vec::new())?);
         paths.push(path);
     }
-    let model = model_file::load(MODEL)?;
+    let model = socam_job::load_model(MODEL)?;
     let data =
         paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let (fitted, held_out) = data.split_at(RUNS.len());
-    let result = watch::fit(&Interrupt::listen(), false, &mut Options::default(), |options| {
-        socam_identify::output_error(&Problem::new(&model, fitted, options.clone())?)
+    let result = watch::fit(&Interrupt::listen(), false, |watch| {
+        let options = Options { watch, ..Options::default() };
+        socam_identify::output_error(&Problem::new(&model, fitted, options)?)
     })?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;
     let identified = args.dir.join("identified.toml");
@@ -84,13 +83,14 @@ fn record(
     profile: &str,
     duration_s: f64,
     seed: u64,
-    hide: Vec<Concealed>,
+    hide: Vec<String>,
 ) -> anyhow::Result<Outcome> {
-    let course = CourseArgs { profile: Some(profile.into()), duration: Some(duration_s), rate: 1000.0 };
-    let set = TRUTH.map(|(name, value)| Override { name: name.into(), value });
+    let record =
+        Record { profile: Some(profile.into()), duration_s: Some(duration_s), ..options::defaults()? };
+    let values = TRUTH.map(|(name, value)| format!("{name}={value}"));
     let bench =
-        BenchArgs { model: MODEL.into(), set: set.to_vec(), hide, seed, no_noise: false, begin_at: None };
-    let report = simulate::simulate_into(&course, &bench, path)?;
+        VirtualBench { model: MODEL.into(), values: values.to_vec(), hide, seed, ..options::defaults()? };
+    let report = simulate::simulate_into(&record, &bench, path)?;
     super::record::outcome(path, &report)?;
     let (written, seconds) = (report.summary.written, report.duration_s);
     output::print(&format!("  {}: {written} samples over {seconds:.1} s\n", path.display()))?;

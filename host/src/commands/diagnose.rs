@@ -1,19 +1,17 @@
 //! `diagnose`: missing physics of a model, with validation on held-out recordings.
 
-mod steady;
 mod text;
 
 use std::io::Write;
-use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::path::{Path, PathBuf};
 
-use socam_diagnose::{Answer, HeldOut};
-use socam_recording::{Dataset, OutputFile, RecordingError, Selection};
+use socam_diagnose::Answer;
+use socam_job::{Diagnose, Grid, HeldOutRecording, JobError, Settings};
+use socam_recording::{OutputFile, Steady};
 
-use super::{Outcome, identify::Start};
+use super::Outcome;
 use crate::interrupt::Interrupt;
-use crate::output::{self, WrongArguments};
-use crate::{model_file, provenance, watch};
+use crate::{output, provenance, watch};
 pub(crate) use text::text;
 
 /// Find the physics that a model lacks, where it acts, and whether adding it improves predictions
@@ -33,32 +31,8 @@ pub(crate) struct Args {
     /// Held-out recordings for validation, used in no fit and in no choice; may be repeated
     #[arg(long, value_name = "RUN")]
     holdout: Vec<String>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
-    model: String,
-    /// Fix a parameter at its value in the model or at the given value (SI); may be repeated
-    #[arg(long, value_name = "NAME[=VALUE]")]
-    fix: Vec<String>,
-    /// False alarm rate, 0 to 1: share of complete models for which something may be found
-    #[arg(long, value_name = "P", default_value_t = 0.01)]
-    false_alarm_rate: f64,
-    /// For steady states: relative standard deviation of repeated readings at one operating point [default: 0.002]
-    #[arg(long, value_name = "SHARE")]
-    repeatability: Option<f64>,
-    /// Start state of each recording
-    #[arg(long, value_enum, default_value = "free")]
-    start: Start,
-    /// Materiality, a fraction of a channel's standard deviation: findings that change every prediction by less are listed but do not count
-    /// as missing physics
-    #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
-    tolerance: f64,
-    #[arg(long, value_name = "[INPUT=]KIND", help = model_file::BETWEEN_HELP)]
-    between: Vec<String>,
-    /// Greatest number of effects to add
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
-    most: u8,
-    /// Seed of the random start values
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    task: Diagnose,
     /// Write the corrected model to this file
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
@@ -88,57 +62,34 @@ pub(super) fn of_one(recording: &str, model: &str) -> anyhow::Result<Outcome> {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let mut model = model_file::load(&args.model)?;
-    model_file::set(&mut model, &args.fix, true)?;
-    model_file::set_between(&mut model, &args.between)?;
-    if !(args.false_alarm_rate > 0.0 && args.false_alarm_rate < 1.0) {
-        let message =
-            format!("--false-alarm-rate {}: expected a number between 0 and 1", args.false_alarm_rate);
-        return Err(WrongArguments(message).into());
-    }
-    apart(&args)?;
-    if steady::are_named(&args)? {
-        return steady::run(&args, &model);
-    }
+    args.task.validate()?;
+    let model = args.task.model.load()?;
+    let tables = args.task.are_tables(&args.runs, &args.holdout)?;
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
-    // Outputs that are missing at most grid points would have no spectra.
-    let training: anyhow::Result<Vec<Dataset>> =
-        args.runs.iter().map(|run| output::open_for(run, &model, 1)).collect();
-    let training = training?;
-    check_held_out(&args)?;
-    let opened = Mutex::new(Vec::new());
-    let open = |run: &str| {
-        let data = output::open_silently(run, &model, 1)?;
-        opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
-        anyhow::Ok(data)
+    let (done, training) = if tables {
+        let tables = args.runs.iter().map(table).collect::<Result<Vec<_>, _>>()?;
+        (args.task.run_steady(model, &tables)?, Vec::new())
+    } else {
+        let training = output::open_all(Grid::Diagnosis(&model), &args.runs)?;
+        let held_out = args.holdout.iter().cloned().map(HeldOutRecording::File).collect();
+        let done = watch::fit(&interrupt, args.progress, |progress| {
+            args.task.run(model, &training, held_out, progress)
+        })?;
+        done.held_out.iter().for_each(|data| output::say_warnings(data.name(), data));
+        (done, training)
     };
-    let held_out = args.holdout.iter().fold(HeldOut::none(), |all, run| all.with(run, move || open(run)));
-    let mut fit = socam_identify::Options::default();
-    let answer = watch::fit(&interrupt, args.progress, &mut fit, |fit| {
-        let options = socam_diagnose::Options {
-            false_alarm_rate: args.false_alarm_rate,
-            most_effects: args.most.into(),
-            tolerance: args.tolerance,
-            seed: args.seed,
-            start_state: args.start.state(),
-            watch: fit.watch.clone(),
-            ..socam_diagnose::Options::default()
-        };
-        socam_diagnose::diagnose(&model, &training, held_out, &options)
-    })?;
-    let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
-    held_out.iter().for_each(|data| output::say_warnings(data.name(), data));
+    let Answer { diagnosis, evidence, model_toml } = &done.answer;
     if let Some(mut target) = target {
-        target.write_all(answer.model_toml.as_bytes())?;
+        target.write_all(model_toml.as_bytes())?;
         target.commit()?;
         interrupt.unfinished(None);
     }
-    let Answer { diagnosis, evidence, model_toml } = &answer;
     if let Some(dir) = &args.report {
-        let made = provenance::of(&args.model, &model, args.runs.iter().chain(&args.holdout))?;
-        socam_report::diagnosis::write(dir, diagnosis, evidence, (&model, Some(model_toml)), &made)?;
+        let (name, model) = (&args.task.model.model, &done.model);
+        let made = provenance::of(name, model, args.runs.iter().chain(&args.holdout))?;
+        socam_report::diagnosis::write(dir, diagnosis, evidence, (model, Some(model_toml)), &made)?;
     }
     if args.json {
         output::print_json(diagnosis)?;
@@ -146,37 +97,11 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::on(training.iter().chain(&held_out)))
+    Ok(Outcome::on(training.iter().chain(&done.held_out)))
 }
 
-/// Refuses held-out recordings that cannot be opened, as far as their first bytes tell, and copies of fitted files. Reads no sample: that is
-/// left to the diagnosis, after its last choice.
-fn check_held_out(args: &Args) -> anyhow::Result<()> {
-    let selections = |runs: &[String]| {
-        runs.iter().map(|run| Selection::parse(run)).collect::<Result<Vec<_>, RecordingError>>()
-    };
-    let held_out = selections(&args.holdout)?;
-    held_out.iter().try_for_each(socam_import::probe)?;
-    Ok(socam_diagnose::refuse_copies(&selections(&args.runs)?, &held_out)?)
-}
-
-/// Refuses samples that are named twice, also by different paths.
-fn apart(args: &Args) -> anyhow::Result<()> {
-    let mut known: Vec<(&String, Selection)> = Vec::new();
-    for run in args.runs.iter().chain(&args.holdout) {
-        let mut own = Selection::parse(run)?;
-        own.path = own.path.canonicalize().unwrap_or(own.path);
-        let overlaps = |other: &Selection| own.path == other.path && own.span.overlaps(&other.span);
-        if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
-            let what = if *before == run {
-                format!("`{run}` is named twice")
-            } else {
-                format!("`{before}` and `{run}` have samples in common, which are named twice")
-            };
-            let message = format!("{what}; what is held out must not be fitted, and nothing counts double");
-            return Err(WrongArguments(message).into());
-        }
-        known.push((run, own));
-    }
-    Ok(())
+fn table(run: &String) -> Result<Steady, JobError> {
+    let table = Steady::open(Path::new(run))?;
+    table.warnings.iter().for_each(|warning| output::warn(format_args!("`{run}`: {warning}")));
+    Ok(table)
 }

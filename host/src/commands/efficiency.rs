@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 
 use super::Outcome;
 use crate::output;
-use crate::{calibrated, model_file, table};
+use crate::{calibrated, table};
 
 /// Measure a reducer's efficiency and its losses from recordings, with uncertainty
 ///
@@ -27,7 +27,7 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
+    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = socam_job::MODEL_HELP)]
     model: String,
     /// Calibration file with the sensors' uncertainty [default: that in the recordings]
     #[arg(long, value_name = "FILE")]
@@ -71,13 +71,13 @@ struct Difference {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let target = args.map.as_deref().map(output::create).transpose()?;
-    let model = model_file::load(&args.model)?;
+    let model = socam_job::load_model(&args.model)?;
     let [runs, against] = [open_all(&args.runs)?, open_all(&args.against)?];
     let first = measure(&model, &runs, &args.runs, &args)?;
     let second = if args.against.is_empty() {
         None
     } else {
-        let other = model_file::load(args.against_model.as_ref().unwrap_or(&args.model))?;
+        let other = socam_job::load_model(args.against_model.as_ref().unwrap_or(&args.model))?;
         Some(measure(&other, &against, &args.against, &args)?)
     };
     let names = if second.is_some() { ["First", "Second"] } else { [first.model.as_str(), ""] };

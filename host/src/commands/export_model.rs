@@ -9,7 +9,6 @@ use socam_export::{Provenance, Target};
 use socam_model::Model;
 
 use super::Outcome;
-use crate::model_file;
 use crate::output::{self, WrongArguments};
 
 /// Hand a model back to a simulator: MuJoCo, URDF, SDF, Modelica, Simscape, MATLAB, Python or an FMI 3.0 unit
@@ -23,7 +22,7 @@ use crate::output::{self, WrongArguments};
   socam-host export-model corrected.toml --to fmi3                  writes corrected.fmu
   socam-host export-model two-mass --to modelica -o -")]
 pub(crate) struct Args {
-    #[arg(value_name = "MODEL", help = model_file::HELP)]
+    #[arg(value_name = "MODEL", help = socam_job::MODEL_HELP)]
     model: String,
     /// Simulator
     #[arg(long, value_enum)]
@@ -66,7 +65,7 @@ impl To {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let model = model_file::load(&args.model)?;
+    let model = socam_job::load_model(&args.model)?;
     let Some(target) = args.to.text() else { return unit(&args, &model) };
     let path = args.output.unwrap_or_else(|| beside(&args.model, target));
     let to_stdout = path.as_os_str() == "-";

@@ -7,7 +7,7 @@ use anyhow::Context;
 use socam_model::{Channel, ChannelTransform, Model, Parameter, Role};
 
 use super::Outcome;
-use crate::{model_file, output, table};
+use crate::{output, table};
 
 /// Look at a model: its drawing, parameters and channels
 #[derive(Debug, clap::Args)]
@@ -27,7 +27,7 @@ enum Action {
 
 #[derive(Debug, clap::Args)]
 struct Show {
-    #[arg(value_name = "MODEL", help = model_file::HELP)]
+    #[arg(value_name = "MODEL", help = socam_job::MODEL_HELP)]
     model: String,
     /// Also write the drawing as a picture
     #[arg(short, long, value_name = "FILE.svg")]
@@ -47,7 +47,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return Err(output::WrongArguments(problem).into());
     }
     let target = show.output.as_deref().map(|path| output::create_new(path, show.force)).transpose()?;
-    let model = model_file::load(&show.model)?;
+    let model = socam_job::load_model(&show.model)?;
     output::print(&text(&model, show.width))?;
     for warning in model.warnings() {
         output::warn(warning);

@@ -56,7 +56,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let to_stdout = args.output.as_os_str() == "-";
     // The file is created first, so that an error is reported before any question.
     let target = (!to_stdout).then(|| output::create_new(&args.output, args.force)).transpose()?;
-    let data = args.run.as_deref().map(output::open_regular).transpose()?;
+    let data = args.run.as_deref().map(|run| output::open_on(socam_job::Grid::View, run)).transpose()?;
     let (chain, drives, measures) = answers(&args, data.as_ref())?;
     let name = args.name.clone().unwrap_or_else(|| stem(&args.output));
     let description = Description { name: &name, chain: &chain, drives: &drives, measures: &measures };

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use socam_job::{Record, VirtualBench};
 use socam_model::Model;
 use socam_recording::{Attachment, Calibration, MACHINE_KEY, ProfileFile};
 use socam_watch::{Baseline, Watch};
@@ -14,17 +15,11 @@ use super::Outcome;
 use crate::alarms::WatchArgs;
 use crate::device::run::{self, End, Plan, Report};
 use crate::device::token::TokenArgs;
-use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
-use crate::duration::seconds;
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
-use crate::model_file;
 use crate::output::{self, WrongArguments};
 pub(crate) use result::{outcome, tell};
-
-/// Longest run, s: the board's counter of ticks wraps after 59 h at the highest rate.
-const LONGEST_RUN_S: f64 = 24.0 * 3600.0;
 
 /// Run a profile on the bench and record it
 ///
@@ -47,7 +42,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Device>,
     #[command(flatten)]
-    course: CourseArgs,
+    record: Record,
     /// Calibration file of the bench (`template calibration` prints one) [default: that of the default bench]
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
@@ -74,24 +69,10 @@ pub(crate) struct Args {
     #[command(flatten)]
     watch: WatchArgs,
     #[command(flatten)]
-    bench: BenchArgs,
+    bench: VirtualBench,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
-}
-
-/// Profile, duration and sampling rate
-#[derive(Debug, Clone, clap::Args)]
-pub(crate) struct CourseArgs {
-    /// Profile: a file (`template profile` prints one) or a built-in one (`record --list-profiles`)
-    #[arg(long, value_name = "FILE|NAME")]
-    pub(crate) profile: Option<String>,
-    /// Time until the command is back at 0, as in 10s, 1.5min or 500ms [default: the profile's duration]
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
-    pub(crate) duration: Option<f64>,
-    /// Sampling rate, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_hyphen_values = true)]
-    pub(crate) rate: f64,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
@@ -111,18 +92,20 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         ))
         .into());
     }
-    let mut plan = plan(&args.course, path.clone())?;
+    let mut plan = plan(&args.record, path.clone())?;
     plan.replace = args.force;
     plan.start_unix_ns = now_unix_ns();
-    let setup = (*device == Device::Sim).then(|| args.bench.setup(calibration.clone())).transpose()?;
+    let setup = (*device == Device::Sim)
+        .then(|| args.bench.setup(&args.bench.load()?, calibration.clone()))
+        .transpose()?;
     plan.metadata.insert("device".into(), device.to_string());
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     plan.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
-    plan.attachments.extend(attachment("model.toml", model_file::text(&args.bench.model)?));
+    plan.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
     // Learning the baseline takes seconds, in which a board would fall silent.
     let watched = watched(&args)?;
     let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
-    let rate_hz = args.course.rate;
+    let rate_hz = args.record.rate_hz;
     let interrupt = Interrupt::listen();
     // Stopped, stopped at once; then the board's watchdog stops the bench of a process that has ended.
     interrupt.answer(2);
@@ -132,13 +115,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
     let watch = watched.map(|(model, baseline)| {
         let channels = run::Columns::of(&plan.calibration).channels;
-        let watch = Watch::new(&model, &channels, baseline, args.watch.settings())?;
+        let watch = Watch::new(&model, &channels, baseline, args.watch.watching.settings())?;
         LiveWatch::start(watch, channels.len(), session.is_patient())
     });
     let watch = watch.transpose()?;
     let report = run::record_watched(&mut session, plan, &interrupt, watch)?;
     tell(path, &report, rate_hz, args.json)?;
-    tell_early_end(&args.course, &report);
+    tell_early_end(&args.record, &report);
     outcome(path, &report)
 }
 
@@ -154,7 +137,7 @@ fn watched(args: &Args) -> anyhow::Result<Option<(Model, Option<Baseline>)>> {
         }
         return Ok(None);
     };
-    let model = model_file::load(name)?;
+    let model = socam_job::load_model(name)?;
     let baseline = args.watch.baseline(&model)?;
     Ok(Some((model, baseline)))
 }
@@ -177,10 +160,10 @@ fn calibrate(
 }
 
 /// Warns if a profile ended before the requested duration.
-fn tell_early_end(course: &CourseArgs, report: &Report) {
-    let (Some(asked_s), End::Finished) = (course.duration, &report.end) else { return };
+fn tell_early_end(record: &Record, report: &Report) {
+    let (Some(asked_s), End::Finished) = (record.duration_s, &report.end) else { return };
     if report.duration_s < 0.95 * asked_s {
-        let profile = course.profile.as_deref().unwrap_or_default();
+        let profile = record.profile.as_deref().unwrap_or_default();
         output::warn(format_args!(
             "the profile `{profile}` came to its own end after {:.1} s, before --duration {asked_s} s",
             report.duration_s
@@ -189,34 +172,17 @@ fn tell_early_end(course: &CourseArgs, report: &Report) {
 }
 
 /// The profile for a board, with its text; everything else is filled in by the caller.
-pub(crate) fn plan(course: &CourseArgs, path: PathBuf) -> anyhow::Result<Plan> {
-    let Some(name) = &course.profile else {
-        return Err(WrongArguments(
-            "--profile is missing; `record --list-profiles` names the built-in ones".into(),
-        )
-        .into());
-    };
-    let period_us = period_us(course.rate)?;
-    let mut file = ProfileFile::open(name)?;
-    if let Some(duration_s) = course.duration {
-        let lasting = file.lasting(duration_s);
-        file = lasting.map_err(|error| WrongArguments(format!("--duration, profile `{name}`: {error}")))?;
-    }
-    if file.duration_s > LONGEST_RUN_S {
-        return Err(WrongArguments(format!(
-            "the profile `{name}` would last {:.1} h; a run lasts at most {} h: record longer jobs in several runs",
-            file.duration_s / 3600.0,
-            LONGEST_RUN_S / 3600.0
-        ))
-        .into());
-    }
+pub(crate) fn plan(record: &Record, path: PathBuf) -> anyhow::Result<Plan> {
+    let period_us = record.period_us()?;
+    let file = record.load()?;
+    let name = record.profile.clone().unwrap_or_default();
     Ok(Plan {
         profile: file.profile(period_us)?,
         calibration: Calibration::default(),
         period_us,
         path,
         replace: true,
-        metadata: [("profile".to_owned(), name.clone())].into(),
+        metadata: [("profile".to_owned(), name)].into(),
         attachments: attachment("profile.toml", file.to_toml()).to_vec(),
         start_unix_ns: 0,
     })
@@ -224,22 +190,6 @@ pub(crate) fn plan(course: &CourseArgs, path: PathBuf) -> anyhow::Result<Plan> {
 
 pub(crate) fn attachment(name: &str, text: impl Into<String>) -> [Attachment; 1] {
     [Attachment { name: name.into(), media_type: "application/toml".into(), data: text.into().into_bytes() }]
-}
-
-fn period_us(rate_hz: f64) -> anyhow::Result<u32> {
-    let period_us = 1e6 / rate_hz;
-    if !(50.0..=1e6).contains(&period_us) {
-        return Err(
-            WrongArguments(format!("--rate is {rate_hz:?} Hz; a board samples at 1 to 20000 Hz")).into()
-        );
-    }
-    if (period_us - period_us.round()).abs() > 1e-9 * period_us {
-        return Err(WrongArguments(format!(
-            "--rate is {rate_hz} Hz; a board samples every whole number of microseconds, as in 1000, 2000, 5000 or 10000 Hz"
-        ))
-        .into());
-    }
-    Ok(period_us.round() as u32)
 }
 
 /// Checks the output path before anything moves.
@@ -270,6 +220,3 @@ fn profiles() -> anyhow::Result<String> {
     }
     Ok(text)
 }
-
-#[cfg(test)]
-mod tests;

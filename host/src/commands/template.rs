@@ -4,8 +4,8 @@ use clap::ValueEnum;
 use socam_recording::{Calibration, ProfileFile};
 
 use super::Outcome;
+use crate::output;
 use crate::output::WrongArguments;
-use crate::{model_file, output};
 
 /// Print a model, a calibration or a profile as a template for your own file
 #[derive(Debug, clap::Args)]
@@ -31,7 +31,7 @@ enum Kind {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let text = match (args.kind, args.name.as_deref()) {
-        (Kind::Model, name) => model_file::text(name.unwrap_or("speed-o-cam"))?,
+        (Kind::Model, name) => socam_job::model_text(name.unwrap_or("speed-o-cam"))?,
         (Kind::Calibration, None) => Calibration::default_text().to_owned(),
         (Kind::Calibration, Some(name)) => {
             let problem = format!("`{name}`: there is one calibration to start from, and it needs no name");

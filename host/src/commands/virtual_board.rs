@@ -7,13 +7,13 @@ use std::net::{TcpListener, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use socam_job::VirtualBench;
 use socam_recording::Calibration;
 use socam_sim::{SimError, VirtualBoard};
 
 use super::Outcome;
 use crate::device::Pace;
 use crate::device::token::TokenArgs;
-use crate::device::virtual_bench::BenchArgs;
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use door::Door;
@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     token: TokenArgs,
     #[command(flatten)]
-    bench: BenchArgs,
+    bench: VirtualBench,
 }
 
 /// Board time per turn.
@@ -64,7 +64,7 @@ const TAKES_WITHIN: Duration = Duration::from_secs(2);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
-    let setup = args.bench.setup(calibration)?;
+    let setup = args.bench.setup(&args.bench.load()?, calibration)?;
     let token = args.token.read()?;
     let listener = bind(&args.listen, token.is_some())?;
     let address = listener.local_addr()?;

@@ -1,11 +1,12 @@
 //! `watch`: a recorded bench beside its model, with alarms.
 
+use socam_job::{Grid, ModelSettings, Watch};
 use socam_recording::Dataset;
-use socam_watch::{Document, Event, Watch, Watched};
+use socam_watch::{Document, Event, Watched};
 
 use super::Outcome;
 use crate::alarms::{self, WatchArgs};
-use crate::{model_file, output};
+use crate::output;
 
 /// Watch recordings against a model, and raise an alarm where the bench departs from it
 ///
@@ -21,8 +22,8 @@ pub(crate) struct Args {
     /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
-    model: String,
+    #[command(flatten)]
+    model: ModelSettings,
     #[command(flatten)]
     watch: WatchArgs,
     /// Print one JSON document instead of text
@@ -31,17 +32,17 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let model = model_file::load(&args.model)?;
+    let model = args.model.load()?;
     let baseline = args.watch.baseline(&model)?;
+    let task = Watch { model: args.model, watching: args.watch.watching };
     let mut outcome = Outcome::Done;
     let mut recordings = Vec::new();
     for run in &args.runs {
-        let data = output::open_for(run, &model, socam_expectation::GRID_PARTS)?;
+        let data = output::open_on(Grid::Fit(&model), run)?;
         if Outcome::on([&data]) == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
-        let watch = Watch::new(&model, data.channels(), baseline.clone(), args.watch.settings())?;
-        let (watched, events) = Watched::of(watch, &data)?;
+        let (watched, events) = task.run(&model, baseline.clone(), &data)?;
         for event in &events {
             if let Event::Learned(summary) = event {
                 alarms::say_baseline(summary);

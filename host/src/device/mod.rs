@@ -8,7 +8,6 @@ pub(crate) mod run;
 pub(crate) mod session;
 mod stream;
 pub(crate) mod token;
-pub(crate) mod virtual_bench;
 
 use std::io::Write;
 use std::str::FromStr;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use socam_core::{Refusal, Request};
+use socam_job::VirtualBench;
 use socam_recording::{Attachment, Calibration};
 use socam_workbench::about::Happening;
 use socam_workbench::link::{self, Bench, Connector, News, Order};
@@ -16,16 +17,14 @@ use crate::commands::record::{attachment, now_unix_ns};
 use crate::device::run::{self, End, Plan};
 use crate::device::session::Heard;
 use crate::device::token::Token;
-use crate::device::virtual_bench::BenchArgs;
 use crate::device::{self, Device, Pace, Session, front_end};
-use crate::model_file;
 
 /// Interval of heartbeats; the watchdog of the board waits for 0.5 s.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
 /// Makes links to boards; the virtual board runs on `bench`.
 pub(super) fn connector(
-    bench: BenchArgs,
+    bench: VirtualBench,
     calibration: Option<Calibration>,
     token: Option<Token>,
 ) -> Connector {
@@ -49,7 +48,7 @@ pub(super) fn connector(
 /// Opens the requested link and serves it until it is closed.
 fn attend(
     own: &Bench,
-    bench: &BenchArgs,
+    bench: &VirtualBench,
     calibration: Option<Calibration>,
     token: Option<Token>,
 ) -> anyhow::Result<()> {
@@ -57,7 +56,8 @@ fn attend(
     let device: Device =
         device.parse().map_err(|expected| anyhow::anyhow!("`{device}` is no device: {expected}"))?;
     let device = device.with_token(token);
-    let setup = (device == Device::Sim).then(|| bench.setup(calibration.clone())).transpose()?;
+    let setup =
+        (device == Device::Sim).then(|| bench.setup(&bench.load()?, calibration.clone())).transpose()?;
     let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
     let mut session = device::open(&device, setup.map(|setup| (setup, Pace::RealTime)))?;
     let (text, default) = front_end::default_calibration(&session.identity().front_end)?;
@@ -72,7 +72,7 @@ fn attend(
         own,
         board,
         device: device.to_string(),
-        model: model_file::text(&bench.model)?,
+        model: socam_job::model_text(&bench.model)?,
         calibration,
         calibration_text: text,
         armed: None,

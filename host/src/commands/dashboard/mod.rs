@@ -14,12 +14,12 @@ use std::time::Duration;
 use anyhow::anyhow;
 use socam_chart::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
+use socam_job::VirtualBench;
 use socam_recording::Calibration;
 
 use self::rehearsal::Rehearsal;
 use super::Outcome;
 use crate::device::token::TokenArgs;
-use crate::device::virtual_bench::BenchArgs;
 use crate::output::{self, WrongArguments};
 
 /// Open the dashboard: the running bench, recordings, identification and diagnosis
@@ -89,7 +89,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     token: TokenArgs,
     #[command(flatten)]
-    bench: BenchArgs,
+    bench: VirtualBench,
 }
 
 /// Greatest time that a picture waits for its files.
@@ -163,7 +163,7 @@ fn layout(args: &Args) -> anyhow::Result<Layout> {
 /// A dashboard that begins to open the files.
 fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> anyhow::Result<Dashboard> {
     let mut dashboard = Dashboard::new(layout);
-    let model = crate::model_file::load(&args.bench.model)?;
+    let model = socam_job::load_model(&args.bench.model)?;
     dashboard.use_model(model);
     dashboard.simulate_by(simulated::simulated);
     dashboard.workspace.next_run.folder = args.record_into.clone();
@@ -178,7 +178,7 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
     dashboard.open(args.files.iter().chain(held_out).cloned());
     if let Some(model) = &args.watch {
-        dashboard.use_model(crate::model_file::load(model)?);
+        dashboard.use_model(socam_job::load_model(model)?);
         dashboard.watch();
     }
     if args.diagnose {

@@ -10,11 +10,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use socam_core::State;
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_job::VirtualBench;
 use socam_recording::Dataset;
 use socam_workbench::input_signal::Settings;
 
 use super::{bench, simulated};
-use crate::device::virtual_bench::BenchArgs;
 
 type Window = Harness<'static, Dashboard>;
 
@@ -26,14 +26,7 @@ fn window(device: &str, folder: &Path, rate_hz: f64) -> Window {
 fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let layout = Layout { view: View::Live, device: device.into(), ..Layout::default() };
     let mut dashboard = Dashboard::new(layout);
-    let bench = BenchArgs {
-        model: model.into(),
-        set: Vec::new(),
-        hide: Vec::new(),
-        seed: 1,
-        no_noise: false,
-        begin_at: None,
-    };
+    let bench = VirtualBench { model: model.into(), ..socam_job::options::defaults().unwrap() };
     dashboard.workspace.bench.connect_by(bench::connector(bench, None, None));
     dashboard.simulate_by(simulated::simulated);
     dashboard.workspace.next_run.folder = folder.into();
@@ -214,7 +207,7 @@ fn what_the_model_makes_of_a_recordings_inputs_lies_over_it_and_differs_by_its_n
 fn six_channels(folder: &Path) -> Window {
     let model = folder.join("six.toml");
     let sixth = "[channels.cam_speed]\nrole = \"output\"\nquantity = \"speed\"\nat = \"cam_shaft\"\n";
-    std::fs::write(&model, format!("{}{sixth}", crate::model_file::text("speed-o-cam").unwrap())).unwrap();
+    std::fs::write(&model, format!("{}{sixth}", socam_job::model_text("speed-o-cam").unwrap())).unwrap();
     connect(window_at(&model.display().to_string(), "sim", folder, 10_000.0))
 }
 

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use socam_design::{Design, Tried, Width};
+use socam_design::Tried;
+use socam_job::Designed;
 use socam_recording::{Course, ProfileFile};
 
 use crate::table;
@@ -32,19 +33,14 @@ fn course(profile: &ProfileFile) -> String {
     }
 }
 
-pub(super) fn text(
-    design: &Design,
-    rivals: Option<&[String; 2]>,
-    reference: Option<&[Width]>,
-    written: Option<&Path>,
-    profile: &str,
-) -> String {
+pub(super) fn text(done: &Designed, written: Option<&Path>) -> String {
+    let Designed { design, profile, tells_apart, reference } = done;
     let said = |tried: &Tried| match tried.distance {
         Some(distance) => format!("{} noise units apart", table::number(distance)),
         None => format!("widest interval +-{} %", table::number(100.0 * tried.score)),
     };
     let mut text = String::new();
-    if let Some([a, b]) = rivals {
+    if let Some([a, b]) = tells_apart {
         text.push_str(&format!("To tell {a} from {b}\n"));
     }
     text.push_str(&format!("Record a {}: {}\n", course(&design.best.profile), said(&design.best)));

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 use socam_fleet::{FleetOptions, Part, Source, Summary, Table, table};
+use socam_job::{FleetRow, Settings, rules::check_rate};
 use socam_model::Model;
 
 use super::Outcome;
 use crate::interrupt::Interrupt;
-use crate::model_file;
 use crate::output::{self, WrongArguments};
 use progress::Progress;
 
@@ -30,8 +30,8 @@ pub(crate) struct Args {
     /// Folder of recordings, or a list (CSV with the columns file, machine, date); with --merge the tables of shards
     #[arg(value_name = "DIR|LIST", required = true)]
     places: Vec<PathBuf>,
-    #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = model_file::HELP)]
-    model: String,
+    #[command(flatten)]
+    row: FleetRow,
     /// Table of the fleet to write (Parquet)
     #[arg(short, long, value_name = "FLEET.parquet")]
     output: PathBuf,
@@ -50,15 +50,6 @@ pub(crate) struct Args {
     /// False discovery rate of each list: faulty machines, trends, odd machines
     #[arg(long, value_name = "Q", default_value_t = 0.05)]
     fdr: f64,
-    /// p-value below which a recording gets the full diagnosis
-    #[arg(long, value_name = "P", default_value_t = 0.01)]
-    false_alarm_rate: f64,
-    /// Materiality, a fraction of a channel's standard deviation
-    #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
-    tolerance: f64,
-    /// Seed of the random start values
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
     /// Recordings at a time, each on one thread [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
@@ -76,11 +67,8 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    for (name, rate) in [("--fdr", args.fdr), ("--false-alarm-rate", args.false_alarm_rate)] {
-        if !(rate > 0.0 && rate < 1.0) {
-            return Err(WrongArguments(format!("{name} {rate}: expected a number between 0 and 1")).into());
-        }
-    }
+    check_rate("fdr", "--fdr", args.fdr)?;
+    args.row.validate()?;
     if args.merge {
         table::merge(&args.places, &args.output)?;
     } else if !diagnose(&args)? {
@@ -109,12 +97,8 @@ struct Document<'s> {
 
 /// Makes the table; `false` where it was stopped.
 fn diagnose(args: &Args) -> anyhow::Result<bool> {
-    let model = model_file::load(&args.model)?;
-    let mut options = FleetOptions {
-        false_alarm_rate: args.false_alarm_rate,
-        tolerance: args.tolerance,
-        ..FleetOptions::default()
-    };
+    let model = socam_job::load_model(&args.row.model)?;
+    let mut options = FleetOptions::from(&args.row);
     options.frozen = reference(args, (&model, &options))?;
     let sources = all(&args.places, &args.output)?;
     let (number, of) = args.shard.unwrap_or((1, 1));
@@ -129,7 +113,7 @@ fn diagnose(args: &Args) -> anyhow::Result<bool> {
     let progress = Progress::new(sources.len(), interrupt.clone());
     // What a panic says is in its row.
     std::panic::set_hook(Box::new(|_| {}));
-    let done = socam_fleet::run(&sources, (&model, &options, args.seed), workers, &mut part, &progress);
+    let done = socam_fleet::run(&sources, (&model, &options, args.row.seed), workers, &mut part, &progress);
     let _ = std::panic::take_hook();
     progress.finish();
     interrupt.end_after(0);
@@ -137,7 +121,7 @@ fn diagnose(args: &Args) -> anyhow::Result<bool> {
     let wanted: std::collections::BTreeSet<(&str, &str)> =
         sources.iter().map(|source| source.name.as_str()).zip(ids.iter().map(String::as_str)).collect();
     let is_wanted = |recording: &str, id: &str| wanted.contains(&(recording, id));
-    let about = table::About::new(&model, &options, args.seed);
+    let about = table::About::new(&model, &options, args.row.seed);
     table::write(&args.output, &about, part.rows(&is_wanted))?;
     drop(part);
     std::fs::remove_file(&part_path).with_context(|| format!("cannot remove `{}`", part_path.display()))?;
@@ -195,7 +179,7 @@ fn reference(
         let is_list = place.is_dir() || !is_recording;
         sources.extend(if is_list { socam_fleet::sources(place, &[])? } else { vec![Source::path(place)] });
     }
-    let found = socam_fleet::reference(&sources, (model, options, args.seed))?;
+    let found = socam_fleet::reference(&sources, (model, options, args.row.seed))?;
     match &found {
         None => output::warn(
             "no --reference: the noise is taken from each recording itself, so that a sensor that became noisier is not seen",

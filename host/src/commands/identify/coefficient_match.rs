@@ -13,7 +13,7 @@ use socam_frequency::{
 use socam_model::Model;
 use socam_report::response::{self, Section};
 
-use super::args::Args;
+use super::Args;
 use crate::{commands::Outcome, output, table};
 use source::{Data, ORDERS, data, thesis_bench};
 
@@ -69,7 +69,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let answer =
         Answer { source, bench, points, transfer, economised_bound, names, matched: matched.into(), direct };
     let document = answer.json(model);
-    if let Some(dir) = &args.frequency.report {
+    if let Some(dir) = &args.report {
         output::write_folder(dir, &answer.files(model, &document)?)?;
     }
     if args.json {

@@ -10,12 +10,13 @@ use socam_frequency::{
     rational::{self, Fit, Orders, Point},
     response::{self, Line},
 };
+use socam_job::Grid;
 use socam_model::{Model, Quantity};
 use socam_report::response::{self as report, Section};
 use socam_response::Beside;
 
 use super::{
-    args::Args,
+    Args,
     files::{SCHEMA, response_file},
     frf,
 };
@@ -79,19 +80,19 @@ impl Measured {
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let measured = measured(args, model)?;
-    let stable = args.frequency.stable;
-    let mut fits = match args.frequency.orders {
+    let stable = args.task.stable;
+    let mut fits = match args.task.orders {
         Some(_) => Vec::new(),
         None => rational::advise(&measured.points, HIGHEST, stable),
     };
     if fits.is_empty() {
         // The error of the lowest order says why none fits.
-        let orders = args.frequency.orders.unwrap_or(Orders { numerator: 0, denominator: 1 });
+        let orders = args.task.orders.unwrap_or(Orders { numerator: 0, denominator: 1 });
         fits.push(rational::fit(&measured.points, orders, stable)?);
     }
     let fit = fits.first().context("no transfer function of order 1 to 6 fits these data")?;
     let document = json(args, model, &measured, fit, &fits);
-    if let Some(dir) = &args.frequency.report {
+    if let Some(dir) = &args.report {
         output::write_folder(dir, &files(args, model, &measured, fit, &fits, &document)?)?;
     }
     if args.json {
@@ -104,7 +105,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
 
 /// Lines to fit to, of recordings or of a response that `--method frf` wrote.
 pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
-    let output = match &args.frequency.output[..] {
+    let output = match &args.task.signals.outputs[..] {
         [] => {
             let speed = model.outputs().find(|channel| channel.quantity == Quantity::Speed);
             speed.or_else(|| model.outputs().next()).map(|channel| channel.name.clone())
@@ -118,8 +119,7 @@ pub(super) fn measured(args: &Args, model: &Model) -> anyhow::Result<Measured> {
     {
         return Ok(Measured::new(output, model, &lines, Outcome::Done));
     }
-    let each = args.runs.iter().map(|run| output::open_regular(run));
-    let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
+    let datasets = output::open_all(Grid::View, &args.runs)?;
     let answers = frf::estimate(args, model, &datasets, std::slice::from_ref(&output))?;
     let lines: Vec<Line> = answers.into_iter().flat_map(|answer| answer.response.lines).collect();
     Ok(Measured::new(output, model, &lines, Outcome::on(&datasets)))

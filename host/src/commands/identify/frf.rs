@@ -4,27 +4,23 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 use socam_frequency::response::{Method, Response};
+use socam_job::Grid;
 use socam_model::Model;
 use socam_recording::Dataset;
 use socam_report::response::{self, Section};
-use socam_response::{Answer, ResponseError, answer::decibel, document};
+use socam_response::{Answer, answer::decibel, document};
 
-use super::args::Args;
-use crate::{
-    commands::Outcome,
-    output::{self, WrongArguments},
-    table,
-};
+use super::Args;
+use crate::{commands::Outcome, output, table};
 
 /// Number of lines in the table.
 const SHOWN: usize = 16;
 
 pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
-    let each = args.runs.iter().map(|run| output::open_regular(run));
-    let datasets = each.collect::<anyhow::Result<Vec<_>>>()?;
-    let answers = estimate(args, model, &datasets, &args.frequency.output)?;
+    let datasets = output::open_all(Grid::View, &args.runs)?;
+    let answers = estimate(args, model, &datasets, &args.task.signals.outputs)?;
     let document = document(&model.name, &args.runs, &answers);
-    if let Some(dir) = &args.frequency.report {
+    if let Some(dir) = &args.report {
         output::write_folder(dir, &files(args, model, &answers, &document)?)?;
     }
     if args.json {
@@ -42,14 +38,7 @@ pub(super) fn estimate<'m>(
     datasets: &[Dataset],
     wanted: &[String],
 ) -> anyhow::Result<Vec<Answer<'m>>> {
-    let band_hz = args.band.map(|band| [band.low_hz(), band.high_hz()]);
-    let settings = args.frequency.settings(band_hz);
-    let answers =
-        socam_response::estimate(model, datasets, wanted, &settings).map_err(|error| match error {
-            ResponseError::UnknownOutput { .. } => WrongArguments(format!("--{error}")).into(),
-            ResponseError::Recording(error) => anyhow::Error::from(error),
-            error => anyhow::Error::from(error),
-        })?;
+    let answers = args.task.signals.estimate(model, datasets, wanted, args.task.band)?;
     for answer in &answers {
         answer.warnings.iter().for_each(output::warn);
         answer.notes.iter().for_each(output::say);

@@ -1,8 +1,8 @@
 //! The result of `identify` as tables.
 
-use socam_identify::Document;
+use socam_identify::{BandFit, BandFits, Document};
 
-use crate::{band, table};
+use crate::table;
 
 /// The result as tables.
 pub(super) fn report(document: Document<'_>) -> String {
@@ -30,11 +30,25 @@ pub(super) fn report(document: Document<'_>) -> String {
     for held_out in validation {
         text.push_str(&table::fit(&format!("Not fitted: {} (free run)", held_out.recording), &held_out.fit));
         if let Some(fits) = &held_out.band {
-            text.push_str(&band::table(fits));
+            text.push_str(&within(fits));
         }
         if let Some(error) = held_out.force_error_percent {
             text.push_str(&format!("  inverse dynamics: force error {error:.3} % of its norm\n"));
         }
     }
     text
+}
+
+/// Fits within a band as a table.
+fn within(fits: &BandFits) -> String {
+    let ends = format!("  within {} to {} Hz", fits.band.low_hz(), fits.band.high_hz());
+    let head = vec![ends, "residual rms".into(), "fit".into()];
+    let row = |(name, fit): &(String, Option<BandFit>)| match fit {
+        Some(fit) => {
+            vec![format!("  {name}"), table::number(fit.rms), format!("{:.1} %", fit.fit_percent)]
+        }
+        None => vec![format!("  {name}"), "nothing there".into(), "-".into()],
+    };
+    let rows: Vec<_> = std::iter::once(head).chain(fits.channels.iter().map(row)).collect();
+    table::align(&rows, &[false, true, true])
 }

@@ -11,7 +11,7 @@ use socam_model::Model;
 
 use crate::commands::{
     Outcome,
-    identify::{args::Args, etf, files},
+    identify::{Args, etf, files},
 };
 use crate::output::WrongArguments;
 
@@ -66,8 +66,8 @@ pub(super) fn data(args: &Args, model: &Model) -> anyhow::Result<Data> {
         }
     }
     let measured = etf::measured(args, model)?;
-    let orders = args.frequency.orders.unwrap_or(ORDERS);
-    let fit = rational::fit(&measured.points, orders, args.frequency.stable)?;
+    let orders = args.task.orders.unwrap_or(ORDERS);
+    let fit = rational::fit(&measured.points, orders, args.task.stable)?;
     let source = args.runs.join(", ");
     Ok(Data { source, transfer: fit.transfer, points: measured.points, outcome: measured.outcome })
 }
@@ -84,6 +84,6 @@ fn thesis_etf() -> anyhow::Result<TransferFunction> {
 
 /// A transfer function's response as a measurement known to 1 %.
 fn points_of(transfer: &TransferFunction, args: &Args) -> Vec<Point> {
-    let [low, high] = args.band.map_or([0.5, 100.0], |band| [band.low_hz(), band.high_hz()]);
+    let [low, high] = args.task.band.map_or([0.5, 100.0], |band| [band.low_hz(), band.high_hz()]);
     transfer.measured([low, high], 120, 0.01)
 }

@@ -1,0 +1,178 @@
+//! Missing physics of a model, from recordings over time or from tables of steady states.
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+use socam_diagnose::{Answer, Diagnosis, Evidence, HeldOut, SteadyOptions};
+use socam_identify::ProgressMonitor;
+use socam_model::Model;
+use socam_recording::{Dataset, Format, Steady, detect};
+
+use crate::error::{JobError, Result};
+use crate::grid::Grid;
+use crate::inputs::{refuse_shared, selections};
+use crate::model::ModelSettings;
+use crate::notation;
+use crate::options::Settings;
+use crate::rules::{Start, check_false_alarm_rate};
+
+/// Settings of a diagnosis
+#[derive(Debug, Clone, PartialEq, clap::Args, Serialize, Deserialize)]
+pub struct Diagnose {
+    /// The model.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub model: ModelSettings,
+    /// False alarm rate, 0 to 1: share of complete models for which something may be found
+    #[arg(long, value_name = "P", default_value_t = 0.01)]
+    pub false_alarm_rate: f64,
+    /// For steady states: relative standard deviation of repeated readings at one operating point [default: 0.002]
+    #[arg(long, value_name = "SHARE")]
+    pub repeatability: Option<f64>,
+    /// Start state of each recording
+    #[arg(long, value_enum, default_value = "free")]
+    #[serde(with = "notation::choice")]
+    pub start: Start,
+    /// Materiality, a fraction of a channel's standard deviation: findings that change every prediction by less are listed but do not count
+    /// as missing physics
+    #[arg(long, value_name = "SHARE", default_value_t = 0.001)]
+    pub tolerance: f64,
+    /// Greatest number of effects to add
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
+    pub most: u8,
+    /// Seed of the random start values
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl Settings for Diagnose {
+    const COMMAND: &'static [&'static str] = &["diagnose"];
+
+    fn validate(&self) -> Result<()> {
+        check_false_alarm_rate(self.false_alarm_rate)?;
+        match self.repeatability {
+            Some(share) if !(share > 0.0 && share < 0.5) => {
+                let problem = format!(" {share}: expected a share between 0 and 0.5");
+                Err(JobError::value("repeatability", "--repeatability", problem))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The result of a diagnosis.
+#[derive(Debug)]
+pub struct Diagnosed {
+    /// The document, the data of its plots, and the corrected model's text.
+    pub answer: Answer,
+    /// The model that was diagnosed.
+    pub model: Model,
+    /// Held-out recordings, which were opened after the last choice.
+    pub held_out: Vec<Dataset>,
+}
+
+/// A recording that is held out: it is put on a grid, and a file is read, after the last choice.
+#[derive(Debug, Clone)]
+pub enum HeldOutRecording {
+    /// A file, or a part of one: `RUN@FROM..TO` in seconds.
+    File(String),
+    /// A recording that its caller has opened already.
+    Open(Dataset),
+}
+
+impl Diagnosed {
+    /// The document `socam.diagnosis/1`.
+    #[must_use]
+    pub fn document(&self) -> &Diagnosis {
+        &self.answer.diagnosis
+    }
+}
+
+impl Diagnose {
+    /// Whether the files are tables of steady states. Of held-out recordings no sample is read.
+    ///
+    /// # Errors
+    /// When samples are named twice, tables and recordings are mixed, an option is of the other kind, or a held-out recording cannot be opened,
+    /// as far as its first bytes tell, or is a copy of a fitted one.
+    pub fn are_tables(&self, runs: &[String], holdout: &[String]) -> Result<bool> {
+        let all = || runs.iter().chain(holdout);
+        refuse_shared(all(), "what is held out must not be fitted, and nothing counts double")?;
+        let tables = all().filter(|run| matches!(detect(Path::new(run)), Ok(Format::SteadyStates))).count();
+        let refused = |message: &str| Err(JobError::Inputs(message.into()));
+        if tables == 0 && self.repeatability.is_some() {
+            return refused(
+                "--repeatability is for tables of steady states; noise of recordings over time is found from them",
+            );
+        }
+        if tables > 0 && tables < all().count() {
+            return refused(
+                "tables of steady states and recordings over time are diagnosed apart: run it twice",
+            );
+        }
+        if tables > 0 && !holdout.is_empty() {
+            return refused(
+                "--holdout is for recordings over time; of steady states each point is left out in turn",
+            );
+        }
+        if tables == 0 {
+            let held_out = selections(holdout)?;
+            held_out.iter().try_for_each(socam_import::probe)?;
+            socam_diagnose::refuse_copies(&selections(runs)?, &held_out)?;
+        }
+        Ok(tables > 0)
+    }
+
+    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Those that are held out are put on it when they are
+    /// opened.
+    ///
+    /// # Errors
+    /// When recordings and model do not go together, or the caller cancels.
+    pub fn run(
+        &self,
+        model: Model,
+        training: &[Dataset],
+        held_out: Vec<HeldOutRecording>,
+        progress: ProgressMonitor,
+    ) -> Result<Diagnosed> {
+        let opened = Mutex::new(Vec::new());
+        let keep = |data: Dataset| {
+            opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
+            data
+        };
+        let grid = Grid::Diagnosis(&model);
+        let held_out = held_out.into_iter().fold(HeldOut::none(), |all, recording| match recording {
+            HeldOutRecording::File(run) => all.with(run.clone(), move || grid.open(&run).map(keep)),
+            HeldOutRecording::Open(data) => all.with_dataset(data, move |data| grid.apply(data).map(keep)),
+        });
+        let answer = socam_diagnose::diagnose(&model, training, held_out, &self.options(progress))?;
+        let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(Diagnosed { answer, model, held_out })
+    }
+
+    /// Diagnoses a model by tables of steady states.
+    ///
+    /// # Errors
+    /// When tables and model do not go together.
+    pub fn run_steady(&self, model: Model, tables: &[Steady]) -> Result<Diagnosed> {
+        let repeatability = self.repeatability.unwrap_or(SteadyOptions::default().repeatability);
+        let options = SteadyOptions { false_alarm_rate: self.false_alarm_rate, repeatability };
+        let (diagnosis, model_toml) = socam_diagnose::diagnose_steady(&model, tables, options)?;
+        let answer = Answer { diagnosis, evidence: Evidence::default(), model_toml };
+        Ok(Diagnosed { answer, model, held_out: Vec::new() })
+    }
+
+    /// The settings as the library takes them.
+    #[must_use]
+    pub fn options(&self, progress: ProgressMonitor) -> socam_diagnose::Options {
+        socam_diagnose::Options {
+            false_alarm_rate: self.false_alarm_rate,
+            most_effects: self.most.into(),
+            tolerance: self.tolerance,
+            seed: self.seed,
+            start_state: self.start.state(),
+            watch: progress,
+            ..socam_diagnose::Options::default()
+        }
+    }
+}

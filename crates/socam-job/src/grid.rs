@@ -1,0 +1,53 @@
+//! Recordings as tasks take them: irregular samples are put on a regular grid.
+
+use socam_model::Model;
+use socam_recording::{Carry, Dataset, RecordingError};
+
+use crate::error::Result;
+
+/// Points of a fit's grid for each irregular sample, where inputs bend at their samples.
+const PARTS_OF_A_FIT: u32 = 4;
+
+/// What a recording is opened for.
+#[derive(Debug, Clone, Copy)]
+pub enum Grid<'m> {
+    /// To look at: all channels are interpolated.
+    View,
+    /// For a fit of this model. Inputs that bend at their samples (hold, linear) need points between them, so that the bends stand where they
+    /// were: four points a sample. Outputs count at their own samples only.
+    Fit(&'m Model),
+    /// For a diagnosis of this model: one point a sample. On a finer grid outputs would be missing at most points, and the diagnosis looks at
+    /// their spectra, which need all points.
+    Diagnosis(&'m Model),
+}
+
+impl Grid<'_> {
+    /// Opens a recording, or a part of one: `RUN@FROM..TO` in seconds.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is damaged, or does not say what its numbers are.
+    pub fn open(self, run: &str) -> Result<Dataset> {
+        Ok(self.apply(socam_import::open(run)?)?)
+    }
+
+    /// The recording on this grid; as it is, if its samples are regular.
+    ///
+    /// # Errors
+    /// When the recording cannot be read.
+    pub fn apply(self, data: Dataset) -> std::result::Result<Dataset, RecordingError> {
+        match self {
+            Self::View if data.steps()?.are_irregular() => data.on_regular_grid(1, |_| Carry::Smooth),
+            Self::View => Ok(data),
+            Self::Fit(model) => socam_expectation::on_regular_grid(data, model, PARTS_OF_A_FIT),
+            Self::Diagnosis(model) => socam_expectation::on_regular_grid(data, model, 1),
+        }
+    }
+
+    /// Several recordings on this grid.
+    ///
+    /// # Errors
+    /// When one cannot be read.
+    pub fn apply_all(self, all: impl IntoIterator<Item = Dataset>) -> Result<Vec<Dataset>> {
+        all.into_iter().map(|data| Ok(self.apply(data)?)).collect()
+    }
+}

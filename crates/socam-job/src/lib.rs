@@ -1,0 +1,45 @@
+//! Every task that a front end offers, once: its settings, how its recordings are opened, its run, its result.
+//!
+//! A task is a struct of settings: [`Check`], [`Identify`], [`Response`], [`Diagnose`], [`Compare`], [`Watch`], [`Simulate`], [`Design`],
+//! [`FleetRow`] and [`Record`]. The struct is the only description of the task's options: the command line flattens it, keywords become one
+//! by [`options::from_keywords`], a window draws a form of [`options::describe`], and [`options::command_line`] writes the command that does
+//! the same. A task runs on a model and on recordings in memory; [`Grid`] opens them and puts irregular samples on a regular grid. Results
+//! have `document()`, the JSON contract.
+//!
+//! A new option is a field of one struct here. Nothing here prints.
+
+mod check;
+mod compare;
+mod design;
+mod diagnose;
+mod error;
+mod fleet;
+mod grid;
+mod identify;
+pub mod inputs;
+mod model;
+pub mod notation;
+pub mod options;
+mod record;
+mod response;
+pub mod rules;
+mod simulate;
+mod tasks;
+mod watch;
+
+pub use check::Check;
+pub use compare::{Compare, Compared};
+pub use design::{Design, Designed, Rival};
+pub use diagnose::{Diagnose, Diagnosed, HeldOutRecording};
+pub use error::{JobError, Result};
+pub use fleet::FleetRow;
+pub use grid::Grid;
+pub use identify::{Calibrated, Identified, Identify, Method, NOT_OVER_FREQUENCY};
+pub use model::{MODEL_HELP, ModelSettings, load_model, model_text};
+pub use options::Settings;
+pub use record::Record;
+pub use response::{Response, Responses, Signals};
+pub use rules::Start;
+pub use simulate::{ReplayDocument, Replayed, Simulate, VirtualBench};
+pub use tasks::described;
+pub use watch::{Watch, Watching};
