@@ -15,7 +15,7 @@ _TASKS: dict[str, set[str]] = {
     "check": {"model"},
     "identify": {"model"},
     "response": {"model"},
-    "diagnose": {"model"},
+    "diagnose": {"model", "repeatability"},
     "compare": set(),
     "watch": {"model"},
     "simulate": {"model", "profile"},
@@ -47,7 +47,8 @@ def _annotation(option: dict[str, Any]) -> str:
 
 def _sentence(option: dict[str, Any]) -> str:
     default = option["default"]
-    known = "" if default in (None, [], False, True) or "[default" in option["help"] else f" [default: {default}]"
+    is_said = default is None or isinstance(default, list | bool) or "[default" in option["help"]
+    known = "" if is_said else f" [default: {default}]"
     return f"{option['help']}{known}."
 
 

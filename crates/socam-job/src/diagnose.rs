@@ -100,10 +100,8 @@ impl Diagnose {
         refuse_shared(all(), "what is held out must not be fitted, and nothing counts double")?;
         let tables = all().filter(|run| matches!(detect(Path::new(run)), Ok(Format::SteadyStates))).count();
         let refused = |message: &str| Err(JobError::Inputs(message.into()));
-        if tables == 0 && self.repeatability.is_some() {
-            return refused(
-                "--repeatability is for tables of steady states; noise of recordings over time is found from them",
-            );
+        if tables == 0 {
+            self.refuse_repeatability()?;
         }
         if tables > 0 && tables < all().count() {
             return refused(
@@ -123,6 +121,14 @@ impl Diagnose {
         Ok(tables > 0)
     }
 
+    fn refuse_repeatability(&self) -> Result<()> {
+        let problem = " is for tables of steady states; noise of recordings over time is found from them";
+        match self.repeatability {
+            Some(_) => Err(JobError::value("repeatability", "--repeatability", problem)),
+            None => Ok(()),
+        }
+    }
+
     /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Those that are held out are put on it when they are
     /// opened.
     ///
@@ -135,6 +141,7 @@ impl Diagnose {
         held_out: Vec<HeldOutRecording>,
         progress: ProgressMonitor,
     ) -> Result<Diagnosed> {
+        self.refuse_repeatability()?;
         let opened = Mutex::new(Vec::new());
         let keep = |data: Dataset| {
             opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
