@@ -33,7 +33,8 @@ fn files(folder: &Path, of: &[String], found: &mut BTreeMap<Module, String>) {
 fn paths(code: &str) -> Vec<Vec<&str>> {
     let is_path = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == ':';
     let mut found = Vec::new();
-    for (at, _) in code.match_indices("crate::").chain(code.match_indices("super::")) {
+    let starts = code.match_indices("crate::").chain(code.match_indices("super::"));
+    for (at, _) in starts.filter(|(at, _)| !code[..*at].ends_with("::")) {
         let rest = &code[at..];
         let path = &rest[..rest.find(|letter| !is_path(letter)).unwrap_or(rest.len())];
         let start: Vec<&str> = path.split("::").filter(|part| !part.is_empty()).collect();
