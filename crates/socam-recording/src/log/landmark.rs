@@ -43,7 +43,7 @@ fn is_landmark(bytes: &[u8], left: u64) -> bool {
     }
 }
 
-/// The first such record of a file of `length` bytes, from a byte on.
+/// Offset of the first landmark record at or after `from`, in a file of `length` bytes.
 pub(super) fn find(file: &mut (impl Read + Seek), from: u64, length: u64) -> io::Result<Option<u64>> {
     let mut window = Vec::new();
     let mut start = from;
